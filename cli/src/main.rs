@@ -1,0 +1,2 @@
+//! The `tribo` command.
+fn main() {}

@@ -1,0 +1,1 @@
+//! Cartesian impedance control of a redundant arm

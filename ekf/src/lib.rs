@@ -1,0 +1,1 @@
+//! Fixed-size extended Kalman filter and the augmented-state wrench estimator

@@ -1,0 +1,1 @@
+//! Trials, cost, strategies, campaigns

@@ -1,0 +1,13 @@
+//! Friction parameters from logs.
+
+mod basis;
+mod box_least_squares;
+mod gls;
+mod savitzky_golay;
+mod torque_fit;
+
+pub use basis::{Basis, STRIBECK_BASIS_INVERSE_VELOCITY_S_PER_RAD, STRIBECK_BASIS_SHAPE};
+pub use box_least_squares::{BoxLeastSquares, minimize_in_box};
+pub use gls::{GlsError, GlsFit, GlsSample, GlsSettings, fit_from_wrench};
+pub use savitzky_golay::SavitzkyGolay;
+pub use torque_fit::{JointTorqueFit, TorqueFitError, fit_joint_torque};

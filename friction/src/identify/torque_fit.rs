@@ -1,0 +1,97 @@
+//! Coulomb-viscous friction and offset of one joint from its torque residual.
+
+use nalgebra::{Matrix3, Vector3};
+
+use crate::law::smooth_sign;
+
+/// `residual = Fc tanh(qd/ε) + Fv qd + offset`, fitted by least squares.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct JointTorqueFit {
+    /// Coulomb friction [Nm].
+    pub coulomb_nm: f64,
+    /// Viscous friction [Nm s/rad].
+    pub viscous_nm_s_per_rad: f64,
+    /// Constant torque [Nm].
+    pub offset_nm: f64,
+    /// Condition number of the normal matrix with unit columns: large when, e.g., the joint moved in one direction only.
+    pub condition: f64,
+}
+
+/// Why a joint's friction could not be fitted.
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+pub enum TorqueFitError {
+    /// Fewer samples than needed.
+    #[error("friction of a joint needs at least {need} samples, got {got}")]
+    TooFewSamples {
+        /// Samples needed.
+        need: usize,
+        /// Samples given.
+        got: usize,
+    },
+    /// The joint hardly moved, or in one direction only: the columns cannot be told apart.
+    #[error("the joint's motion cannot separate Coulomb friction, viscous friction and offset (condition {condition:.1e})")]
+    NotSeparable {
+        /// Condition number of the scaled normal matrix.
+        condition: f64,
+    },
+}
+
+impl JointTorqueFit {
+    /// Torque [Nm] of the fit at qd [rad/s], sign smoothed over `smoothing_rad_s`.
+    pub fn torque(&self, qd: f64, smoothing_rad_s: f64) -> f64 {
+        self.coulomb_nm * smooth_sign(qd, smoothing_rad_s) + self.viscous_nm_s_per_rad * qd + self.offset_nm
+    }
+}
+
+/// Condition number beyond which the three columns count as indistinguishable.
+const MAX_CONDITION: f64 = 1e8;
+
+/// Least squares of `residual_nm` [Nm] on `[tanh(qd/ε), qd, 1]`; qd [rad/s], both of the same length.
+pub fn fit_joint_torque(
+    qd: &[f64],
+    residual_nm: &[f64],
+    smoothing_rad_s: f64,
+) -> Result<JointTorqueFit, TorqueFitError> {
+    let got = qd.len().min(residual_nm.len());
+    if got < 10 {
+        return Err(TorqueFitError::TooFewSamples { need: 10, got });
+    }
+    let (mut normal, mut score) = (Matrix3::<f64>::zeros(), Vector3::zeros());
+    for (&v, &r) in qd.iter().zip(residual_nm) {
+        let column = Vector3::new(smooth_sign(v, smoothing_rad_s), v, 1.0);
+        normal += column * column.transpose();
+        score += column * r;
+    }
+    let scale = Vector3::from_fn(|i, _| normal[(i, i)].sqrt());
+    if !scale.iter().all(|s| *s > 0.0 && s.is_finite()) {
+        return Err(TorqueFitError::NotSeparable { condition: f64::INFINITY });
+    }
+    let scaled = Matrix3::from_fn(|i, k| normal[(i, k)] / (scale[i] * scale[k]));
+    let eigenvalues = scaled.symmetric_eigenvalues();
+    let condition = eigenvalues.max() / eigenvalues.min().max(0.0);
+    let factor = scaled.cholesky().filter(|_| condition < MAX_CONDITION);
+    let Some(factor) = factor else {
+        return Err(TorqueFitError::NotSeparable { condition });
+    };
+    let x = factor.solve(&score.component_div(&scale)).component_div(&scale);
+    Ok(JointTorqueFit { coulomb_nm: x[0], viscous_nm_s_per_rad: x[1], offset_nm: x[2], condition })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn recovers_three_numbers_and_refuses_one_way_motion() {
+        let qd: Vec<f64> = (0..500).map(|k| 0.5 * (f64::from(k) * 0.05).sin()).collect();
+        let truth = JointTorqueFit { coulomb_nm: 0.4, viscous_nm_s_per_rad: 0.2, offset_nm: -0.1, condition: 0.0 };
+        let residual: Vec<f64> = qd.iter().map(|&v| truth.torque(v, 0.005)).collect();
+        let fit = fit_joint_torque(&qd, &residual, 0.005).unwrap();
+        assert!((fit.coulomb_nm - 0.4).abs() < 1e-10 && (fit.viscous_nm_s_per_rad - 0.2).abs() < 1e-10);
+        assert!((fit.offset_nm + 0.1).abs() < 1e-10);
+
+        let one_way: Vec<f64> = (0..500).map(|k| 0.4 + 0.1 * (f64::from(k) * 0.05).sin()).collect();
+        let residual: Vec<f64> = one_way.iter().map(|&v| truth.torque(v, 0.005)).collect();
+        assert!(matches!(fit_joint_torque(&one_way, &residual, 0.005), Err(TorqueFitError::NotSeparable { .. })));
+    }
+}

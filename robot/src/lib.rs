@@ -1,0 +1,53 @@
+//! Serial arms with `N` revolute joints: model, kinematics, dynamics, and the vocabulary every other crate shares.
+//!
+//! ```text
+//! tau_motor = M(q) qdd + C(q, qd) qd + g(q) + Ir qdd + tau_friction(qd) + Jᵀ h
+//! ```
+//!
+//! h is the wrench the robot exerts **on the environment** (see [`Wrench`]). The rotor inertia Ir is part of the model:
+//! an [`Arm`] with `rotor_inertia_kg_m2 = 0` is the link-side arm. Every algorithm has the form
+//! `algorithm(&arm, q, qd, …)`, keeps its temporaries on the stack and allocates nothing; [`Kinematics`] is the
+//! workspace that several of them share.
+//!
+//! Conventions: SI units, radians, twists and wrenches angular part first, at the flange origin, in base axes.
+//!
+//! ```
+//! use nalgebra::SVector;
+//! use tribo_robot::{presets, rnea, mass_matrix, forward_dynamics};
+//!
+//! let arm = presets::panda();
+//! let q = presets::panda_ready_pose();
+//! let qd = SVector::<f64, 7>::repeat(0.1);
+//! let qdd = SVector::<f64, 7>::repeat(0.5);
+//! let tau = rnea(&arm, &q, &qd, &qdd);
+//! assert!((forward_dynamics(&arm, &q, &qd, &tau) - qdd).amax() < 1e-10);
+//! assert!(mass_matrix(&arm, &q).cholesky().is_some());
+//! ```
+//!
+//! Leaves out: prismatic joints, branching trees, joint flexibility.
+
+mod aba;
+mod arm;
+mod control_terms;
+mod crba;
+mod estimator;
+mod inertia;
+mod kinematics;
+mod plant;
+pub mod presets;
+mod regressor;
+mod rnea;
+pub mod so3;
+mod spatial;
+
+pub use aba::forward_dynamics;
+pub use arm::{Arm, JointPlacement, Limits, ModifiedDh};
+pub use control_terms::ControlTerms;
+pub use crba::mass_matrix;
+pub use estimator::{EstimatorInput, WrenchEstimate, WrenchEstimator};
+pub use inertia::{LinkInertia, Payload};
+pub use kinematics::Kinematics;
+pub use plant::{Plant, SensorFrame};
+pub use regressor::inverse_dynamics_regressor;
+pub use rnea::{bias_torque, gravity_torque, rnea};
+pub use spatial::{Pose, Twist, Wrench};

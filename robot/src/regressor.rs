@@ -1,0 +1,67 @@
+//! Inverse-dynamics regressor.
+
+use nalgebra::{SMatrix, SVector, Vector3};
+
+use crate::Arm;
+
+/// Regressor of the rigid-body torque in the ten inertial parameters of every link (Atkeson, An & Hollerbach 1986).
+///
+/// ```text
+/// rnea(q, qd, qdd) = Σ_k Y_k(q, qd, qdd) π_k + Ir qdd,   π_k = [m, m c, I_o: xx xy xz yy yz zz]
+/// ```
+///
+/// Returns one N×10 block per link, in the order of [`crate::LinkInertia::parameters`]. q [rad], qd [rad/s],
+/// qdd [rad/s²]; rows are joint torques [Nm]. The rotor inertia is not among the parameters: its column is qdd.
+pub fn inverse_dynamics_regressor<const N: usize>(
+    arm: &Arm<N>,
+    q: &SVector<f64, N>,
+    qd: &SVector<f64, N>,
+    qdd: &SVector<f64, N>,
+) -> [SMatrix<f64, N, 10>; N] {
+    let mut blocks = [SMatrix::<f64, N, 10>::zeros(); N];
+    let (mut w, mut dw, mut a) = (Vector3::zeros(), Vector3::zeros(), -arm.gravity_m_s2);
+    for k in 0..N {
+        let placement = &arm.placements[k];
+        let rt = placement.parent_from_link(q[k]).transpose();
+        let p = &placement.translation;
+        a = rt * (a + dw.cross(p) + w.cross(&w.cross(p)));
+        let w_parent = rt * w;
+        dw = rt * dw + Vector3::new(w_parent.y * qd[k], -w_parent.x * qd[k], qdd[k]);
+        w = w_parent + Vector3::new(0.0, 0.0, qd[k]);
+
+        let (mut force, mut moment) = body_regressor(&w, &dw, &a);
+        for i in (0..=k).rev() {
+            blocks[k].set_row(i, &moment.row(2));
+            let r = arm.placements[i].parent_from_link(q[i]);
+            force = r * force;
+            moment = r * moment + arm.placements[i].translation.cross_matrix() * force;
+        }
+    }
+    blocks
+}
+
+/// Force and moment about the link origin that one body needs, as 3×10 maps of its parameters.
+fn body_regressor(
+    w: &Vector3<f64>,
+    dw: &Vector3<f64>,
+    a: &Vector3<f64>,
+) -> (SMatrix<f64, 3, 10>, SMatrix<f64, 3, 10>) {
+    let mut force = SMatrix::<f64, 3, 10>::zeros();
+    let mut moment = SMatrix::<f64, 3, 10>::zeros();
+    let wx = w.cross_matrix();
+    force.set_column(0, a);
+    force.fixed_view_mut::<3, 3>(0, 1).copy_from(&(dw.cross_matrix() + wx * wx));
+    // m c × a = −[a]× (m c)
+    moment.fixed_view_mut::<3, 3>(0, 1).copy_from(&(-a.cross_matrix()));
+    moment.fixed_view_mut::<3, 6>(0, 4).copy_from(&(inertia_map(dw) + wx * inertia_map(w)));
+    (force, moment)
+}
+
+/// `L(v)` with `I v = L(v) [xx xy xz yy yz zz]`.
+fn inertia_map(v: &Vector3<f64>) -> SMatrix<f64, 3, 6> {
+    SMatrix::<f64, 3, 6>::new(
+        v.x, v.y, v.z, 0.0, 0.0, 0.0, //
+        0.0, v.x, 0.0, v.y, v.z, 0.0, //
+        0.0, 0.0, v.x, 0.0, v.y, v.z,
+    )
+}

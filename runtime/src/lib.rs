@@ -1,0 +1,1 @@
+//! The 1 kHz tick and its record

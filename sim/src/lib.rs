@@ -1,0 +1,1 @@
+//! The simulated truth: box-friction plant, sensors, contact, scenarios

@@ -1,0 +1,4 @@
+//! Stories across crates.
+
+mod dynamics_identities;
+mod dynamics_reference;
