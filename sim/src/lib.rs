@@ -1,1 +1,33 @@
-//! The simulated truth: box-friction plant, sensors, contact, scenarios
+//! What is true: a simulated arm with set-valued joint friction, its sensors, and the scenarios they play.
+//!
+//! ```text
+//! M(q) q̈ + C(q, q̇) q̇ + g(q) + Ir q̈ + tau_f + Jᵀ h = tau_motor,     tau_f ∈ friction(q̇)
+//! ```
+//!
+//! [`BoxFrictionPlant`] steps this at velocity level with true stick (Moreau's scheme): no regularised sign, stable at any
+//! step length. [`Truth`] says which arm and which friction; [`Sensors`] what a controller gets to see of it;
+//! [`WrenchPulses`] who pushes the tool.
+//!
+//! ```
+//! use tribo_robot::{Plant, presets};
+//! use tribo_sim::{BoxFrictionPlant, Sensors, Truth};
+//!
+//! let truth = Truth::panda_coulomb_viscous();
+//! let mut plant = BoxFrictionPlant::new(truth, Sensors::default(), presets::panda_ready_pose(), 1);
+//! let gravity = tribo_robot::gravity_torque(&presets::panda(), plant.q());
+//! plant.actuate(&gravity);
+//! assert_eq!(plant.qd().amax(), 0.0); // friction holds the arm exactly still
+//! ```
+
+mod contact;
+mod plant;
+mod projected_gauss_seidel;
+mod sensors;
+mod truth;
+mod warm_up;
+
+pub use contact::{Pulse, WrenchPulses};
+pub use plant::{BoxFrictionPlant, DEFAULT_SUB_STEPS};
+pub use sensors::Sensors;
+pub use truth::{TorqueSide, Truth, panda_gaz_joints};
+pub use warm_up::WarmUp;

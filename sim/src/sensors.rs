@@ -1,0 +1,115 @@
+//! What the joint sensors make of the truth.
+
+use nalgebra::SVector;
+use rand::{RngExt, SeedableRng};
+use rand_distr::StandardNormal;
+use rand_pcg::Pcg64;
+use tribo_robot::SensorFrame;
+
+use crate::TorqueSide;
+
+/// Noise and filters of the joint sensors.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Sensors {
+    /// Standard deviation of the encoder noise [rad].
+    pub encoder_sd_rad: f64,
+    /// Encoder resolution [rad]; 0 is infinitely fine.
+    pub encoder_resolution_rad: f64,
+    /// Cut-off of the first-order filter on the differentiated position [Hz].
+    pub velocity_cutoff_hz: f64,
+    /// Standard deviation of the torque signal [Nm].
+    pub torque_sd_nm: f64,
+    /// Side of the gears of the torque signal.
+    pub torque_side: TorqueSide,
+}
+
+impl Default for Sensors {
+    /// 1e-5 rad encoder noise and a 50 Hz velocity filter, so the velocity noise is 2.9e-3 rad/s; 0.05 Nm torque noise.
+    fn default() -> Self {
+        Self {
+            encoder_sd_rad: 1e-5,
+            encoder_resolution_rad: 0.0,
+            velocity_cutoff_hz: 50.0,
+            torque_sd_nm: 0.05,
+            torque_side: TorqueSide::Motor,
+        }
+    }
+}
+
+impl Sensors {
+    /// Sensors without any noise (filters stay).
+    pub fn noise_free() -> Self {
+        Self { encoder_sd_rad: 0.0, torque_sd_nm: 0.0, ..Self::default() }
+    }
+
+    /// The same sensors with every noise scaled by `factor`.
+    pub fn scaled_noise(self, factor: f64) -> Self {
+        Self { encoder_sd_rad: factor * self.encoder_sd_rad, torque_sd_nm: factor * self.torque_sd_nm, ..self }
+    }
+}
+
+/// The state of the sensors: filter and noise stream.
+#[derive(Clone, Debug)]
+pub(crate) struct SensorState<const N: usize> {
+    settings: Sensors,
+    rng: Pcg64,
+    last_q: Option<SVector<f64, N>>,
+    qd: SVector<f64, N>,
+}
+
+impl<const N: usize> SensorState<N> {
+    pub(crate) fn new(settings: Sensors, seed: u64) -> Self {
+        Self { settings, rng: Pcg64::seed_from_u64(seed), last_q: None, qd: SVector::zeros() }
+    }
+
+    /// `q_m = quantise(q + n)`, `qd_m = LPF((q_m − q_m,last)/dt)`.
+    pub(crate) fn sample(
+        &mut self,
+        time_s: f64,
+        q: &SVector<f64, N>,
+        tau: &SVector<f64, N>,
+        dt_s: f64,
+    ) -> SensorFrame<N> {
+        let settings = self.settings;
+        let mut measured = q + self.noise(settings.encoder_sd_rad);
+        if settings.encoder_resolution_rad > 0.0 {
+            let resolution = settings.encoder_resolution_rad;
+            measured = measured.map(|x| (x / resolution).round() * resolution);
+        }
+        let tau = tau + self.noise(settings.torque_sd_nm);
+        if let Some(last) = self.last_q {
+            let weight = 1.0 - (-2.0 * std::f64::consts::PI * settings.velocity_cutoff_hz * dt_s).exp();
+            self.qd += ((measured - last) / dt_s - self.qd) * weight;
+        }
+        self.last_q = Some(measured);
+        SensorFrame { time_s, q: measured, qd: self.qd, tau }
+    }
+
+    fn noise(&mut self, sd: f64) -> SVector<f64, N> {
+        let mut noise = SVector::<f64, N>::zeros();
+        if sd > 0.0 {
+            for value in noise.iter_mut() {
+                *value = sd * self.rng.sample::<f64, _>(StandardNormal);
+            }
+        }
+        noise
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Closed form: sd of the filtered difference = (σ/dt) a √(2/(2 − a)), a = 1 − exp(−2π f dt).
+    #[test]
+    fn velocity_noise_has_the_predicted_deviation() {
+        let settings = Sensors::default();
+        let mut state = SensorState::<1>::new(settings, 3);
+        let (zero, dt) = (SVector::zeros(), 1e-3);
+        let n = 200_000;
+        let sum: f64 = (0..n).map(|_| state.sample(0.0, &zero, &zero, dt).qd[0].powi(2)).sum();
+        let a = 1.0 - (-2.0 * std::f64::consts::PI * settings.velocity_cutoff_hz * dt).exp();
+        let expected = settings.encoder_sd_rad / dt * a * (2.0 / (2.0 - a)).sqrt();
+        assert!(((sum / n as f64).sqrt() / expected - 1.0).abs() < 0.02, "{} {expected}", (sum / n as f64).sqrt());
+    }
+}

@@ -1,0 +1,104 @@
+//! Which arm, which friction.
+
+use serde::{Deserialize, Serialize};
+use tribo_friction::FrictionModel;
+use tribo_friction::law::{CoulombViscous, GazSigmoid, Lugre, Stribeck};
+use tribo_robot::{Arm, presets};
+
+use crate::WarmUp;
+
+/// Side of the gears on which the torque sensors sit.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum TorqueSide {
+    /// Motor torque through the gear ratio: friction and rotor inertia included.
+    #[default]
+    Motor,
+    /// Link-side torque sensor: behind friction and rotor inertia.
+    Link,
+}
+
+/// Everything the plant obeys and no controller is told.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Truth<const N: usize> {
+    /// The arm with its payload, gravity and rotor inertia.
+    pub arm: Arm<N>,
+    /// The friction of its joints when cold.
+    pub friction: FrictionModel<N>,
+    /// Loss of friction by warming up.
+    pub warm_up: Option<WarmUp>,
+}
+
+/// Motor-side Coulomb friction of the examples [Nm].
+const COULOMB_NM: [f64; 7] = [0.60, 0.90, 0.55, 0.80, 0.40, 0.30, 0.35];
+/// Motor-side viscous friction of the examples [Nm s/rad].
+const VISCOUS_NM_S: [f64; 7] = [1.0, 1.4, 0.8, 1.1, 0.5, 0.4, 0.3];
+/// Presliding distance of the LuGre example [rad].
+const PRESLIDING_RAD: f64 = 5e-4;
+
+impl Truth<7> {
+    /// Panda without friction.
+    pub fn panda_frictionless() -> Self {
+        let none = CoulombViscous::default().into();
+        Self { arm: presets::panda(), friction: FrictionModel::uniform(none), warm_up: None }
+    }
+
+    /// Panda with motor-side Coulomb and viscous friction: Fc .60 .90 .55 .80 .40 .30 .35 Nm.
+    pub fn panda_coulomb_viscous() -> Self {
+        let joints = std::array::from_fn(|j| {
+            CoulombViscous { coulomb_nm: COULOMB_NM[j], viscous_nm_s_per_rad: VISCOUS_NM_S[j] }.into()
+        });
+        Self { friction: FrictionModel { joints }, ..Self::panda_frictionless() }
+    }
+
+    /// Panda with Stribeck friction: Fc .50 .75 .45 .65 .33 .25 .28, dF .35 .50 .30 .40 .20 .15 .15 Nm.
+    pub fn panda_stribeck() -> Self {
+        let coulomb = [0.5, 0.75, 0.45, 0.65, 0.33, 0.25, 0.28];
+        let breakaway = [0.35, 0.5, 0.3, 0.4, 0.2, 0.15, 0.15];
+        let inverse_velocity = [6.0, 6.5, 7.0, 7.5, 8.0, 8.5, 9.0];
+        let shape = [1.4, 1.5, 1.6, 1.7, 1.8, 1.9, 2.0];
+        let joints = std::array::from_fn(|j| {
+            Stribeck {
+                coulomb_nm: coulomb[j],
+                viscous_nm_s_per_rad: VISCOUS_NM_S[j],
+                breakaway_minus_coulomb_nm: breakaway[j],
+                inverse_stribeck_velocity_s_per_rad: inverse_velocity[j],
+                shape: shape[j],
+            }
+            .into()
+        });
+        Self { friction: FrictionModel { joints }, ..Self::panda_frictionless() }
+    }
+
+    /// Panda with bristle friction: the Coulomb-viscous values and a presliding distance of 5e-4 rad.
+    pub fn panda_lugre() -> Self {
+        let joints = std::array::from_fn(|j| {
+            Lugre {
+                coulomb_nm: COULOMB_NM[j],
+                viscous_nm_s_per_rad: VISCOUS_NM_S[j],
+                presliding_distance_rad: PRESLIDING_RAD,
+            }
+            .into()
+        });
+        Self { friction: FrictionModel { joints }, ..Self::panda_frictionless() }
+    }
+
+    /// Panda with the smooth, asymmetric friction identified by Gaz et al. 2019 (link side of one real arm).
+    pub fn panda_gaz() -> Self {
+        Self { friction: FrictionModel { joints: panda_gaz_joints().map(Into::into) }, ..Self::panda_frictionless() }
+    }
+
+    /// The Coulomb-viscous Panda, losing 28 % of its friction with a time constant of 10 min: 26 % over 50 trials.
+    pub fn panda_thermal() -> Self {
+        let warm_up = WarmUp { drop_fraction: 0.28, time_constant_s: 600.0, operated_s: 0.0 };
+        Self { warm_up: Some(warm_up), ..Self::panda_coulomb_viscous() }
+    }
+}
+
+/// Friction sigmoids of one Panda (Gaz et al., RA-L 2019).
+pub fn panda_gaz_joints() -> [GazSigmoid; 7] {
+    let phi1 = [0.54615, 0.87224, 0.64068, 1.2794, 0.83904, 0.30301, 0.56489];
+    let phi2 = [5.1181, 9.0657, 10.136, 5.5903, 8.3469, 17.133, 10.336];
+    let phi3 = [0.039533, 0.025882, -0.04607, 0.036194, 0.026226, -0.021047, 0.0035526];
+    std::array::from_fn(|j| GazSigmoid { phi1_nm: phi1[j], phi2_s_per_rad: phi2[j], phi3_rad_s: phi3[j] })
+}
