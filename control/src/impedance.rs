@@ -1,0 +1,198 @@
+//! The impedance law.
+
+use nalgebra::{SVector, Vector6};
+use serde::{Deserialize, Serialize};
+use tribo_robot::{ControlTerms, Pose};
+
+use crate::{DampedPseudoInverse, reference_model::pose_error};
+
+/// Gains of the impedance, isotropic in translation and in rotation.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct ImpedanceSettings {
+    /// Desired mass [kg]. Paper: 10.
+    pub mass_kg: f64,
+    /// Desired rotational inertia [kg m²]. Paper: 10.
+    pub inertia_kg_m2: f64,
+    /// Translational stiffness [N/m]. Paper: 2500.
+    pub stiffness_n_per_m: f64,
+    /// Rotational stiffness [Nm/rad]. Paper: 5000.
+    pub stiffness_nm_per_rad: f64,
+    /// Damping ratio h of `D = 2 h √(M K)` [-]. Paper: 0.75.
+    pub damping_ratio: f64,
+    /// Null-space damping Dn [1/s]. The paper gives none; below 20 an over-compensated elbow slides into its limits.
+    pub nullspace_damping_per_s: f64,
+    /// Posture spring in the null space, as stiffness over inertia [1/s²]; 0 leaves the paper's pure damping.
+    pub posture_stiffness_per_s2: f64,
+}
+
+impl Default for ImpedanceSettings {
+    fn default() -> Self {
+        Self {
+            mass_kg: 10.0,
+            inertia_kg_m2: 10.0,
+            stiffness_n_per_m: 2500.0,
+            stiffness_nm_per_rad: 5000.0,
+            damping_ratio: 0.75,
+            nullspace_damping_per_s: 50.0,
+            posture_stiffness_per_s2: 0.0,
+        }
+    }
+}
+
+impl ImpedanceSettings {
+    /// Impedance acceleration `a = −M⁻¹(D v + K e)` (roveda2022 eq. 6) [rad/s²; m/s²], base axes, angular part first.
+    #[inline]
+    pub fn acceleration(&self, twist: &Vector6<f64>, error: &Vector6<f64>) -> Vector6<f64> {
+        let part = |mass: f64, stiffness: f64, v: f64, e: f64| {
+            let damping = 2.0 * self.damping_ratio * (mass * stiffness).sqrt();
+            -(damping * v + stiffness * e) / mass
+        };
+        Vector6::from_fn(|i, _| {
+            if i < 3 {
+                part(self.inertia_kg_m2, self.stiffness_nm_per_rad, twist[i], error[i])
+            } else {
+                part(self.mass_kg, self.stiffness_n_per_m, twist[i], error[i])
+            }
+        })
+    }
+}
+
+/// Every term of the commanded torque [Nm], kept apart for the log.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct TorqueTerms<const N: usize> {
+    /// `B J#(a − J̇ qd)`.
+    pub task: SVector<f64, N>,
+    /// `B (I − J#J)(−Dn qd − k (q − q0))`.
+    pub nullspace: SVector<f64, N>,
+    /// `C qd`.
+    pub coriolis: SVector<f64, N>,
+    /// `g(q)`.
+    pub gravity: SVector<f64, N>,
+    /// Friction compensation.
+    pub friction: SVector<f64, N>,
+}
+
+impl<const N: usize> TorqueTerms<N> {
+    /// The commanded torque before limits (roveda2022 eq. 34).
+    #[inline]
+    pub fn total(&self) -> SVector<f64, N> {
+        self.task + self.nullspace + self.coriolis + self.gravity + self.friction
+    }
+}
+
+/// What the controller saw of the task at this tick, base axes, angular part first.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct TaskState {
+    /// Measured twist J qd [rad/s; m/s].
+    pub twist: Vector6<f64>,
+    /// Pose error `[log(R R_dᵀ); p − p_d]` [rad; m].
+    pub error: Vector6<f64>,
+    /// Commanded acceleration a [rad/s²; m/s²].
+    pub acceleration_command: Vector6<f64>,
+}
+
+/// Why a controller cannot answer.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum ControlFault {
+    /// State or model terms hold NaN or infinity.
+    #[error("the state given to the controller is not finite")]
+    NotFinite,
+}
+
+/// Cartesian impedance controller with inverse dynamics (roveda2022 eqs. 2, 6, 7, 33, 34).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ImpedanceController<const N: usize> {
+    /// Gains.
+    pub settings: ImpedanceSettings,
+    /// Pseudo-inverse of the Jacobian.
+    pub pseudo_inverse: DampedPseudoInverse,
+    /// Posture q0 [rad] of the optional null-space spring.
+    pub posture: SVector<f64, N>,
+}
+
+impl<const N: usize> ImpedanceController<N> {
+    /// One tick: torque terms [Nm] for the measured state (q [rad], qd [rad/s]) and the reference pose.
+    ///
+    /// `friction_torque` maps (measured qd, J#) to the compensation; the reference joint velocity J# ẋ_m is
+    /// formed here from `twist_model`, the twist of the [`crate::ReferenceModel`].
+    #[inline]
+    pub fn tick(
+        &self,
+        terms: &ControlTerms<N>,
+        q: &SVector<f64, N>,
+        qd: &SVector<f64, N>,
+        reference: &Pose,
+        twist_model: &Vector6<f64>,
+        compensation: impl FnOnce(&SVector<f64, N>, &SVector<f64, N>) -> SVector<f64, N>,
+    ) -> Result<(TorqueTerms<N>, TaskState), ControlFault> {
+        let inverse = self.pseudo_inverse.factor(&terms.jacobian).ok_or(ControlFault::NotFinite)?;
+        let pose = &terms.base_from_flange;
+        let twist = terms.jacobian * qd;
+        let error = pose_error(&pose.translation.vector, pose.rotation.matrix(), reference);
+        let acceleration_command = self.settings.acceleration(&twist, &error);
+        let gamma = inverse.apply(&(acceleration_command - terms.jdot_qd));
+        let settle =
+            qd * -self.settings.nullspace_damping_per_s - (q - self.posture) * self.settings.posture_stiffness_per_s2;
+        let qd_reference = inverse.apply(twist_model);
+        let torque = TorqueTerms {
+            task: terms.mass_matrix * gamma,
+            nullspace: terms.mass_matrix * inverse.project_to_null_space(&settle),
+            coriolis: terms.coriolis_nm,
+            gravity: terms.gravity_nm,
+            friction: compensation(qd, &qd_reference),
+        };
+        if torque.total().iter().all(|tau| tau.is_finite()) {
+            Ok((torque, TaskState { twist, error, acceleration_command }))
+        } else {
+            Err(ControlFault::NotFinite)
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use tribo_robot::{forward_dynamics, presets};
+
+    /// Witness: forward dynamics (ABA) under the commanded torque must give exactly the impedance's acceleration.
+    #[test]
+    fn the_arm_accelerates_as_the_impedance_says() {
+        let arm = presets::panda();
+        let q = presets::panda_ready_pose();
+        let qd = SVector::<f64, 7>::from_fn(|i, _| 0.2 * (i as f64 + 1.0).sin());
+        let terms = ControlTerms::at(&arm, &q, &qd);
+        let mut reference = terms.base_from_flange;
+        reference.translation.vector.x += 0.01;
+        let controller = ImpedanceController {
+            settings: ImpedanceSettings::default(),
+            pseudo_inverse: DampedPseudoInverse::default(),
+            posture: q,
+        };
+        let (torque, task) =
+            controller.tick(&terms, &q, &qd, &reference, &Vector6::zeros(), |_, _| SVector::zeros()).unwrap();
+        let qdd = forward_dynamics(&arm, &q, &qd, &torque.total());
+        let acceleration = terms.jacobian * qdd + terms.jdot_qd;
+        assert!((acceleration - task.acceleration_command).amax() < 1e-9);
+        // And the null space is damped at the stated rate.
+        let inverse = controller.pseudo_inverse.factor(&terms.jacobian).unwrap();
+        let null = inverse.project_to_null_space(&qdd) + inverse.project_to_null_space(&qd) * 50.0;
+        assert!(null.amax() < 1e-9);
+        assert!(task.error[3] < 0.0 && task.acceleration_command[3] - 0.01 * 250.0 < 5.0);
+    }
+
+    #[test]
+    fn nan_is_a_fault_not_a_torque() {
+        let arm = presets::panda();
+        let (q, qd) = (presets::panda_ready_pose(), SVector::<f64, 7>::repeat(f64::NAN));
+        let terms = ControlTerms::at(&arm, &q, &qd);
+        let controller = ImpedanceController {
+            settings: ImpedanceSettings::default(),
+            pseudo_inverse: DampedPseudoInverse::default(),
+            posture: q,
+        };
+        let answer =
+            controller.tick(&terms, &q, &qd, &terms.base_from_flange, &Vector6::zeros(), |_, _| SVector::zeros());
+        assert_eq!(answer.unwrap_err(), ControlFault::NotFinite);
+    }
+}
