@@ -1,1 +1,30 @@
-//! Fixed-size extended Kalman filter and the augmented-state wrench estimator
+//! The augmented-state wrench estimator (roveda2022 eqs. 16–26), discrete time, multiplicative in the orientation.
+//!
+//! ```text
+//! v̇ = u − Λ⁻¹ h + w_a,     ẋ = v,     ḣ = w_h,     y = x + n          Λ⁻¹ = J B⁻¹ Jᵀ
+//! ```
+//!
+//! x is the pose (p ∈ R³, R ∈ SO(3)), v its twist, h the wrench by the robot on the environment. The only measurement is
+//! the pose computed from the encoders; no torque sensor. u is what the tool's acceleration would be without a wrench:
+//! in free motion whatever h reports is friction that was not compensated, `h_hat = J̄ᵀ(tau_f − tau_f_hat)`.
+//!
+//! # What the paper says, what we do, why
+//!
+//! | paper | here | why |
+//! |---|---|---|
+//! | (20): K = P C R⁻¹ | K = P Cᵀ S⁻¹ | the transpose is missing; discrete update, Joseph form |
+//! | (17): Euler angles integrated from ω | R ← exp(dt ω) R | Euler rates are not ω: not integrable |
+//! | (18): noise on ẋ = v through M⁻¹ | noise on the acceleration and on h only | ẋ = v is an identity |
+//! | u = −M⁻¹(D v + K e) | known input `J B⁻¹(tau − tau_f_hat − bias) + J̇ qd`, the paper's as a setting | stays right under saturation; the results are nearly equal |
+//! | (19): y has x and ẋ | pose only | the filtered velocity is coloured and correlated with the pose: optimistic covariance, no better estimate |
+//!
+//! [`WrenchEkf`] is the filter, [`AugmentedCovariance`] its 18×18 covariance in 6×6 blocks. Each update returns its evidence:
+//! innovation, its covariance, NIS.
+
+mod covariance;
+mod settings;
+mod wrench_ekf;
+
+pub use covariance::AugmentedCovariance;
+pub use settings::{KnownInput, MeasurementNoise, WrenchEkfSettings};
+pub use wrench_ekf::{Innovation, WrenchEkf};

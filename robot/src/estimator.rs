@@ -1,6 +1,6 @@
 //! One face for every estimator of the tool wrench.
 
-use nalgebra::{Matrix6, SVector};
+use nalgebra::{Matrix6, SVector, Vector6};
 
 use crate::{ControlTerms, SensorFrame, Wrench};
 
@@ -15,6 +15,8 @@ pub struct EstimatorInput<'a, const N: usize> {
     pub tau_motor: &'a SVector<f64, N>,
     /// Friction torque [Nm] believed to act (what the compensator added).
     pub tau_friction: &'a SVector<f64, N>,
+    /// Acceleration [rad/s²; m/s²] that the controller asked of the tool during that period, base axes.
+    pub acceleration_command: &'a Vector6<f64>,
     /// Length of that period [s].
     pub dt_s: f64,
 }

@@ -36,18 +36,7 @@ impl LinkInertia {
     pub fn parameters(&self) -> SVector<f64, 10> {
         let h = self.com_m * self.mass_kg;
         let i = self.inertia_about_origin();
-        SVector::from([
-            self.mass_kg,
-            h.x,
-            h.y,
-            h.z,
-            i[(0, 0)],
-            i[(0, 1)],
-            i[(0, 2)],
-            i[(1, 1)],
-            i[(1, 2)],
-            i[(2, 2)],
-        ])
+        SVector::from([self.mass_kg, h.x, h.y, h.z, i[(0, 0)], i[(0, 1)], i[(0, 2)], i[(1, 1)], i[(1, 2)], i[(2, 2)]])
     }
 
     /// Both bodies welded together, about their common centre of mass. Same frame for both.
@@ -69,11 +58,8 @@ mod tests {
 
     #[test]
     fn two_point_masses_make_a_dumbbell() {
-        let point = |x: f64| LinkInertia {
-            mass_kg: 2.0,
-            com_m: Vector3::new(x, 0.0, 0.0),
-            inertia_kg_m2: Matrix3::zeros(),
-        };
+        let point =
+            |x: f64| LinkInertia { mass_kg: 2.0, com_m: Vector3::new(x, 0.0, 0.0), inertia_kg_m2: Matrix3::zeros() };
         let both = point(0.5).combined(&point(-0.5));
         assert!(both.com_m.norm() < 1e-15);
         // m r² about y and z, nothing about the rod itself.

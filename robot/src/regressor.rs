@@ -41,11 +41,7 @@ pub fn inverse_dynamics_regressor<const N: usize>(
 }
 
 /// Force and moment about the link origin that one body needs, as 3×10 maps of its parameters.
-fn body_regressor(
-    w: &Vector3<f64>,
-    dw: &Vector3<f64>,
-    a: &Vector3<f64>,
-) -> (SMatrix<f64, 3, 10>, SMatrix<f64, 3, 10>) {
+fn body_regressor(w: &Vector3<f64>, dw: &Vector3<f64>, a: &Vector3<f64>) -> (SMatrix<f64, 3, 10>, SMatrix<f64, 3, 10>) {
     let mut force = SMatrix::<f64, 3, 10>::zeros();
     let mut moment = SMatrix::<f64, 3, 10>::zeros();
     let wx = w.cross_matrix();
