@@ -74,6 +74,12 @@ pub struct TorqueTerms<const N: usize> {
 }
 
 impl<const N: usize> TorqueTerms<N> {
+    /// No torque at all.
+    pub fn zero() -> Self {
+        let zero = SVector::zeros();
+        Self { task: zero, nullspace: zero, coriolis: zero, gravity: zero, friction: zero }
+    }
+
     /// The commanded torque before limits (roveda2022 eq. 34).
     #[inline]
     pub fn total(&self) -> SVector<f64, N> {
@@ -90,6 +96,13 @@ pub struct TaskState {
     pub error: Vector6<f64>,
     /// Commanded acceleration a [rad/s²; m/s²].
     pub acceleration_command: Vector6<f64>,
+}
+
+impl TaskState {
+    /// Nothing seen, nothing asked.
+    pub fn zero() -> Self {
+        Self { twist: Vector6::zeros(), error: Vector6::zeros(), acceleration_command: Vector6::zeros() }
+    }
 }
 
 /// Why a controller cannot answer.

@@ -1,0 +1,28 @@
+//! Everything one tick knew, for the log.
+
+use nalgebra::SVector;
+use tribo_control::{TaskState, TorqueTerms};
+use tribo_robot::{Pose, SensorFrame, WrenchEstimate};
+
+use crate::TickFault;
+
+/// Record of one tick.
+#[derive(Clone, Copy, Debug)]
+pub struct TickRecord<const N: usize> {
+    /// What the sensors said; its time is the time of the tick.
+    pub frame: SensorFrame<N>,
+    /// What the estimator made of it.
+    pub estimate: WrenchEstimate,
+    /// Reference pose, `base_from_flange`.
+    pub reference: Pose,
+    /// Task state seen by the controller; zero under a fault.
+    pub task: TaskState,
+    /// Torque terms before limits [Nm]; zero under a fault.
+    pub torque: TorqueTerms<N>,
+    /// Torque sent [Nm].
+    pub command: SVector<f64, N>,
+    /// Whether a torque limit was hit.
+    pub saturated: bool,
+    /// Why the safe torque was sent, if it was.
+    pub fault: Option<TickFault>,
+}
