@@ -96,12 +96,14 @@ pub struct TaskState {
     pub error: Vector6<f64>,
     /// Commanded acceleration a [rad/s²; m/s²].
     pub acceleration_command: Vector6<f64>,
+    /// Norm of the joint velocity that does not move the tool, |(I − J#J) qd| [rad/s].
+    pub nullspace_speed_rad_s: f64,
 }
 
 impl TaskState {
     /// Nothing seen, nothing asked.
     pub fn zero() -> Self {
-        Self { twist: Vector6::zeros(), error: Vector6::zeros(), acceleration_command: Vector6::zeros() }
+        Self { twist: Vector6::zeros(), error: Vector6::zeros(), acceleration_command: Vector6::zeros(), nullspace_speed_rad_s: 0.0 }
     }
 }
 
@@ -145,18 +147,23 @@ impl<const N: usize> ImpedanceController<N> {
         let error = pose_error(&pose.translation.vector, pose.rotation.matrix(), reference);
         let acceleration_command = self.settings.acceleration(&twist, &error);
         let gamma = inverse.apply(&(acceleration_command - terms.jdot_qd));
-        let settle =
-            qd * -self.settings.nullspace_damping_per_s - (q - self.posture) * self.settings.posture_stiffness_per_s2;
+        let nullspace_qd = inverse.project_to_null_space(qd);
+        let mut settle = nullspace_qd * -self.settings.nullspace_damping_per_s;
+        if self.settings.posture_stiffness_per_s2 > 0.0 {
+            let displaced = inverse.project_to_null_space(&(q - self.posture));
+            settle -= displaced * self.settings.posture_stiffness_per_s2;
+        }
         let qd_reference = inverse.apply(twist_model);
         let torque = TorqueTerms {
             task: terms.mass_matrix * gamma,
-            nullspace: terms.mass_matrix * inverse.project_to_null_space(&settle),
+            nullspace: terms.mass_matrix * settle,
             coriolis: terms.coriolis_nm,
             gravity: terms.gravity_nm,
             friction: compensation(qd, &qd_reference),
         };
         if torque.total().iter().all(|tau| tau.is_finite()) {
-            Ok((torque, TaskState { twist, error, acceleration_command }))
+            let nullspace_speed_rad_s = nullspace_qd.norm();
+            Ok((torque, TaskState { twist, error, acceleration_command, nullspace_speed_rad_s }))
         } else {
             Err(ControlFault::NotFinite)
         }

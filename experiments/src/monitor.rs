@@ -1,0 +1,130 @@
+//! When a trial must be stopped.
+
+use nalgebra::Vector6;
+use serde::{Deserialize, Serialize};
+use tribo_runtime::{TickFault, TickRecord};
+
+/// Limits whose violation ends a trial with a penalty (the paper names them and gives no numbers).
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct PenaltyLimits {
+    /// Linear acceleration of the tool [m/s²].
+    pub acceleration_m_s2: f64,
+    /// Angular acceleration of the tool [rad/s²].
+    pub acceleration_rad_s2: f64,
+    /// Position error of the tool [m].
+    pub error_m: f64,
+    /// Orientation error of the tool [rad].
+    pub error_rad: f64,
+    /// Null-space joint speed [rad/s]: the elbow runs away while the tool stays on its path.
+    pub nullspace_speed_rad_s: f64,
+    /// Time a torque limit may be held [s].
+    pub saturation_s: f64,
+    /// Cut-off of the filter on the acceleration [Hz].
+    pub acceleration_cutoff_hz: f64,
+}
+
+impl Default for PenaltyLimits {
+    fn default() -> Self {
+        Self {
+            acceleration_m_s2: 5.0,
+            acceleration_rad_s2: 30.0,
+            error_m: 0.05,
+            error_rad: 0.25,
+            nullspace_speed_rad_s: 1.0,
+            saturation_s: 0.05,
+            acceleration_cutoff_hz: 15.0,
+        }
+    }
+}
+
+/// Why a trial was stopped.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, thiserror::Error)]
+#[serde(rename_all = "snake_case")]
+pub enum AbortReason {
+    /// Tool acceleration above its limit.
+    #[error("tool acceleration")]
+    Acceleration,
+    /// Tool error above its limit.
+    #[error("tool error")]
+    Error,
+    /// A joint left its position limits.
+    #[error("joint limit")]
+    JointLimit,
+    /// A joint exceeded its speed limit.
+    #[error("joint speed")]
+    JointSpeed,
+    /// A torque limit was held for too long.
+    #[error("torque saturation")]
+    TorqueSaturation,
+    /// The null-space motion ran away.
+    #[error("null-space run-away")]
+    NullspaceRunaway,
+    /// A signal was NaN or infinite.
+    #[error("signal not finite")]
+    NotFinite,
+}
+
+impl From<TickFault> for AbortReason {
+    fn from(fault: TickFault) -> Self {
+        match fault {
+            TickFault::SensorNotFinite { .. } | TickFault::TorqueNotFinite => Self::NotFinite,
+            TickFault::JointLimit { .. } => Self::JointLimit,
+            TickFault::JointSpeed { .. } => Self::JointSpeed,
+        }
+    }
+}
+
+/// Watches the ticks of one trial.
+#[derive(Clone, Copy, Debug)]
+pub struct TrialMonitor {
+    limits: PenaltyLimits,
+    dt_s: f64,
+    last_twist: Option<Vector6<f64>>,
+    acceleration: Vector6<f64>,
+    saturated_s: f64,
+}
+
+impl TrialMonitor {
+    /// A monitor for a loop of period `dt_s` [s].
+    pub fn new(limits: PenaltyLimits, dt_s: f64) -> Self {
+        Self {
+            limits,
+            dt_s,
+            last_twist: None,
+            acceleration: Vector6::zeros(),
+            saturated_s: 0.0,
+        }
+    }
+
+    /// Judges one tick; the first violated limit, if any.
+    #[inline]
+    pub fn check<const N: usize>(&mut self, record: &TickRecord<N>) -> Option<AbortReason> {
+        if let Some(fault) = record.fault {
+            return Some(fault.into());
+        }
+        let weight = 1.0 - (-2.0 * std::f64::consts::PI * self.limits.acceleration_cutoff_hz * self.dt_s).exp();
+        let twist = record.task.twist;
+        if let Some(last) = self.last_twist {
+            self.acceleration += ((twist - last) / self.dt_s - self.acceleration) * weight;
+        }
+        self.last_twist = Some(twist);
+        self.saturated_s = if record.saturated { self.saturated_s + self.dt_s } else { 0.0 };
+        let (rotational, linear) = (self.acceleration.fixed_rows::<3>(0), self.acceleration.fixed_rows::<3>(3));
+        let (error_rad, error_m) = (record.task.error.fixed_rows::<3>(0), record.task.error.fixed_rows::<3>(3));
+        let limits = &self.limits;
+        // Negated comparisons: NaN counts as a violation.
+        let within = |value: f64, limit: f64| value <= limit;
+        if !within(linear.amax(), limits.acceleration_m_s2) || !within(rotational.amax(), limits.acceleration_rad_s2) {
+            Some(AbortReason::Acceleration)
+        } else if !within(error_m.amax(), limits.error_m) || !within(error_rad.amax(), limits.error_rad) {
+            Some(AbortReason::Error)
+        } else if self.saturated_s > limits.saturation_s {
+            Some(AbortReason::TorqueSaturation)
+        } else if !within(record.task.nullspace_speed_rad_s, limits.nullspace_speed_rad_s) {
+            Some(AbortReason::NullspaceRunaway)
+        } else {
+            None
+        }
+    }
+}

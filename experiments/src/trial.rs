@@ -1,0 +1,116 @@
+//! One trial: the loop on the simulated arm, judged.
+
+use nalgebra::SVector;
+use tribo_control::{ImpedanceSettings, SinusoidReference};
+use tribo_friction::{Compensator, FrictionModel, VelocitySource};
+use tribo_robot::{Arm, WrenchEstimator};
+use tribo_runtime::{ControlLoop, LoopSettings, TickRecord};
+use tribo_sim::{BoxFrictionPlant, Sensors, Truth, WrenchPulses};
+
+use crate::{AbortReason, Cost, CostAccumulator, PenaltyLimits, TrialLog, TrialMonitor};
+
+/// Everything that defines a trial but the compensator's parameters and the noise.
+#[derive(Clone, Debug)]
+pub struct Trial<const N: usize> {
+    /// What the plant obeys.
+    pub truth: Truth<N>,
+    /// What the controller sees of it.
+    pub sensors: Sensors,
+    /// Sub-steps of the plant per control period.
+    pub sub_steps: usize,
+    /// Who pushes the tool; nobody during tuning.
+    pub pulses: WrenchPulses,
+    /// The arm that the controller believes in.
+    pub model: Arm<N>,
+    /// Configuration at the start [rad].
+    pub start: SVector<f64, N>,
+    /// Gains.
+    pub impedance: ImpedanceSettings,
+    /// Trajectory.
+    pub reference: SinusoidReference,
+    /// Velocity the compensator believes.
+    pub velocity: VelocitySource,
+    /// Limits that end a trial.
+    pub limits: PenaltyLimits,
+    /// Control period [s].
+    pub dt_s: f64,
+}
+
+/// Result of a trial.
+#[derive(Clone, Debug, PartialEq)]
+pub struct TrialOutcome<const N: usize> {
+    /// The cost and its parts.
+    pub cost: Cost,
+    /// Why the trial was stopped, if it was.
+    pub aborted: Option<AbortReason>,
+    /// Time of the violation since the start of the judged part [s] (negative in the pre-roll).
+    pub aborted_at_s: Option<f64>,
+    /// The decimated log.
+    pub log: TrialLog<N>,
+}
+
+/// Ticks between two samples of the trial log.
+const LOG_DECIMATION: u64 = 10;
+
+/// Runs one trial with the friction that the compensator believes; `seed` feeds the sensor noise.
+pub fn run_trial<const N: usize, E: WrenchEstimator<N>>(
+    trial: &Trial<N>,
+    friction: &FrictionModel<N>,
+    estimator: E,
+    seed: u64,
+) -> TrialOutcome<N> {
+    run_trial_observed(trial, friction, estimator, seed, |_, _| {})
+}
+
+/// The same, showing every tick (and the plant, truth included) to `observe`.
+pub fn run_trial_observed<const N: usize, E: WrenchEstimator<N>>(
+    trial: &Trial<N>,
+    friction: &FrictionModel<N>,
+    estimator: E,
+    seed: u64,
+    mut observe: impl FnMut(&TickRecord<N>, &BoxFrictionPlant<N>),
+) -> TrialOutcome<N> {
+    let mut plant = BoxFrictionPlant::new(trial.truth.clone(), trial.sensors, trial.start, seed)
+        .with_sub_steps(trial.sub_steps)
+        .with_period(trial.dt_s)
+        .with_pulses(trial.pulses.clone());
+    let settings = LoopSettings {
+        impedance: trial.impedance,
+        reference: trial.reference,
+        compensator: Compensator::new(*friction, trial.velocity),
+        dt_s: trial.dt_s,
+    };
+    let mut control = ControlLoop::new(trial.model.clone(), trial.start, settings, estimator);
+    let mut monitor = TrialMonitor::new(trial.limits, trial.dt_s);
+    let mut accumulator = CostAccumulator::default();
+    let ticks = (trial.reference.total_s() / trial.dt_s).round() as u64;
+    let judged_from = (trial.reference.pre_roll_s() / trial.dt_s).round() as u64;
+    let mut log = TrialLog::with_capacity(
+        (ticks / LOG_DECIMATION + 1) as usize,
+        trial.dt_s * LOG_DECIMATION as f64,
+    );
+    let mut violation = None;
+
+    for tick in 0..ticks {
+        let record = control.tick(&mut plant);
+        observe(&record, &plant);
+        let time_s = (tick as f64 - judged_from as f64) * trial.dt_s;
+        if let Some(reason) = monitor.check(&record) {
+            violation = Some((reason, time_s));
+            break;
+        }
+        if tick >= judged_from {
+            accumulator.add(&record.estimate.wrench_base);
+        }
+        if tick % LOG_DECIMATION == 0 {
+            log.push(time_s, &record);
+        }
+    }
+
+    TrialOutcome {
+        cost: accumulator.finish(violation.map(|(_, at)| at), trial.reference.duration_s),
+        aborted: violation.map(|(reason, _)| reason),
+        aborted_at_s: violation.map(|(_, at)| at),
+        log,
+    }
+}
