@@ -1,1 +1,106 @@
-//! Stories across crates; see `integration/` and `no_alloc/`.
+//! Problems shared by the stories across crates; see `integration/` and `no_alloc/`.
+//!
+//! The reference problem everywhere is the Panda at its ready pose with the default settings of every crate; a story
+//! says in its own header what it changes.
+
+use nalgebra::SVector;
+use tribo_control::{ImpedanceSettings, PAPER_PHASES_RAD, SinusoidReference};
+use tribo_ekf::{WrenchEkf, WrenchEkfSettings};
+use tribo_experiments::{PenaltyLimits, Trial};
+use tribo_friction::law::CoulombViscous;
+use tribo_friction::{Compensator, FrictionModel, VelocitySource};
+use tribo_robot::{Kinematics, Plant, Pose, SensorFrame, presets};
+use tribo_runtime::{ControlLoop, LoopSettings};
+use tribo_sim::{BoxFrictionPlant, DEFAULT_SUB_STEPS, Sensors, Truth, WrenchPulses};
+
+/// A 7-vector, one entry per joint of the Panda.
+pub type Joints = SVector<f64, 7>;
+
+/// Control period of every story [s].
+pub const DT_S: f64 = 1e-3;
+
+/// Flange pose at the ready configuration, `base_from_flange`.
+pub fn ready_flange() -> Pose {
+    Kinematics::at(&presets::panda(), &presets::panda_ready_pose()).base_from_flange()
+}
+
+/// The compensator's belief "no friction".
+pub fn no_friction() -> FrictionModel<7> {
+    FrictionModel::uniform(CoulombViscous::default().into())
+}
+
+/// A wrench filter with its default settings.
+pub fn default_ekf() -> WrenchEkf {
+    WrenchEkf::new(WrenchEkfSettings::default())
+}
+
+/// The five truths of the tuning tables.
+pub fn five_truths() -> [(&'static str, Truth<7>); 5] {
+    [
+        ("frictionless", Truth::panda_frictionless()),
+        ("coulomb_viscous", Truth::panda_coulomb_viscous()),
+        ("stribeck", Truth::panda_stribeck()),
+        ("lugre", Truth::panda_lugre()),
+        ("gaz", Truth::panda_gaz()),
+    ]
+}
+
+/// The tuning trial: ready pose, paper trajectory and phases, default gains, sensors and limits.
+pub fn tuning_trial(truth: Truth<7>, velocity: VelocitySource) -> Trial<7> {
+    Trial {
+        truth,
+        sensors: Sensors::default(),
+        sub_steps: DEFAULT_SUB_STEPS,
+        pulses: WrenchPulses::default(),
+        model: presets::panda(),
+        start: presets::panda_ready_pose(),
+        impedance: ImpedanceSettings::default(),
+        reference: SinusoidReference::paper(ready_flange(), PAPER_PHASES_RAD),
+        velocity,
+        limits: PenaltyLimits::default(),
+        dt_s: DT_S,
+    }
+}
+
+/// The bare loop of [`tuning_trial`] with another reference.
+pub fn panda_loop(
+    reference: SinusoidReference,
+    friction: FrictionModel<7>,
+    velocity: VelocitySource,
+) -> ControlLoop<7, WrenchEkf> {
+    let settings = LoopSettings {
+        impedance: ImpedanceSettings::default(),
+        reference,
+        compensator: Compensator::new(friction, velocity),
+        dt_s: DT_S,
+    };
+    ControlLoop::new(presets::panda(), presets::panda_ready_pose(), settings, default_ekf())
+}
+
+/// A simulated Panda whose sensor frames pass through `tamper(tick, frame)` on their way to the loop.
+#[derive(Clone, Debug)]
+pub struct TamperedPlant<F> {
+    /// The honest plant.
+    pub inner: BoxFrictionPlant<7>,
+    tamper: F,
+    ticks: u64,
+}
+
+impl<F: FnMut(u64, SensorFrame<7>) -> SensorFrame<7>> TamperedPlant<F> {
+    /// Wraps `inner`; the first frame has tick 0.
+    pub fn new(inner: BoxFrictionPlant<7>, tamper: F) -> Self {
+        Self { inner, tamper, ticks: 0 }
+    }
+}
+
+impl<F: FnMut(u64, SensorFrame<7>) -> SensorFrame<7>> Plant<7> for TamperedPlant<F> {
+    fn sense(&mut self) -> SensorFrame<7> {
+        let frame = (self.tamper)(self.ticks, self.inner.sense());
+        self.ticks += 1;
+        frame
+    }
+
+    fn actuate(&mut self, tau_nm: &Joints) {
+        self.inner.actuate(tau_nm);
+    }
+}

@@ -1,10 +1,44 @@
-//! Trials, cost, strategies, campaigns.
+//! Trials, their cost, the strategies that choose the next one, and campaigns of many.
+//!
+//! ```text
+//! J = Σ_i (max |h_i| + mean |h_i|) + Γ        h: the wrench estimated in free motion, i.e. friction not compensated
+//! ```
+//!
+//! [`Trial`] is one run of the loop on the simulated arm, [`Campaign`] a series of them with a journal from which a killed
+//! run goes on. A [`strategy::Strategy`] is a pure function of the trials before, so results do not depend on threads,
+//! kills or the clock.
+//!
+//! ```
+//! use tribo_experiments::{TuneConfig, run_numbered};
+//!
+//! let tune = TuneConfig::default().validate()?;
+//! let outcome = run_numbered(&tune, 0, &tune.space.zero());
+//! assert!(outcome.aborted.is_none());
+//! assert!((outcome.cost.total() - 24.2).abs() < 0.5); // the cost of not compensating friction
+//! # Ok::<(), tribo_experiments::ConfigError>(())
+//! ```
+
+mod campaign;
+mod config;
 mod cost;
+pub mod files;
+pub mod journal;
 mod monitor;
+mod parameters;
+mod report;
+pub mod scenario;
+pub mod strategy;
 mod trial;
 mod trial_log;
+mod trial_store;
 
+pub use campaign::{
+    Campaign, CampaignError, CampaignObserver, CampaignResult, References, references, run_numbered,
+};
+pub use config::{ConfigError, EstimatorName, Phases, TuneConfig, ValidTune};
 pub use cost::{Cost, CostAccumulator};
 pub use monitor::{AbortReason, PenaltyLimits, TrialMonitor};
+pub use parameters::{Bounds, ParameterSpace, TunedLaw};
 pub use trial::{Trial, TrialOutcome, run_trial, run_trial_observed};
 pub use trial_log::TrialLog;
+pub use trial_store::{read_trial_log, trial_log_path, write_trial_log};

@@ -74,7 +74,16 @@ mod tests {
         for axis in 0..6 {
             let h = pulses.at(2.5 + 1.5 * axis as f64).to_force_moment();
             for (k, value) in h.iter().enumerate() {
-                assert_eq!(*value, if k != axis { 0.0 } else if k < 3 { 15.0 } else { 2.5 });
+                assert_eq!(
+                    *value,
+                    if k != axis {
+                        0.0
+                    } else if k < 3 {
+                        15.0
+                    } else {
+                        2.5
+                    }
+                );
             }
         }
         assert_eq!(pulses.at(1.99), Wrench::default());

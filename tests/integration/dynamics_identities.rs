@@ -93,7 +93,7 @@ fn jdot_qd_is_the_derivative_of_the_twist_at_constant_qd() {
 }
 
 /// Kinetic energy ½ qdᵀ M qd plus potential −Σ m gᵀ c.
-fn energy(arm: &Arm<7>, q: &Joints, qd: &Joints) -> f64 {
+pub(crate) fn energy(arm: &Arm<7>, q: &Joints, qd: &Joints) -> f64 {
     let kinematics = Kinematics::at(arm, q);
     let potential: f64 = (0..7)
         .map(|k| {

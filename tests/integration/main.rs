@@ -1,4 +1,12 @@
 //! Stories across crates.
 
+mod architecture;
+mod box_friction;
+mod closed_loop_cost;
 mod dynamics_identities;
 mod dynamics_reference;
+mod ekf_consistency;
+mod ekf_frequency;
+mod ekf_known_input;
+mod tick_faults;
+mod wrench_on_pulses;

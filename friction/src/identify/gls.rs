@@ -208,8 +208,7 @@ struct Layout {
 impl Layout {
     fn new<const N: usize>(settings: &GlsSettings) -> Self {
         let columns = settings.basis.columns();
-        let mut layout =
-            Self { total: 0, offset: None, payload: None, prior_sd: vec![], lower: vec![], upper: vec![] };
+        let mut layout = Self { total: 0, offset: None, payload: None, prior_sd: vec![], lower: vec![], upper: vec![] };
         for _ in 0..N {
             for c in 0..columns {
                 layout.push(settings.prior_sd[c], settings.lower[c], settings.upper[c]);
@@ -237,12 +236,7 @@ impl Layout {
 }
 
 /// Rows `[W_j Φ(qd_j) …, W_j …, g e_z]` of one sample.
-fn fill_rows<const N: usize>(
-    rows: &mut DMatrix<f64>,
-    sample: &GlsSample<N>,
-    settings: &GlsSettings,
-    layout: &Layout,
-) {
+fn fill_rows<const N: usize>(rows: &mut DMatrix<f64>, sample: &GlsSample<N>, settings: &GlsSettings, layout: &Layout) {
     /// Standard gravity used for the mass nuisance [m/s²].
     const GRAVITY_M_S2: f64 = 9.81;
     let columns = settings.basis.columns();
@@ -316,11 +310,9 @@ mod tests {
 
     #[test]
     fn bounds_hold_and_negative_friction_is_refused() {
-        let fit = fit_from_wrench(
-            &samples(2000, |_, qd| -0.5 * qd.signum(), 0.0),
-            &GlsSettings::new(Basis::CoulombViscous),
-        )
-        .unwrap();
+        let fit =
+            fit_from_wrench(&samples(2000, |_, qd| -0.5 * qd.signum(), 0.0), &GlsSettings::new(Basis::CoulombViscous))
+                .unwrap();
         assert!(fit.coefficients.iter().flatten().all(|&c| c >= 0.0));
     }
 

@@ -29,7 +29,9 @@ pub enum TorqueFitError {
         got: usize,
     },
     /// The joint hardly moved, or in one direction only: the columns cannot be told apart.
-    #[error("the joint's motion cannot separate Coulomb friction, viscous friction and offset (condition {condition:.1e})")]
+    #[error(
+        "the joint's motion cannot separate Coulomb friction, viscous friction and offset (condition {condition:.1e})"
+    )]
     NotSeparable {
         /// Condition number of the scaled normal matrix.
         condition: f64,

@@ -27,12 +27,7 @@ impl GazSigmoid {
     pub fn set_valued(&self, qd: f64) -> SetValued {
         let sigma = self.logistic(qd);
         let slope = self.phi1_nm * self.phi2_s_per_rad * sigma * (1.0 - sigma);
-        SetValued {
-            viscous_nm_s_per_rad: slope,
-            offset_nm: self.torque(qd) - slope * qd,
-            lower_nm: 0.0,
-            upper_nm: 0.0,
-        }
+        SetValued { viscous_nm_s_per_rad: slope, offset_nm: self.torque(qd) - slope * qd, lower_nm: 0.0, upper_nm: 0.0 }
     }
 
     #[inline]

@@ -73,11 +73,7 @@ impl Lugre {
     }
 
     pub(super) fn scaled(&self, factor: f64) -> Self {
-        Self {
-            coulomb_nm: factor * self.coulomb_nm,
-            viscous_nm_s_per_rad: factor * self.viscous_nm_s_per_rad,
-            ..*self
-        }
+        Self { coulomb_nm: factor * self.coulomb_nm, viscous_nm_s_per_rad: factor * self.viscous_nm_s_per_rad, ..*self }
     }
 }
 

@@ -36,12 +36,7 @@ impl Stribeck {
     #[inline]
     pub fn set_valued(&self, qd: f64) -> SetValued {
         let limit = self.dry_limit(qd);
-        SetValued {
-            viscous_nm_s_per_rad: self.viscous_nm_s_per_rad,
-            offset_nm: 0.0,
-            lower_nm: -limit,
-            upper_nm: limit,
-        }
+        SetValued { viscous_nm_s_per_rad: self.viscous_nm_s_per_rad, offset_nm: 0.0, lower_nm: -limit, upper_nm: limit }
     }
 
     pub(super) fn scaled(&self, factor: f64) -> Self {

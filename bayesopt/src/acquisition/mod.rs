@@ -1,0 +1,42 @@
+//! How much a new trial is worth.
+
+mod ei;
+mod log_ei;
+mod normal;
+
+pub use ei::expected_improvement;
+pub use log_ei::log_expected_improvement;
+pub use normal::{normal_cdf, normal_pdf};
+
+use serde::{Deserialize, Serialize};
+
+/// Which acquisition is maximised.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Acquisition {
+    /// Expected improvement; underflows to 0 far from the incumbent.
+    Ei,
+    /// Its logarithm, finite everywhere.
+    LogEi,
+}
+
+/// An acquisition value with its slopes in the posterior mean and deviation.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct AcquisitionSlope {
+    /// The acquisition; larger is better.
+    pub value: f64,
+    /// ∂value/∂mean.
+    pub d_mean: f64,
+    /// ∂value/∂sd.
+    pub d_sd: f64,
+}
+
+impl Acquisition {
+    /// The acquisition at posterior (`mean`, `sd` > 0) over the incumbent target `best`; minimisation.
+    pub fn evaluate(self, mean: f64, sd: f64, best: f64) -> AcquisitionSlope {
+        match self {
+            Self::Ei => expected_improvement(mean, sd, best),
+            Self::LogEi => log_expected_improvement(mean, sd, best),
+        }
+    }
+}

@@ -1,0 +1,184 @@
+//! Hyper-parameters by maximum posterior density.
+
+use rand_distr::{Distribution, StandardNormal};
+use serde::{Deserialize, Serialize};
+
+use super::hyper::{HyperParameters, Lengthscales};
+use super::likelihood::MarginalLikelihood;
+use super::prior::HyperPrior;
+use crate::BayesoptError;
+use crate::kernel::KernelFamily;
+use crate::random::{Purpose, stream};
+use crate::search::{Bounds, Descent, DescentEnd, minimise};
+
+/// What is fitted and how hard.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct FitSettings {
+    /// ρ of the kernel.
+    pub family: KernelFamily,
+    /// ARD or isotropic.
+    pub lengthscales: Lengthscales,
+    /// Prior, or none for ML-II.
+    pub prior: HyperPrior,
+    /// Starting points of the ascent. Default 2: the prior's centre and a smoother model; more change regret little.
+    pub starts: usize,
+    /// Iterations per start. Default 50: MAP is flat near its top.
+    pub iterations: usize,
+    /// Most observations the hyper-parameters are fitted to; the posterior always uses all. Default 300.
+    pub fit_limit: usize,
+}
+
+/// What the ascent found.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Fit {
+    /// The best hyper-parameters over all starts.
+    pub hyper: HyperParameters,
+    /// `ln p(y|θ)` there, without prior.
+    pub log_marginal_likelihood: f64,
+    /// How the ascent of the best start ended.
+    pub end: DescentEnd,
+    /// Evaluations of the likelihood over all starts.
+    pub evaluations: usize,
+}
+
+/// Fewest samples whose likelihood says anything about a length-scale.
+pub const FEWEST_SAMPLES: usize = 2;
+
+/// Box of θ: ℓ in [5e-3, 1e3] of the unit cube, σ_f² in [1e-2, 1e3], σ_n² in [1e-6, 1] of standardised targets.
+/// ML-II needs the box (a flat direction has no maximum); under a prior it is inactive but for σ_n².
+const LENGTHSCALE_RANGE: [f64; 2] = [5e-3, 1e3];
+const SIGNAL_RANGE: [f64; 2] = [1e-2, 1e3];
+const NOISE_RANGE: [f64; 2] = [1e-6, 1.0];
+
+/// `θ̂ = argmax ln p(y|θ) + ln p(θ)` by multi-start projected L-BFGS on θ = (ln ℓ …, ln σ_f², ln σ_n²).
+///
+/// Start 0 is the mode of the prior (ℓ = ½√d, σ_f² = 1 without one), start 1 a model four times smoother,
+/// later ones are drawn around start 0 from `seed`.
+///
+/// # Errors
+/// `TooFewSamples`; `NonPositivePivot` when no start could be evaluated.
+pub fn fit(settings: &FitSettings, points: &[Vec<f64>], targets: &[f64], seed: u64) -> Result<Fit, BayesoptError> {
+    if points.len() < FEWEST_SAMPLES {
+        return Err(BayesoptError::TooFewSamples { need: FEWEST_SAMPLES, got: points.len() });
+    }
+    let FitSettings { family, lengthscales, prior, .. } = *settings;
+    let model = MarginalLikelihood { family, lengthscales, prior, points, targets };
+    let count = model.parameter_count();
+    let bounds = hyper_bounds(count);
+    let scale = 1.0 / points.len() as f64;
+
+    // The objective per sample, so that one tolerance fits all sizes; a failed factorisation is a wall.
+    let mut evaluations = 0;
+    let mut objective = |theta: &[f64], gradient: &mut [f64]| {
+        evaluations += 1;
+        match model.log_posterior(theta) {
+            Ok(at) => {
+                for (g, ascent) in gradient.iter_mut().zip(&at.gradient) {
+                    *g = -ascent * scale;
+                }
+                -at.value * scale
+            }
+            Err(_) => f64::INFINITY,
+        }
+    };
+    let descent = Descent {
+        iterations: settings.iterations,
+        gradient_tolerance: 1e-4,
+        value_tolerance: 1e-7,
+        ..Descent::default()
+    };
+
+    let mut best: Option<crate::search::Minimum> = None;
+    for start in 0..settings.starts.max(1) {
+        let found = minimise(&mut objective, &start_point(&model, start, seed), &bounds, &descent);
+        if found.value.is_finite() && best.as_ref().is_none_or(|b| found.value < b.value) {
+            best = Some(found);
+        }
+    }
+    // No start could be evaluated: report the pivot that stopped the first one.
+    let Some(best) = best else {
+        return match model.evaluate(&start_point(&model, 0, seed)) {
+            Err(error) => Err(error),
+            Ok(_) => Err(BayesoptError::NonPositivePivot { index: 0 }),
+        };
+    };
+    let log_marginal_likelihood = model.evaluate(&best.point)?.value;
+    let hyper = HyperParameters::from_log(&best.point, model.dimension());
+    Ok(Fit { hyper, log_marginal_likelihood, end: best.end, evaluations })
+}
+
+fn hyper_bounds(count: usize) -> Bounds {
+    let mut ranges = vec![LENGTHSCALE_RANGE; count];
+    ranges[count - 2] = SIGNAL_RANGE;
+    ranges[count - 1] = NOISE_RANGE;
+    Bounds { lower: ranges.iter().map(|r| r[0].ln()).collect(), upper: ranges.iter().map(|r| r[1].ln()).collect() }
+}
+
+fn start_point(model: &MarginalLikelihood<'_>, start: usize, seed: u64) -> Vec<f64> {
+    let count = model.parameter_count();
+    let half_diagonal = (0.5 * (model.dimension() as f64).sqrt()).ln();
+    let mut theta: Vec<f64> =
+        model.priors().iter().map(|prior| prior.map_or(half_diagonal, |p| p.log_mode())).collect();
+    theta[count - 2] = 0.0;
+    if model.prior == HyperPrior::Flat {
+        theta[count - 1] = 1e-3_f64.ln();
+    }
+    match start {
+        0 => {}
+        1 => {
+            theta[..count - 2].iter_mut().for_each(|l| *l += 4.0_f64.ln());
+            theta[count - 1] = 1e-4_f64.ln();
+        }
+        _ => {
+            let mut rng = stream(seed, start, Purpose::FitStarts);
+            theta.iter_mut().for_each(|t| {
+                let z: f64 = StandardNormal.sample(&mut rng);
+                *t += z;
+            });
+        }
+    }
+    theta
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::design::sobol_point;
+
+    fn settings(prior: HyperPrior, lengthscales: Lengthscales) -> FitSettings {
+        let family = KernelFamily::SquaredExponential;
+        FitSettings { family, lengthscales, prior, starts: 3, iterations: 100, fit_limit: 300 }
+    }
+
+    #[test]
+    fn relevance_is_determined() {
+        let points: Vec<_> = (0..40).map(|i| sobol_point(3, i, 2)).collect();
+        let targets: Vec<f64> = points.iter().map(|x| (6.0 * x[0]).sin()).collect();
+        for prior in [HyperPrior::Flat, HyperPrior::DimensionScaled] {
+            let fit = fit(&settings(prior, Lengthscales::Ard), &points, &targets, 1).unwrap();
+            let l = &fit.hyper.lengthscales;
+            assert!(l[0] < 0.6 && l[1] > 4.0 * l[0] && l[2] > 4.0 * l[0], "{fit:?}");
+            assert!(fit.hyper.noise_variance < 1e-2, "{fit:?}");
+        }
+    }
+
+    #[test]
+    fn the_found_point_is_stationary_inside_the_box() {
+        let points: Vec<_> = (0..25).map(|i| sobol_point(2, i, 3)).collect();
+        let targets: Vec<f64> =
+            points.iter().enumerate().map(|(i, x)| (4.0 * x[0]).sin() + x[1] + 0.1 * (7.0 * i as f64).sin()).collect();
+        let chosen = settings(HyperPrior::DimensionScaled, Lengthscales::Ard);
+        let found = fit(&chosen, &points, &targets, 1).unwrap();
+        let FitSettings { family, lengthscales, prior, .. } = chosen;
+        let model = MarginalLikelihood { family, lengthscales, prior, points: &points, targets: &targets };
+        let gradient = model.log_posterior(&found.hyper.to_log(lengthscales)).unwrap().gradient;
+        assert!(gradient.iter().all(|g| g.abs() < 0.05), "{gradient:?} {found:?}");
+    }
+
+    #[test]
+    fn one_sample_is_too_few() {
+        let got = fit(&settings(HyperPrior::Flat, Lengthscales::Isotropic), &[vec![0.5]], &[1.0], 0);
+        assert_eq!(got.unwrap_err(), BayesoptError::TooFewSamples { need: 2, got: 1 });
+    }
+}

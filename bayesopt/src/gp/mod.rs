@@ -1,0 +1,238 @@
+//! Exact Gaussian-process regression.
+
+mod cholesky;
+mod fit;
+mod hyper;
+mod likelihood;
+mod prior;
+
+pub use cholesky::Cholesky;
+pub use fit::{FEWEST_SAMPLES, Fit, FitSettings, fit};
+pub use hyper::{HyperParameters, Lengthscales};
+pub use likelihood::{Evaluation, MarginalLikelihood};
+pub use prior::{HyperPrior, LogNormal};
+
+use faer::Mat;
+
+use crate::BayesoptError;
+use crate::kernel::{Kernel, KernelFamily};
+
+/// Zero-mean Gaussian process conditioned on n observations:
+///
+/// ```text
+/// mean(x) = k(x)ᵀ α,   α = (K + σ_n² I)⁻¹ y
+/// var(x)  = k(x, x) − |L⁻¹ k(x)|²,   L Lᵀ = K + σ_n² I
+/// ```
+///
+/// Rasmussen & Williams 2006, algorithm 2.1. Variance is that of the noise-free function.
+#[derive(Debug, Clone)]
+pub struct Gp {
+    kernel: Kernel,
+    points: Vec<Vec<f64>>,
+    cholesky: Cholesky,
+    alpha: Vec<f64>,
+}
+
+/// Posterior of the function value at one point.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Posterior {
+    /// Mean, target units.
+    pub mean: f64,
+    /// Standard deviation of the noise-free function, target units, > 0.
+    pub sd: f64,
+}
+
+/// Posterior with its gradients in x.
+#[derive(Debug, Clone, PartialEq)]
+pub struct PosteriorSlope {
+    /// Mean and deviation.
+    pub at: Posterior,
+    /// ∂mean/∂x.
+    pub d_mean: Vec<f64>,
+    /// ∂sd/∂x.
+    pub d_sd: Vec<f64>,
+}
+
+/// Variance below which a point counts as observed, relative to σ_f²: rounding of k(x,x) − |L⁻¹k|².
+const LEAST_VARIANCE: f64 = 1e-14;
+
+impl Gp {
+    /// Conditions the process on `targets` at `points` with given hyper-parameters.
+    ///
+    /// # Errors
+    /// `TooFewSamples` (none), `NonFiniteTarget`, `NonPositivePivot`.
+    pub fn new(
+        family: KernelFamily,
+        hyper: &HyperParameters,
+        points: Vec<Vec<f64>>,
+        targets: &[f64],
+    ) -> Result<Self, BayesoptError> {
+        if points.is_empty() || points.len() != targets.len() {
+            return Err(BayesoptError::TooFewSamples { need: points.len().max(1), got: targets.len() });
+        }
+        if let Some(index) = targets.iter().position(|t| !t.is_finite()) {
+            return Err(BayesoptError::NonFiniteTarget { index, value: targets[index] });
+        }
+        let kernel = hyper.kernel(family);
+        let mut covariance = kernel.gram(&points);
+        for i in 0..points.len() {
+            covariance[(i, i)] += hyper.noise_variance;
+        }
+        let cholesky = Cholesky::new(&covariance)?;
+        let alpha = cholesky.solve(targets);
+        Ok(Self { kernel, points, cholesky, alpha })
+    }
+
+    /// Jitter that the factorisation needed, target units squared.
+    pub fn jitter(&self) -> f64 {
+        self.cholesky.jitter()
+    }
+
+    /// The kernel in use.
+    pub fn kernel(&self) -> &Kernel {
+        &self.kernel
+    }
+
+    /// Posterior at each of m points, by one triangular solve with m right-hand sides.
+    pub fn posterior_batch(&self, at: &[Vec<f64>]) -> Vec<Posterior> {
+        let mut cross = Mat::from_fn(self.points.len(), at.len(), |i, j| self.kernel.value(&self.points[i], &at[j]));
+        let means: Vec<f64> =
+            (0..at.len()).map(|j| cross.col(j).iter().zip(&self.alpha).map(|(k, a)| k * a).sum()).collect();
+        self.cholesky.forward_solve(cross.as_mut());
+        let sd = |j: usize| self.deviation(cross.col(j).iter().map(|v| v * v).sum());
+        (0..at.len()).map(|j| Posterior { mean: means[j], sd: sd(j) }).collect()
+    }
+
+    /// Posterior and its gradients at one point:
+    /// `∂mean = Jᵀα`, `∂sd = −Jᵀ(K + σ_n² I)⁻¹k / sd`, J_ij = ∂k(x_i, x)/∂x_j.
+    pub fn posterior_slope(&self, x: &[f64]) -> PosteriorSlope {
+        let n = self.points.len();
+        let (mut column, mut slopes) = (Mat::zeros(n, 1), vec![0.0; n]);
+        for i in 0..n {
+            let r2 = self.kernel.squared_distance(x, &self.points[i]);
+            let (rho, slope) = self.kernel.family.correlation_and_slope(r2);
+            column[(i, 0)] = self.kernel.signal_variance * rho;
+            slopes[i] = 2.0 * self.kernel.signal_variance * slope;
+        }
+        let mean = column.col(0).iter().zip(&self.alpha).map(|(k, a)| k * a).sum();
+        self.cholesky.forward_solve(column.as_mut());
+        let sd = self.deviation(column.col(0).iter().map(|v| v * v).sum());
+        self.cholesky.backward_solve(column.as_mut());
+
+        let (mut d_mean, mut d_sd) = (vec![0.0; x.len()], vec![0.0; x.len()]);
+        for i in 0..n {
+            let (for_mean, for_sd) = (slopes[i] * self.alpha[i], -slopes[i] * column[(i, 0)] / sd);
+            for c in 0..x.len() {
+                let difference = x[c] - self.points[i][c];
+                d_mean[c] += for_mean * difference;
+                d_sd[c] += for_sd * difference;
+            }
+        }
+        for c in 0..x.len() {
+            let inverse_square = self.kernel.lengthscales[c].powi(-2);
+            d_mean[c] *= inverse_square;
+            d_sd[c] *= inverse_square;
+        }
+        PosteriorSlope { at: Posterior { mean, sd }, d_mean, d_sd }
+    }
+
+    fn deviation(&self, explained: f64) -> f64 {
+        let prior = self.kernel.signal_variance;
+        (prior - explained).max(LEAST_VARIANCE * prior).sqrt()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::design::sobol_point;
+
+    fn hyper(noise_variance: f64) -> HyperParameters {
+        HyperParameters { lengthscales: vec![0.5, 0.9], signal_variance: 1.3, noise_variance }
+    }
+
+    fn data() -> (Vec<Vec<f64>>, Vec<f64>) {
+        let points: Vec<_> = (0..9).map(|i| sobol_point(2, i, 1)).collect();
+        let targets = points.iter().map(|x| (3.0 * x[0]).sin() - x[1]).collect();
+        (points, targets)
+    }
+
+    #[test]
+    fn noise_free_data_is_interpolated() {
+        let (points, targets) = data();
+        let gp = Gp::new(KernelFamily::Matern52, &hyper(1e-12), points.clone(), &targets).unwrap();
+        for (x, y) in points.iter().zip(&targets) {
+            let at = gp.posterior_slope(x).at;
+            assert!((at.mean - y).abs() < 1e-8 && at.sd < 1e-5, "{at:?} {y}");
+        }
+    }
+
+    #[test]
+    fn posterior_equals_the_dense_formula() {
+        // Second algorithm: the explicit inverse by faer's LU instead of the Cholesky factor.
+        use faer::linalg::solvers::DenseSolveCore;
+        let (points, targets) = data();
+        for family in [KernelFamily::Matern52, KernelFamily::SquaredExponential] {
+            let gp = Gp::new(family, &hyper(0.01), points.clone(), &targets).unwrap();
+            let noisy = &gp.kernel.gram(&points) + faer::Scale(0.01) * Mat::<f64>::identity(9, 9);
+            let inverse = noisy.partial_piv_lu().inverse();
+            let at: Vec<_> = (20..25).map(|i| sobol_point(2, i, 7)).collect();
+            for (x, batch) in at.iter().zip(gp.posterior_batch(&at)) {
+                let k = Mat::from_fn(9, 1, |i, _| gp.kernel.value(x, &points[i]));
+                let y = Mat::from_fn(9, 1, |i, _| targets[i]);
+                let mean = (k.transpose() * &inverse * &y)[(0, 0)];
+                let variance = 1.3 - (k.transpose() * &inverse * &k)[(0, 0)];
+                for posterior in [&batch, &gp.posterior_slope(x).at] {
+                    assert!((posterior.mean - mean).abs() < 1e-12);
+                    assert!((posterior.sd - variance.sqrt()).abs() < 1e-12);
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn gradients_match_central_differences() {
+        let (points, targets) = data();
+        for family in [KernelFamily::Matern52, KernelFamily::SquaredExponential] {
+            let gp = Gp::new(family, &hyper(0.01), points.clone(), &targets).unwrap();
+            let x = vec![0.31, 0.74];
+            let slope = gp.posterior_slope(&x);
+            for i in 0..2 {
+                let moved = |h: f64| {
+                    let mut x = x.clone();
+                    x[i] += h;
+                    gp.posterior_slope(&x).at
+                };
+                let (right, left) = (moved(1e-6), moved(-1e-6));
+                assert!(((right.mean - left.mean) / 2e-6 - slope.d_mean[i]).abs() < 1e-8, "{family:?} mean");
+                assert!(((right.sd - left.sd) / 2e-6 - slope.d_sd[i]).abs() < 1e-8, "{family:?} sd");
+            }
+        }
+    }
+
+    #[test]
+    fn the_order_of_the_observations_does_not_matter() {
+        let (points, targets) = data();
+        let gp = Gp::new(KernelFamily::Matern52, &hyper(1e-3), points.clone(), &targets).unwrap();
+        let reversed: (Vec<_>, Vec<_>) = points.into_iter().zip(targets).rev().unzip();
+        let other = Gp::new(KernelFamily::Matern52, &hyper(1e-3), reversed.0, &reversed.1).unwrap();
+        let (a, b) = (gp.posterior_slope(&[0.4, 0.6]).at, other.posterior_slope(&[0.4, 0.6]).at);
+        assert!((a.mean - b.mean).abs() < 1e-11 && (a.sd - b.sd).abs() < 1e-11, "{a:?} {b:?}");
+    }
+
+    #[test]
+    fn duplicated_noise_free_points_need_a_reported_jitter() {
+        let twice = vec![vec![0.2, 0.2]; 4];
+        let gp = Gp::new(KernelFamily::Matern52, &hyper(0.0), twice, &[1.0; 4]).unwrap();
+        assert!(gp.jitter() > 0.0);
+        assert!((gp.posterior_slope(&[0.2, 0.2]).at.mean - 1.0).abs() < 1e-6);
+    }
+
+    #[test]
+    fn targets_must_be_finite_and_present() {
+        let nan = Gp::new(KernelFamily::Matern52, &hyper(0.1), vec![vec![0.0, 0.0]], &[f64::NAN]);
+        assert!(matches!(nan, Err(BayesoptError::NonFiniteTarget { index: 0, .. })));
+        let none = Gp::new(KernelFamily::Matern52, &hyper(0.1), vec![], &[]);
+        assert!(matches!(none, Err(BayesoptError::TooFewSamples { need: 1, got: 0 })));
+    }
+}

@@ -1,0 +1,195 @@
+//! The point with the largest acquisition.
+
+use rand::RngExt;
+use rand_distr::{Distribution, StandardNormal};
+use serde::{Deserialize, Serialize};
+
+use super::projected_lbfgs::{Bounds, Descent, minimise};
+use crate::acquisition::Acquisition;
+use crate::design::scrambled_sobol;
+use crate::gp::Gp;
+use crate::random::{Purpose, scramble_key, stream};
+
+/// How hard the acquisition is maximised.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct SearchSettings {
+    /// Sobol points over the region. Default 1000 (`closed_loop_notes` §4).
+    pub candidates: usize,
+    /// Random perturbations of the incumbent. Default 1000 (`closed_loop_notes` §4).
+    pub perturbations: usize,
+    /// Candidates refined by projected L-BFGS, half of them from the perturbations. Default 4.
+    pub refined: usize,
+    /// Iterations of each refinement. Default 50.
+    pub iterations: usize,
+}
+
+impl Default for SearchSettings {
+    fn default() -> Self {
+        Self { candidates: 1000, perturbations: 1000, refined: 4, iterations: 50 }
+    }
+}
+
+/// The best point found and its acquisition.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Maximum {
+    /// Unit coordinates.
+    pub point: Vec<f64>,
+    /// Acquisition there.
+    pub value: f64,
+}
+
+/// Perturbations have a deviation drawn log-uniformly between these, in unit coordinates:
+/// from the polish of a converged run to a fifth of the box.
+const PERTURBATION_SD: [f64; 2] = [1e-3, 0.2];
+/// Expected number of coordinates moved by a perturbation, as in TuRBO (Eriksson et al. 2019).
+const MOVED_COORDINATES: f64 = 20.0;
+/// A point this close to a known one, in every coordinate, would teach nothing new.
+const SAME_POINT: f64 = 1e-7;
+
+/// `argmax a(x)` over the box `region`: Sobol candidates, perturbations of `incumbent`,
+/// then projected L-BFGS from the best of both. Deterministic in (seed, trial).
+///
+/// Points that coincide with one of `known` are passed over; a point of the region is returned in any case.
+pub fn maximise_acquisition(
+    gp: &Gp,
+    acquisition: Acquisition,
+    best: f64,
+    region: &Bounds,
+    incumbent: Option<&[f64]>,
+    known: &[Vec<f64>],
+    settings: &SearchSettings,
+    seed: u64,
+    trial: usize,
+) -> Maximum {
+    let score = |points: Vec<Vec<f64>>| {
+        let posteriors = gp.posterior_batch(&points);
+        let value = |i: usize| acquisition.evaluate(posteriors[i].mean, posteriors[i].sd, best).value;
+        let values: Vec<f64> = (0..points.len()).map(value).collect();
+        let mut scored: Vec<Maximum> =
+            points.into_iter().zip(values).map(|(point, value)| Maximum { point, value }).collect();
+        scored.sort_by(|a, b| b.value.total_cmp(&a.value));
+        scored
+    };
+    let global = score(sobol_candidates(region, settings.candidates.max(1), seed, trial));
+    let local = incumbent.map_or(vec![], |x| score(perturbations(x, region, settings.perturbations, seed, trial)));
+
+    // Refine the best of both kinds; −a is minimised.
+    let descent = Descent {
+        iterations: settings.iterations,
+        gradient_tolerance: 1e-6,
+        value_tolerance: 1e-8,
+        first_step: 0.05,
+        ..Descent::default()
+    };
+    let mut objective = |x: &[f64], gradient: &mut [f64]| {
+        let slope = gp.posterior_slope(x);
+        let at = acquisition.evaluate(slope.at.mean, slope.at.sd, best);
+        for i in 0..x.len() {
+            gradient[i] = -(at.d_mean * slope.d_mean[i] + at.d_sd * slope.d_sd[i]);
+        }
+        -at.value
+    };
+    let from_local = if local.is_empty() { 0 } else { settings.refined / 2 };
+    let starts = global.iter().take(settings.refined - from_local).chain(local.iter().take(from_local));
+    let mut refined: Vec<Maximum> = starts
+        .map(|start| minimise(&mut objective, &start.point, region, &descent))
+        .map(|found| Maximum { point: found.point, value: -found.value })
+        .collect();
+
+    // Best first; a known point is passed over.
+    let fallback = global[0].clone();
+    refined.extend(global.into_iter().take(10));
+    refined.sort_by(|a, b| b.value.total_cmp(&a.value));
+    let is_new = |found: &Maximum| !known.iter().any(|x| same_point(x, &found.point));
+    refined.into_iter().find(is_new).unwrap_or(fallback)
+}
+
+fn sobol_candidates(region: &Bounds, count: usize, seed: u64, trial: usize) -> Vec<Vec<f64>> {
+    let key = scramble_key(seed, trial, Purpose::Candidates);
+    let (lower, upper) = (&region.lower, &region.upper);
+    let place = |u: Vec<f64>| (0..u.len()).map(|i| lower[i] + u[i] * (upper[i] - lower[i])).collect();
+    (0..count).map(|k| place(scrambled_sobol(lower.len(), k, key))).collect()
+}
+
+fn perturbations(incumbent: &[f64], region: &Bounds, count: usize, seed: u64, trial: usize) -> Vec<Vec<f64>> {
+    let mut rng = stream(seed, trial, Purpose::Perturbations);
+    let dimension = incumbent.len();
+    let share = (MOVED_COORDINATES / dimension as f64).min(1.0);
+    let [least, most] = PERTURBATION_SD.map(f64::ln);
+    let mut perturb = |_| {
+        let sd = rng.random_range(least..most).exp();
+        let always = rng.random_range(0..dimension);
+        let mut x = incumbent.to_vec();
+        for (i, x) in x.iter_mut().enumerate() {
+            let z: f64 = StandardNormal.sample(&mut rng);
+            if rng.random::<f64>() < share || i == always {
+                *x += sd * z;
+            }
+        }
+        region.project(&mut x);
+        x
+    };
+    (0..count).map(&mut perturb).collect()
+}
+
+fn same_point(a: &[f64], b: &[f64]) -> bool {
+    a.iter().zip(b).all(|(a, b)| (a - b).abs() < SAME_POINT)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::gp::HyperParameters;
+    use crate::kernel::KernelFamily;
+
+    fn gp() -> Gp {
+        let hyper = HyperParameters { lengthscales: vec![0.3, 0.3], signal_variance: 1.0, noise_variance: 1e-6 };
+        let points = vec![vec![0.1, 0.1], vec![0.9, 0.2], vec![0.5, 0.8]];
+        Gp::new(KernelFamily::Matern52, &hyper, points, &[1.0, -0.5, 0.2]).unwrap()
+    }
+
+    #[test]
+    fn no_point_of_a_fine_grid_is_better() {
+        let gp = gp();
+        for acquisition in [Acquisition::Ei, Acquisition::LogEi] {
+            let region = Bounds::unit_cube(2);
+            let incumbent = [0.9, 0.2];
+            let found = maximise_acquisition(
+                &gp,
+                acquisition,
+                -0.5,
+                &region,
+                Some(&incumbent),
+                &[],
+                &SearchSettings::default(),
+                1,
+                3,
+            );
+            let grid: Vec<Vec<f64>> =
+                (0..=100).flat_map(|i| (0..=100).map(move |j| vec![0.01 * i as f64, 0.01 * j as f64])).collect();
+            let best = gp
+                .posterior_batch(&grid)
+                .iter()
+                .map(|p| acquisition.evaluate(p.mean, p.sd, -0.5).value)
+                .fold(f64::NEG_INFINITY, f64::max);
+            assert!(found.value >= best - 1e-9, "{acquisition:?} {found:?} {best}");
+        }
+    }
+
+    #[test]
+    fn known_points_are_passed_over_and_the_region_is_kept() {
+        let gp = gp();
+        let region = Bounds { lower: vec![0.8, 0.1], upper: vec![1.0, 0.3] };
+        let settings = SearchSettings::default();
+        let ask = |known: &[Vec<f64>]| {
+            maximise_acquisition(&gp, Acquisition::LogEi, -0.5, &region, Some(&[0.9, 0.2]), known, &settings, 1, 3)
+        };
+        let first = ask(&[]);
+        let second = ask(std::slice::from_ref(&first.point));
+        assert!(!same_point(&first.point, &second.point));
+        for found in [first, second] {
+            assert!((0.8..=1.0).contains(&found.point[0]) && (0.1..=0.3).contains(&found.point[1]));
+        }
+    }
+}

@@ -1,0 +1,36 @@
+//! Does the search find minima? Median simple regret over eight seeds, protocol of `reference/FUNCTIONS.md` §4.0.
+//!
+//! Thresholds lie a margin above what `cargo run --release --example regret -- 8` printed when they were set;
+//! peers' figures (BoTorch LogEI, random search) from `reference/peers.md` beside them.
+
+mod common;
+
+use common::{PROBLEMS, Problem, median, random_regret, simple_regret};
+use tribo_bayesopt::Settings;
+
+const SEEDS: u64 = 8;
+
+fn medians(problem: &Problem, settings: &Settings) -> (f64, f64) {
+    let ours = median((0..SEEDS).map(|s| simple_regret(problem, settings, s, 50)).collect());
+    let random = median((0..SEEDS).map(|s| random_regret(problem, s, 50)).collect());
+    (ours, random)
+}
+
+/// (problem, threshold): see the table of the crate's `README`-like example output above each line.
+const THRESHOLDS: [(&str, f64); 3] = [("branin2", 5e-3), ("hartmann6", 0.3), ("fric14", 16.0)];
+
+#[test]
+fn bo_beats_random_search_by_a_clear_margin() {
+    for (name, threshold) in THRESHOLDS {
+        let problem = PROBLEMS.iter().find(|p| p.name == name).unwrap();
+        let (ours, random) = medians(problem, &Settings::bo(vec![0.0; problem.dimension]));
+        assert!(ours < threshold && ours < 0.8 * random, "{name}: {ours:e}, random {random:e}");
+    }
+}
+
+#[test]
+fn the_paper_route_beats_random_search_where_nothing_crashes() {
+    let problem = &PROBLEMS[0];
+    let (ours, random) = medians(problem, &Settings::paper());
+    assert!(ours < 0.3 * random, "{ours:e}, random {random:e}");
+}

@@ -1,0 +1,214 @@
+//! Settings of a campaign: as written, and as validated.
+
+use serde::{Deserialize, Serialize};
+use tribo_control::{ImpedanceSettings, PAPER_PHASES_RAD, SinusoidReference};
+use tribo_ekf::{MeasurementNoise, WrenchEkfSettings};
+use tribo_friction::VelocitySource;
+use tribo_robot::{Kinematics, presets};
+use tribo_sim::{DEFAULT_SUB_STEPS, Truth, WrenchPulses};
+
+use crate::files::{FieldError, FileError};
+use crate::scenario::{ModelError, POSES, TruthName, pose, random_phases};
+use crate::strategy::StrategyName;
+use crate::{Bounds, ParameterSpace, PenaltyLimits, Trial, TunedLaw};
+
+/// Schema name of campaign settings.
+const SCHEMA: &str = "tribo.tune/1";
+
+/// Which estimator's wrench is the tuning cost.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum EstimatorName {
+    /// The augmented-state EKF.
+    #[default]
+    Ekf,
+}
+
+/// Phases of the reference trajectory.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Phases {
+    /// The fixed phases of all documented tables.
+    #[default]
+    Documented,
+    /// Drawn from the campaign's seed.
+    Random,
+}
+
+/// Settings of `tribo tune`, every field with its default. Frozen within a campaign.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct TuneConfig {
+    /// `tribo.tune/1`.
+    pub schema: String,
+    /// Version of Tribo that wrote the file; empty in files written by hand.
+    pub tribo_version: String,
+    /// Seed of everything random.
+    pub seed: u64,
+    /// What chooses the next parameters.
+    pub strategy: StrategyName,
+    /// Friction law of the compensator.
+    pub friction: TunedLaw,
+    /// Parameter box.
+    pub bounds: Bounds,
+    /// Estimator whose wrench is the cost.
+    pub residual: EstimatorName,
+    /// Velocity the compensator believes near zero.
+    pub velocity: VelocitySource,
+    /// Number of trials.
+    pub trials: usize,
+    /// Trials of the initial design, where the strategy has one.
+    pub init: usize,
+    /// What the simulated arm is like: a name, or the path of a model file.
+    pub truth: TruthName,
+    /// What the controller's model gets wrong.
+    pub model_error: ModelError,
+    /// Configuration about which the tool moves: 0, 1, 2.
+    pub pose: usize,
+    /// Phases of the reference.
+    pub phases: Phases,
+    /// Plant sub-steps per control period.
+    pub sub_steps: usize,
+    /// Gains.
+    pub impedance: ImpedanceSettings,
+    /// Estimator noise.
+    pub ekf: WrenchEkfSettings,
+    /// Limits that end a trial.
+    pub limits: PenaltyLimits,
+}
+
+impl Default for TuneConfig {
+    fn default() -> Self {
+        Self {
+            schema: SCHEMA.to_owned(),
+            tribo_version: String::new(),
+            seed: 1,
+            strategy: StrategyName::GreyBox,
+            friction: TunedLaw::CoulombViscous,
+            bounds: Bounds::Literal,
+            residual: EstimatorName::Ekf,
+            velocity: VelocitySource::Hybrid,
+            // The paper's budget: 10 random trials and 40 chosen ones.
+            trials: 50,
+            init: 10,
+            truth: TruthName::CoulombViscous,
+            model_error: ModelError::default(),
+            pose: 0,
+            phases: Phases::Documented,
+            sub_steps: DEFAULT_SUB_STEPS,
+            impedance: ImpedanceSettings::default(),
+            ekf: WrenchEkfSettings::default(),
+            limits: PenaltyLimits::default(),
+        }
+    }
+}
+
+/// Why settings cannot be used.
+#[derive(Debug, thiserror::Error)]
+pub enum ConfigError {
+    /// A field is out of range.
+    #[error(transparent)]
+    Field(#[from] FieldError),
+    /// The file of the truth cannot be used.
+    #[error(transparent)]
+    File(#[from] FileError),
+}
+
+/// Validated settings with everything they refer to.
+#[derive(Clone, Debug)]
+pub struct ValidTune {
+    /// The settings, resolved.
+    pub config: TuneConfig,
+    /// The parameters that are tuned.
+    pub space: ParameterSpace,
+    /// The trial that is repeated.
+    pub trial: Trial<7>,
+}
+
+impl TuneConfig {
+    /// Checks every field against its range and loads the truth.
+    pub fn validate(mut self) -> Result<ValidTune, ConfigError> {
+        if self.schema != SCHEMA {
+            return Err(FieldError::new("schema", &self.schema, SCHEMA).into());
+        }
+        let count = |field: &str, value: usize, low: usize, high: usize| {
+            if (low..=high).contains(&value) {
+                Ok(())
+            } else {
+                Err(FieldError::new(field, value, format!("{low} to {high}")))
+            }
+        };
+        count("trials", self.trials, 1, 10_000)?;
+        count("init", self.init, 1, 1000)?;
+        count("sub_steps", self.sub_steps, 1, 1000)?;
+        count("pose", self.pose, 0, POSES - 1)?;
+        let positive = |field: &str, value: f64, high: f64| {
+            if value > 0.0 && value <= high {
+                Ok(())
+            } else {
+                Err(FieldError::new(field, value, format!("greater than 0, at most {high}")))
+            }
+        };
+        FieldError::check("model_error.payload_kg", self.model_error.payload_kg, 0.0, 20.0)?;
+        FieldError::check("model_error.link_mass_error", self.model_error.link_mass_error, 0.0, 0.5)?;
+        FieldError::check("model_error.noise_factor", self.model_error.noise_factor, 0.0, 1000.0)?;
+        let i = &self.impedance;
+        positive("impedance.mass_kg", i.mass_kg, 1e3)?;
+        positive("impedance.inertia_kg_m2", i.inertia_kg_m2, 1e3)?;
+        positive("impedance.stiffness_n_per_m", i.stiffness_n_per_m, 1e5)?;
+        positive("impedance.stiffness_nm_per_rad", i.stiffness_nm_per_rad, 1e5)?;
+        positive("impedance.damping_ratio", i.damping_ratio, 10.0)?;
+        FieldError::check("impedance.nullspace_damping_per_s", i.nullspace_damping_per_s, 0.0, 500.0)?;
+        FieldError::check("impedance.posture_stiffness_per_s2", i.posture_stiffness_per_s2, 0.0, 1e4)?;
+        let e = &self.ekf;
+        match e.measurement {
+            MeasurementNoise::Diagonal { position_m, rotation_rad } => {
+                positive("ekf.measurement.diagonal.position_m", position_m, 1.0)?;
+                positive("ekf.measurement.diagonal.rotation_rad", rotation_rad, 1.0)?;
+            }
+            MeasurementNoise::Encoder { sd_rad } => positive("ekf.measurement.encoder.sd_rad", sd_rad, 1.0)?,
+        }
+        FieldError::check("ekf.acceleration_noise_m_s2", e.acceleration_noise_m_s2, 0.0, 1e3)?;
+        FieldError::check("ekf.acceleration_noise_rad_s2", e.acceleration_noise_rad_s2, 0.0, 1e3)?;
+        positive("ekf.force_walk_n", e.force_walk_n, 1e4)?;
+        positive("ekf.moment_walk_nm", e.moment_walk_nm, 1e4)?;
+        positive("ekf.initial_force_sd_n", e.initial_force_sd_n, 1e4)?;
+        positive("ekf.initial_moment_sd_nm", e.initial_moment_sd_nm, 1e4)?;
+        let l = &self.limits;
+        positive("limits.acceleration_m_s2", l.acceleration_m_s2, 1e4)?;
+        positive("limits.acceleration_rad_s2", l.acceleration_rad_s2, 1e4)?;
+        positive("limits.error_m", l.error_m, 10.0)?;
+        positive("limits.error_rad", l.error_rad, 4.0)?;
+        positive("limits.nullspace_speed_rad_s", l.nullspace_speed_rad_s, 100.0)?;
+        positive("limits.saturation_s", l.saturation_s, 100.0)?;
+        positive("limits.acceleration_cutoff_hz", l.acceleration_cutoff_hz, 500.0)?;
+
+        if self.strategy == StrategyName::Gaz {
+            self.friction = TunedLaw::GazSigmoid;
+        }
+        let truth: Truth<7> = self.model_error.apply(self.truth.load()?, self.seed);
+        let start = pose(self.pose).ok_or_else(|| FieldError::new("pose", self.pose, "0 to 2"))?;
+        let model = presets::panda();
+        let phase_rad = match self.phases {
+            Phases::Documented => PAPER_PHASES_RAD,
+            Phases::Random => random_phases(self.seed),
+        };
+        let centre = Kinematics::at(&model, &start).base_from_flange();
+        let trial = Trial {
+            truth,
+            sensors: self.model_error.sensors(),
+            sub_steps: self.sub_steps,
+            pulses: WrenchPulses::default(),
+            model,
+            start,
+            impedance: self.impedance,
+            reference: SinusoidReference::paper(centre, phase_rad),
+            velocity: self.velocity,
+            limits: self.limits,
+            dt_s: 1e-3,
+        };
+        let space = ParameterSpace { law: self.friction, bounds: self.bounds, joints: 7 };
+        self.tribo_version = env!("CARGO_PKG_VERSION").to_owned();
+        Ok(ValidTune { config: self, space, trial })
+    }
+}

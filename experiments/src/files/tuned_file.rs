@@ -1,0 +1,84 @@
+//! The result of a campaign on disk.
+
+use std::path::Path;
+
+use serde::{Deserialize, Serialize};
+use tribo_friction::{Compensator, FrictionModel, VelocitySource};
+
+use super::{FieldError, FileError, FrictionSection, YamlDocument};
+
+/// Schema name of tuned parameters.
+const SCHEMA: &str = "tribo.tuned/1";
+
+/// `tuned.yaml`: the best compensator of a campaign and what it achieved.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct TunedFile {
+    /// `tribo.tuned/1`.
+    pub schema: String,
+    /// Version of Tribo that wrote it.
+    pub tribo_version: String,
+    /// Robot preset.
+    pub robot: String,
+    /// Seed of the campaign.
+    pub seed: u64,
+    /// Trial the parameters come from.
+    pub trial: usize,
+    /// Cost J of that trial [N + Nm].
+    pub cost: f64,
+    /// Cost J without compensation [N + Nm].
+    pub uncompensated_cost: f64,
+    /// Velocity the compensator believes near zero.
+    pub velocity: VelocitySource,
+    /// Speed above which the hybrid source trusts the measurement [rad/s].
+    pub hybrid_threshold_rad_s: f64,
+    /// The compensator's friction law; `smoothing_rad_s` is the width of its smooth sign.
+    pub friction: FrictionSection,
+}
+
+impl TunedFile {
+    /// The file that describes `compensator`.
+    pub fn new<const N: usize>(
+        compensator: &Compensator<N>,
+        robot: &str,
+        seed: u64,
+        best: (usize, f64),
+        uncompensated_cost: f64,
+    ) -> Self {
+        Self {
+            schema: SCHEMA.to_owned(),
+            tribo_version: env!("CARGO_PKG_VERSION").to_owned(),
+            robot: robot.to_owned(),
+            seed,
+            trial: best.0,
+            cost: best.1,
+            uncompensated_cost,
+            velocity: compensator.source,
+            hybrid_threshold_rad_s: compensator.hybrid_threshold_rad_s,
+            friction: FrictionSection::of(&compensator.friction, compensator.smoothing_rad_s),
+        }
+    }
+
+    /// Reads and validates a file.
+    pub fn read(path: &Path) -> Result<Self, FileError> {
+        let document = YamlDocument::read(path)?;
+        let tuned: Self = document.parse()?;
+        tuned.compensator::<7>().map_err(|error| document.explain(error))?;
+        Ok(tuned)
+    }
+
+    /// The compensator.
+    pub fn compensator<const N: usize>(&self) -> Result<Compensator<N>, FieldError> {
+        if self.schema != SCHEMA {
+            return Err(FieldError::new("schema", &self.schema, SCHEMA));
+        }
+        FieldError::check("hybrid_threshold_rad_s", self.hybrid_threshold_rad_s, 0.0, 10.0)?;
+        let friction: FrictionModel<N> = self.friction.to_model("friction")?;
+        Ok(Compensator {
+            friction,
+            source: self.velocity,
+            smoothing_rad_s: self.friction.smoothing_rad_s,
+            hybrid_threshold_rad_s: self.hybrid_threshold_rad_s,
+        })
+    }
+}

@@ -1,0 +1,178 @@
+//! The journal on disk.
+
+use std::fs::{File, OpenOptions};
+use std::io::{Seek, SeekFrom, Write};
+use std::path::{Path, PathBuf};
+
+use serde_json::{Value, json};
+
+use super::{JournalTrial, TrialState, replay};
+use crate::files::{FileError, read_text};
+
+/// What tells the time for the time stamps of the journal: RFC 3339 with microseconds and offset.
+pub type Clock = fn() -> String;
+
+/// An open journal, held exclusively until dropped.
+#[derive(Debug)]
+pub struct Journal {
+    path: PathBuf,
+    file: File,
+    clock: Clock,
+}
+
+/// Name of the writer in the records; a campaign has one.
+const WORKER: &str = "tribo";
+
+impl Journal {
+    /// Creates a journal with an empty study. An existing file is an error.
+    pub fn create(path: &Path, clock: Clock) -> Result<Self, FileError> {
+        let file = OpenOptions::new().read(true).append(true).create_new(true).open(path).map_err(FileError::io(path))?;
+        let mut journal = Self { path: path.to_owned(), file, clock };
+        journal.lock()?;
+        journal.append(&[json!({"op_code": 0, "worker_id": WORKER, "study_name": "tribo", "directions": [1]})])?;
+        Ok(journal)
+    }
+
+    /// Opens a journal, cuts off a torn last line, and replays the rest.
+    pub fn open(path: &Path, clock: Clock) -> Result<(Self, Vec<JournalTrial>), FileError> {
+        let file = OpenOptions::new().read(true).append(true).open(path).map_err(FileError::io(path))?;
+        let mut journal = Self { path: path.to_owned(), file, clock };
+        journal.lock()?;
+        let text = read_text(path)?;
+        let whole = text.rfind('\n').map_or(0, |last| last + 1);
+        let trials = replay(path, &text[..whole])?;
+        if whole < text.len() {
+            journal.file.set_len(whole as u64).map_err(FileError::io(path))?;
+            journal.file.seek(SeekFrom::End(0)).map_err(FileError::io(path))?;
+            journal.file.sync_all().map_err(FileError::io(path))?;
+        }
+        if whole == 0 {
+            journal.append(&[json!({"op_code": 0, "worker_id": WORKER, "study_name": "tribo", "directions": [1]})])?;
+        }
+        Ok((journal, trials))
+    }
+
+    fn lock(&mut self) -> Result<(), FileError> {
+        self.file.try_lock().map_err(|error| match error {
+            std::fs::TryLockError::WouldBlock => FileError::Campaign {
+                path: self.path.clone(),
+                message: "another process is running this campaign; wait for it or stop it".to_owned(),
+            },
+            std::fs::TryLockError::Error(source) => FileError::Io { path: self.path.clone(), source },
+        })
+    }
+
+    /// Creates the next trial, in state running.
+    pub fn create_trial(&mut self) -> Result<(), FileError> {
+        let now = (self.clock)();
+        self.append(&[json!({"op_code": 4, "worker_id": WORKER, "study_id": 0, "datetime_start": now})])
+    }
+
+    /// Records parameters (name, value, lower, upper) of a running trial.
+    pub fn set_params<'a>(
+        &mut self,
+        trial: usize,
+        params: impl Iterator<Item = (&'a str, f64, f64, f64)>,
+    ) -> Result<(), FileError> {
+        let records: Vec<Value> = params
+            .map(|(name, value, low, high)| {
+                let distribution = json!({
+                    "name": "FloatDistribution",
+                    "attributes": {"step": null, "low": low, "high": high, "log": false},
+                });
+                json!({
+                    "op_code": 5, "worker_id": WORKER, "trial_id": trial, "param_name": name,
+                    "param_value_internal": value, "distribution": distribution.to_string(),
+                })
+            })
+            .collect();
+        self.append(&records)
+    }
+
+    /// Records user attributes of a running trial, then ends it. The end is what makes the trial count.
+    pub fn finish(
+        &mut self,
+        trial: usize,
+        attributes: &[(&str, Value)],
+        state: TrialState,
+        value: Option<f64>,
+    ) -> Result<(), FileError> {
+        let mut records: Vec<Value> = attributes
+            .iter()
+            .map(|(key, value)| json!({"op_code": 8, "worker_id": WORKER, "trial_id": trial, "user_attr": {*key: value}}))
+            .collect();
+        records.push(json!({
+            "op_code": 6, "worker_id": WORKER, "trial_id": trial, "state": state.code(),
+            "values": value.map(|value| [value]), "datetime_complete": (self.clock)(),
+        }));
+        self.append(&records)
+    }
+
+    /// Appends whole lines with one write, then waits for the disk.
+    fn append(&mut self, records: &[Value]) -> Result<(), FileError> {
+        let mut text = String::new();
+        for record in records {
+            text.push_str(&record.to_string());
+            text.push('\n');
+        }
+        self.file.write_all(text.as_bytes()).map_err(FileError::io(&self.path))?;
+        self.file.sync_data().map_err(FileError::io(&self.path))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn clock() -> String {
+        "2026-01-01T00:00:00.000000+00:00".to_owned()
+    }
+
+    fn written(path: &Path) {
+        let mut journal = Journal::create(path, clock).unwrap();
+        for trial in 0..2 {
+            journal.create_trial().unwrap();
+            journal.set_params(trial, [("x", 0.1 + 0.2, 0.0, 1.0)].into_iter()).unwrap();
+            journal.finish(trial, &[("reason", Value::Null)], TrialState::Complete, Some(1.0 / 3.0)).unwrap();
+        }
+    }
+
+    #[test]
+    fn numbers_come_back_to_the_last_bit() {
+        let dir = tempfile::tempdir().unwrap();
+        let path = dir.path().join("journal.log");
+        written(&path);
+        let (_journal, trials) = Journal::open(&path, clock).unwrap();
+        assert_eq!((trials[1].params["x"], trials[1].value), (0.1 + 0.2, Some(1.0 / 3.0)));
+    }
+
+    /// Whatever the byte at which a write was torn, opening repairs the file and keeps every ended trial.
+    #[test]
+    fn a_torn_end_is_repaired_at_every_byte() {
+        let dir = tempfile::tempdir().unwrap();
+        let path = dir.path().join("journal.log");
+        written(&path);
+        let text = std::fs::read_to_string(&path).unwrap();
+        for cut in 0..text.len() {
+            std::fs::write(&path, &text[..cut]).unwrap();
+            let ended = text[..cut].lines().filter(|line| line.contains("\"op_code\":6")).count();
+            let whole = text[..cut].rfind('\n').map_or(0, |last| last + 1);
+            let ended_whole = text[..whole].lines().filter(|line| line.contains("\"op_code\":6")).count();
+            let (mut journal, trials) = Journal::open(&path, clock).unwrap();
+            assert!(ended >= ended_whole);
+            assert_eq!(trials.iter().filter(|trial| trial.state.is_finished()).count(), ended_whole);
+            journal.create_trial().unwrap();
+            drop(journal);
+            Journal::open(&path, clock).unwrap();
+        }
+    }
+
+    #[test]
+    fn two_processes_cannot_write_one_journal() {
+        let dir = tempfile::tempdir().unwrap();
+        let path = dir.path().join("journal.log");
+        let _first = Journal::create(&path, clock).unwrap();
+        let message = Journal::open(&path, clock).unwrap_err().to_string();
+        assert!(message.contains("another process"), "{message}");
+    }
+}

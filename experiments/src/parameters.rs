@@ -1,0 +1,190 @@
+//! The parameters a campaign tunes.
+
+use serde::{Deserialize, Serialize};
+use tribo_bayesopt::{BayesoptError, Domain};
+use tribo_friction::law::{CoulombViscous, GazSigmoid, Stribeck};
+use tribo_friction::{FrictionModel, JointFriction};
+
+/// Friction law of the compensator that is tuned.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum TunedLaw {
+    /// Two parameters per joint, roveda2022 eq. (27).
+    #[default]
+    CoulombViscous,
+    /// Five parameters per joint, roveda2022 eq. (28).
+    Stribeck,
+    /// The sigmoid of Gaz et al. 2019, three parameters per joint; the published constants are the baseline `gaz`.
+    GazSigmoid,
+}
+
+/// Which box the parameters live in: the paper's bounds read in two ways (its section 5.4 contradicts its eqs. 27–28).
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Bounds {
+    /// By index, as printed: Fv ≤ 5 Nm s/rad, Fc ≤ 2.5 Nm; Fv, Fc, dF ≤ 1.5, 1/vs ≤ 10 s/rad, shape ≤ 2.5.
+    #[default]
+    Literal,
+    /// By unit: Fc ≤ 5 Nm, Fv ≤ 2.5 Nm s/rad; Fc, dF ≤ 1.5 Nm, vs ≤ 1.5 rad/s, Fv ≤ 10 Nm s/rad, shape in 0.5–2.5.
+    UnitConsistent,
+}
+
+/// One tuned parameter of a joint: its name in files and its bounds.
+type Entry = (&'static str, f64, f64);
+
+/// The space of one campaign: a law, its box, N joints; joint by joint, in the order of the paper's indices.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct ParameterSpace {
+    /// The law.
+    pub law: TunedLaw,
+    /// The box.
+    pub bounds: Bounds,
+    /// Number of joints.
+    pub joints: usize,
+}
+
+impl ParameterSpace {
+    /// Parameters of one joint: (name, lower, upper).
+    pub fn entries(&self) -> &'static [Entry] {
+        match (self.law, self.bounds) {
+            (TunedLaw::CoulombViscous, Bounds::Literal) => {
+                &[("viscous_nm_s_per_rad", 0.0, 5.0), ("coulomb_nm", 0.0, 2.5)]
+            }
+            (TunedLaw::CoulombViscous, Bounds::UnitConsistent) => {
+                &[("viscous_nm_s_per_rad", 0.0, 2.5), ("coulomb_nm", 0.0, 5.0)]
+            }
+            (TunedLaw::Stribeck, Bounds::Literal) => &[
+                ("viscous_nm_s_per_rad", 0.0, 1.5),
+                ("coulomb_nm", 0.0, 1.5),
+                ("breakaway_minus_coulomb_nm", 0.0, 1.5),
+                ("inverse_stribeck_velocity_s_per_rad", 0.0, 10.0),
+                ("shape", 0.0, 2.5),
+            ],
+            // A Stribeck velocity of zero would be no curve at all: below 0.02 rad/s it is narrower than the sensor's noise.
+            (TunedLaw::Stribeck, Bounds::UnitConsistent) => &[
+                ("viscous_nm_s_per_rad", 0.0, 10.0),
+                ("coulomb_nm", 0.0, 1.5),
+                ("breakaway_minus_coulomb_nm", 0.0, 1.5),
+                ("stribeck_velocity_rad_s", 0.02, 1.5),
+                ("shape", 0.5, 2.5),
+            ],
+            (TunedLaw::GazSigmoid, _) => {
+                &[("phi1_nm", 0.0, 2.5), ("phi2_s_per_rad", 0.0, 30.0), ("phi3_rad_s", -0.1, 0.1)]
+            }
+        }
+    }
+
+    /// Number of parameters of all joints.
+    pub fn dimension(&self) -> usize {
+        self.joints * self.entries().len()
+    }
+
+    /// Names `joint_0.coulomb_nm` … of all parameters.
+    pub fn names(&self) -> Vec<String> {
+        let joint = |j: usize| self.entries().iter().map(move |(name, _, _)| format!("joint_{j}.{name}"));
+        (0..self.joints).flat_map(joint).collect()
+    }
+
+    /// The box as the optimiser's domain.
+    pub fn domain(&self) -> Result<Domain, BayesoptError> {
+        let bound = |pick: fn(&Entry) -> f64| (0..self.joints).flat_map(|_| self.entries().iter().map(pick)).collect();
+        Domain::new(self.names(), bound(|entry| entry.1), bound(|entry| entry.2))
+    }
+
+    /// No compensation: every torque zero (speeds and shapes at the middle of their ranges).
+    pub fn zero(&self) -> Vec<f64> {
+        let value = |entry: &Entry| match entry.0 {
+            "inverse_stribeck_velocity_s_per_rad" | "stribeck_velocity_rad_s" | "shape" | "phi2_s_per_rad" => {
+                0.5 * (entry.1 + entry.2)
+            }
+            _ => 0.0,
+        };
+        (0..self.joints).flat_map(|_| self.entries().iter().map(value)).collect()
+    }
+
+    /// The friction model of a parameter vector of length [`Self::dimension`].
+    pub fn friction<const N: usize>(&self, theta: &[f64]) -> FrictionModel<N> {
+        let k = self.entries().len();
+        FrictionModel { joints: std::array::from_fn(|j| self.joint(theta.get(j * k..(j + 1) * k).unwrap_or(&[]))) }
+    }
+
+    fn joint(&self, theta: &[f64]) -> JointFriction {
+        let at = |i: usize| theta.get(i).copied().unwrap_or(0.0);
+        match self.law {
+            TunedLaw::CoulombViscous => CoulombViscous { viscous_nm_s_per_rad: at(0), coulomb_nm: at(1) }.into(),
+            TunedLaw::Stribeck => Stribeck {
+                viscous_nm_s_per_rad: at(0),
+                coulomb_nm: at(1),
+                breakaway_minus_coulomb_nm: at(2),
+                inverse_stribeck_velocity_s_per_rad: match self.bounds {
+                    Bounds::Literal => at(3),
+                    Bounds::UnitConsistent => 1.0 / at(3),
+                },
+                shape: at(4),
+            }
+            .into(),
+            TunedLaw::GazSigmoid => {
+                GazSigmoid { phi1_nm: at(0), phi2_s_per_rad: at(1), phi3_rad_s: at(2) }.into()
+            }
+        }
+    }
+
+    /// The parameter vector that comes closest to a friction model inside the box.
+    pub fn theta<const N: usize>(&self, friction: &FrictionModel<N>) -> Vec<f64> {
+        let zero = self.zero();
+        let k = self.entries().len();
+        let joint = |j: usize| {
+            let (coulomb, viscous, stribeck) = match friction.joints[j] {
+                JointFriction::CoulombViscous(law) => (law.coulomb_nm, law.viscous_nm_s_per_rad, None),
+                JointFriction::Stribeck(law) => (law.coulomb_nm, law.viscous_nm_s_per_rad, Some(law)),
+                JointFriction::Lugre(law) => (law.coulomb_nm, law.viscous_nm_s_per_rad, None),
+                JointFriction::Asymmetric(law) => (
+                    0.5 * (law.coulomb_positive_nm + law.coulomb_negative_nm),
+                    0.5 * (law.viscous_positive_nm_s_per_rad + law.viscous_negative_nm_s_per_rad),
+                    None,
+                ),
+                JointFriction::GazSigmoid(_) => (0.0, friction.joints[j].set_valued(0.0).viscous_nm_s_per_rad, None),
+            };
+            let values = match (self.law, stribeck) {
+                (TunedLaw::GazSigmoid, _) => match friction.joints[j] {
+                    JointFriction::GazSigmoid(law) => vec![law.phi1_nm, law.phi2_s_per_rad, law.phi3_rad_s],
+                    _ => zero[j * k..(j + 1) * k].to_vec(),
+                },
+                (TunedLaw::CoulombViscous, _) => vec![viscous, coulomb],
+                (TunedLaw::Stribeck, None) => vec![viscous, coulomb, 0.0, zero[j * k + 3], zero[j * k + 4]],
+                (TunedLaw::Stribeck, Some(law)) => {
+                    let inverse = law.inverse_stribeck_velocity_s_per_rad;
+                    let speed = match self.bounds {
+                        Bounds::Literal => inverse,
+                        Bounds::UnitConsistent => 1.0 / inverse,
+                    };
+                    vec![viscous, coulomb, law.breakaway_minus_coulomb_nm, speed, law.shape]
+                }
+            };
+            self.entries().iter().zip(values).map(|(entry, value)| value.clamp(entry.1, entry.2)).collect::<Vec<_>>()
+        };
+        (0..self.joints).flat_map(joint).collect()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn vectors_and_models_are_inverse_inside_the_box() {
+        for law in [TunedLaw::CoulombViscous, TunedLaw::Stribeck] {
+            for bounds in [Bounds::Literal, Bounds::UnitConsistent] {
+                let space = ParameterSpace { law, bounds, joints: 7 };
+                let domain = space.domain().unwrap();
+                let unit: Vec<f64> = (0..space.dimension()).map(|i| 0.2 + 0.6 * ((i * 7) % 11) as f64 / 11.0).collect();
+                let theta = domain.from_unit(&unit).unwrap();
+                let back = space.theta(&space.friction::<7>(&theta));
+                for (a, b) in theta.iter().zip(&back) {
+                    assert!((a - b).abs() < 1e-12);
+                }
+                assert_eq!(space.friction::<7>(&space.zero()).torque(&nalgebra::SVector::repeat(0.3), 0.001).amax(), 0.0);
+            }
+        }
+    }
+}

@@ -1,0 +1,56 @@
+//! The result of a campaign as one JSON document, `tribo.campaign/1`.
+
+use serde_json::{Map, Value, json};
+
+use crate::{CampaignResult, ParameterSpace};
+
+impl CampaignResult {
+    /// The document of `tribo tune --json`; `wall_s` is the time the run took [s].
+    pub fn to_json(&self, wall_s: f64) -> Value {
+        let space = ParameterSpace { law: self.config.friction, bounds: self.config.bounds, joints: 7 };
+        let trials: Vec<Value> = self
+            .trials
+            .iter()
+            .map(|trial| {
+                json!({
+                    "trial": trial.number,
+                    "state": if trial.aborted.is_none() { "complete" } else { "failed" },
+                    "cost": trial.cost.total(),
+                    "cost_parts": trial.cost.parts().into_iter().map(|(k, v)| (k.to_owned(), json!(v))).collect::<Map<_, _>>(),
+                    "penalty": trial.cost.penalty,
+                    "reason": trial.aborted,
+                    "origin": trial.origin,
+                    "params": nested(&space, &trial.theta),
+                })
+            })
+            .collect();
+        let best = self.best.map(|(trial, cost)| json!({"trial": trial, "cost": cost}));
+        let params = self.best.map(|(trial, _)| nested(&space, &self.trials[trial].theta));
+        json!({
+            "schema": "tribo.campaign/1",
+            "tribo_version": self.config.tribo_version,
+            "seed": self.config.seed,
+            "strategy": self.config.strategy,
+            "friction": self.config.friction,
+            "residual": self.config.residual,
+            "velocity": self.config.velocity,
+            "trials": trials,
+            "best": best,
+            "uncompensated_cost": self.references.uncompensated,
+            "oracle_cost": self.references.oracle,
+            "frictionless_cost": self.references.frictionless,
+            "params": params,
+            "wall_s": wall_s,
+        })
+    }
+}
+
+/// `{joint_0: {coulomb_nm: …, …}, …}`.
+fn nested(space: &ParameterSpace, theta: &[f64]) -> Value {
+    let entries = space.entries();
+    let joints = theta.chunks(entries.len()).enumerate().map(|(j, values)| {
+        let joint = entries.iter().zip(values).map(|(entry, value)| (entry.0.to_owned(), json!(value)));
+        (format!("joint_{j}"), Value::Object(joint.collect()))
+    });
+    Value::Object(joints.collect())
+}

@@ -1,0 +1,124 @@
+//! What chooses the parameters of the next trial.
+
+mod baseline;
+mod bayes;
+mod grey_box;
+
+use serde::{Deserialize, Serialize};
+use tribo_bayesopt::BayesoptError;
+use tribo_friction::identify::GlsError;
+
+pub use grey_box::{GreyBox, identification_samples};
+
+use crate::files::FileError;
+use crate::{AbortReason, Cost, TrialLog, ValidTune};
+
+/// Strategies by name.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum StrategyName {
+    /// No compensation, again and again: the baseline and its repeatability.
+    Zero,
+    /// The constants published by Gaz et al. 2019.
+    Gaz,
+    /// Uniform random search.
+    Random,
+    /// Sobol sequence.
+    Sobol,
+    /// roveda2022: ten random trials, then expected improvement on an isotropic Gaussian process of the raw cost.
+    Paper,
+    /// Bayesian optimisation grown from zero compensation: ARD Matérn-5/2, LogEI, capped log cost.
+    Bo,
+    /// Least squares on the logs of past trials, then local Bayesian optimisation of what is left.
+    #[default]
+    GreyBox,
+}
+
+/// A finished trial as strategies see it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct FinishedTrial {
+    /// Its number, from 0.
+    pub number: usize,
+    /// Its parameters.
+    pub theta: Vec<f64>,
+    /// Its cost.
+    pub cost: Cost,
+    /// Why it was stopped, if it was.
+    pub aborted: Option<AbortReason>,
+    /// Who chose its parameters.
+    pub origin: Origin,
+}
+
+/// Who chose a parameter vector.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Origin {
+    /// A constant of the strategy.
+    Constant,
+    /// The initial design or a non-adaptive search.
+    Design,
+    /// Least squares on past logs.
+    LeastSquares,
+    /// The Gaussian process.
+    Model,
+}
+
+/// A parameter vector to try, and who chose it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Proposal {
+    /// The parameters.
+    pub theta: Vec<f64>,
+    /// Who chose them.
+    pub origin: Origin,
+}
+
+/// Why a strategy has no answer.
+#[derive(Debug, thiserror::Error)]
+pub enum StrategyError {
+    /// The optimiser failed.
+    #[error("optimiser: {0}")]
+    Bayesopt(#[from] BayesoptError),
+    /// Friction could not be identified.
+    #[error("identification: {0}")]
+    Identification(#[from] GlsError),
+    /// The log of a past trial could not be read.
+    #[error(transparent)]
+    File(#[from] FileError),
+}
+
+/// Where the logs of finished trials come from.
+pub trait LogSource {
+    /// The log of a finished trial.
+    fn log(&self, number: usize) -> Result<TrialLog<7>, FileError>;
+}
+
+/// Chooses parameters; a pure function of the settings, the trial's number and the trials before it, so that a killed
+/// campaign goes on as if nothing had happened.
+pub trait Strategy: Send + Sync {
+    /// The parameters of trial `number` where they depend on no other trial; such trials may run in parallel.
+    fn design(&self, number: usize) -> Result<Option<Proposal>, StrategyError>;
+
+    /// The parameters of trial `number`, all trials before it being finished.
+    fn propose(
+        &self,
+        number: usize,
+        history: &[FinishedTrial],
+        logs: &dyn LogSource,
+    ) -> Result<Proposal, StrategyError>;
+}
+
+impl StrategyName {
+    /// The strategy for these settings.
+    pub fn build(self, tune: &ValidTune) -> Result<Box<dyn Strategy>, StrategyError> {
+        let (space, seed) = (tune.space, tune.config.seed);
+        Ok(match self {
+            Self::Zero => Box::new(baseline::Constant(space.zero())),
+            Self::Gaz => Box::new(baseline::Constant(space.theta(&baseline::published_gaz()))),
+            Self::Random => Box::new(bayes::Search::random(&space, seed)?),
+            Self::Sobol => Box::new(bayes::Search::sobol(&space, seed)?),
+            Self::Paper => Box::new(bayes::Search::paper(&space, seed, tune.config.init)?),
+            Self::Bo => Box::new(bayes::Search::bo(&space, seed, tune.config.init)?),
+            Self::GreyBox => Box::new(GreyBox::new(tune)?),
+        })
+    }
+}

@@ -1,0 +1,135 @@
+//! The canonical CSV log: reader and writer.
+//!
+//! ```text
+//! time,q_0,…,dq_0,…,tau_J_0,…[,optional columns]      one header line, one line per row
+//! ```
+//!
+//! Units as in [`Quantity`](crate::Quantity). Numbers are written in the shortest form that reads back to the same
+//! bits, so a log written and read again is the same log. Reading accepts columns in any order, gzip, a byte-order
+//! mark, CRLF, quotes, and semicolons with decimal point or comma; it refuses everything else with file and line.
+//! Leaves out: repair. A row with an old stamp is an error, unless it repeats the row before exactly: then it is
+//! dropped and counted.
+
+use std::io::{self, BufRead, Write};
+use std::path::Path;
+
+use flate2::Compression;
+use flate2::write::GzEncoder;
+
+use crate::atomic::write_atomic;
+use crate::csv_lines::{Lines, header_names, parse_number, split_cells};
+use crate::detect::LogFormat;
+use crate::error::LogError;
+use crate::header::Header;
+use crate::log::RobotLog;
+use crate::source::open_text;
+use crate::summary::LogSummary;
+
+/// Reads a canonical CSV file, plain or gzip.
+///
+/// # Errors
+/// [`LogError`] naming the file and, where there is one, line, column and value.
+pub fn read_csv(path: impl AsRef<Path>) -> Result<(RobotLog, LogSummary), LogError> {
+    let path = path.as_ref();
+    let (reader, packed) = open_text(path, "CSV")?;
+    let (log, mut summary) = read_csv_from(reader, path)?;
+    summary.format = if packed { LogFormat::CsvGz } else { LogFormat::Csv };
+    Ok((log, summary))
+}
+
+/// Reads canonical CSV text; `path` is the name that errors show.
+///
+/// # Errors
+/// As [`read_csv`].
+pub fn read_csv_from(reader: impl BufRead, path: &Path) -> Result<(RobotLog, LogSummary), LogError> {
+    let mut lines = Lines::new(reader, path);
+
+    // Header: which cell of a line belongs to which column.
+    if !lines.advance()? {
+        return Err(LogError::Empty { path: path.to_path_buf() });
+    }
+    let Some((names, delimiter)) = header_names(lines.text()) else {
+        return Err(lines.bad_line("the header has an unclosed quote or is not UTF-8"));
+    };
+    let header = Header::from_names(&names).map_err(|error| error.in_file(path))?;
+    let column_names = header.column_names();
+
+    // Rows, straight into columns.
+    let mut columns: Vec<Vec<f64>> = vec![Vec::new(); column_names.len()];
+    let mut row = vec![0.0; column_names.len()];
+    let (mut cells, mut dropped_repeats) = (Vec::new(), 0);
+    while lines.advance()? {
+        let line = lines.text();
+        if !split_cells(line, delimiter, &mut cells) {
+            return Err(lines.bad_line("a quote is not closed"));
+        }
+        if cells.len() != names.len() {
+            let (path, line) = (path.to_path_buf(), lines.number);
+            return Err(LogError::CellCount { path, line, got: cells.len(), expected: names.len() });
+        }
+        for (slot, &position) in header.positions.iter().enumerate() {
+            let cell = &line[cells[position].clone()];
+            row[slot] = match parse_number(cell, delimiter) {
+                Some(value) => value,
+                None => return Err(lines.bad_cell(&column_names[slot], cell)),
+            };
+        }
+        // Time is the first canonical column.
+        if let Some(&previous_s) = columns[0].last()
+            && row[0] <= previous_s
+        {
+            let repeats = columns.iter().zip(&row).all(|(column, value)| column.last() == Some(value));
+            if !repeats {
+                let (path, line) = (path.to_path_buf(), lines.number);
+                return Err(LogError::TimeStepsBack { path, line, previous_s, value_s: row[0] });
+            }
+            dropped_repeats += 1;
+            continue;
+        }
+        columns.iter_mut().zip(&row).for_each(|(column, &value)| column.push(value));
+    }
+
+    let log = header.assemble(columns).validate().map_err(|error| error.in_file(path))?;
+    let mut summary = LogSummary::new(LogFormat::Csv, &log, dropped_repeats, header.unknown);
+    if !lines.ended {
+        summary.warnings.push(format!("line {} has no line ending: the file may be cut off", lines.number));
+    }
+    Ok((log, summary))
+}
+
+/// Writes a log as canonical CSV, gzip if the name ends in `.gz`. The file appears whole or not at all.
+///
+/// # Errors
+/// Those of [`write_atomic`].
+pub fn write_csv(path: impl AsRef<Path>, log: &RobotLog) -> Result<(), LogError> {
+    let path = path.as_ref();
+    let packed = path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("gz"));
+    write_atomic(path, |file| {
+        if packed {
+            let mut encoder = GzEncoder::new(file, Compression::default());
+            write_rows(&mut encoder, log)?;
+            encoder.finish()?;
+            Ok(())
+        } else {
+            write_rows(file, log)
+        }
+    })
+}
+
+/// Header and rows. `{:?}` is the shortest text that reads back to the same bits, with exponents where shorter.
+fn write_rows(out: &mut dyn Write, log: &RobotLog) -> io::Result<()> {
+    let columns = log.named();
+    let names: Vec<&str> = columns.iter().map(|(name, _)| name.as_str()).collect();
+    writeln!(out, "{}", names.join(","))?;
+    let mut line = Vec::new();
+    for row in 0..log.rows() {
+        line.clear();
+        for (_, column) in &columns {
+            write!(line, "{:?},", column[row])?;
+        }
+        line.pop();
+        line.push(b'\n');
+        out.write_all(&line)?;
+    }
+    Ok(())
+}

@@ -1,0 +1,94 @@
+//! Which format a path holds, from its content; the extension plays no part.
+//!
+//! | content | format |
+//! |---|---|
+//! | directory with the four `exciting_traj_*.txt` | [`LogFormat::PandaGaz`] |
+//! | `PAR1` | [`LogFormat::Parquet`] |
+//! | text whose first line names at least one canonical column | [`LogFormat::Csv`] |
+//! | gzip of such text | [`LogFormat::CsvGz`] |
+
+use std::fmt;
+use std::path::Path;
+
+use crate::canonical_csv::read_csv;
+use crate::csv_lines::{BYTE_ORDER_MARK, header_names};
+use crate::error::{LogError, shown};
+use crate::log::RobotLog;
+use crate::panda_gaz::{is_panda_gaz, read_panda_gaz};
+use crate::parquet_log::read_parquet;
+use crate::quantity::Quantity;
+use crate::source::{open_text, peek};
+use crate::summary::LogSummary;
+
+/// A format that can be read.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum LogFormat {
+    /// Canonical CSV, plain.
+    Csv,
+    /// Canonical CSV, gzip.
+    CsvGz,
+    /// Parquet with the canonical columns.
+    Parquet,
+    /// Directory of text files of the Panda data of Gaz et al. 2019.
+    PandaGaz,
+}
+
+impl fmt::Display for LogFormat {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::Csv => "canonical CSV",
+            Self::CsvGz => "canonical CSV (gzip)",
+            Self::Parquet => "Parquet",
+            Self::PandaGaz => "Panda text files (Gaz 2019)",
+        })
+    }
+}
+
+/// Tells the format of a file or directory.
+///
+/// # Errors
+/// [`LogError::NotFound`], [`LogError::Io`], [`LogError::Empty`], [`LogError::Corrupt`] for damaged gzip,
+/// [`LogError::UnknownFormat`].
+pub fn detect(path: impl AsRef<Path>) -> Result<LogFormat, LogError> {
+    let path = path.as_ref();
+    if path.is_dir() {
+        let found = "a directory without exciting_traj_time.txt";
+        return if is_panda_gaz(path) { Ok(LogFormat::PandaGaz) } else { Err(unknown(path, found.to_owned())) };
+    }
+    let (mut reader, packed) = open_text(path, "log")?;
+    let start = peek(path, &mut *reader)?;
+    match start {
+        [] => Err(LogError::Empty { path: path.to_path_buf() }),
+        [b'P', b'A', b'R', b'1', ..] if !packed => Ok(LogFormat::Parquet),
+        [0x89, b'M', b'C', b'A', b'P', ..] => Err(unknown(path, "MCAP".to_owned())),
+        _ if !names_a_canonical_column(start) => Err(unknown(path, format!("starts with `{}`", shown(start)))),
+        _ if packed => Ok(LogFormat::CsvGz),
+        _ => Ok(LogFormat::Csv),
+    }
+}
+
+/// Reads a log of any known format.
+///
+/// # Errors
+/// Those of [`detect`] and of the reader of the format.
+pub fn read_log(path: impl AsRef<Path>) -> Result<(RobotLog, LogSummary), LogError> {
+    let path = path.as_ref();
+    match detect(path)? {
+        LogFormat::Csv | LogFormat::CsvGz => read_csv(path),
+        LogFormat::Parquet => read_parquet(path),
+        LogFormat::PandaGaz => read_panda_gaz(path),
+    }
+}
+
+/// Whether the first line with content is a header in which we know at least one name.
+fn names_a_canonical_column(start: &[u8]) -> bool {
+    let start = start.strip_prefix(BYTE_ORDER_MARK).unwrap_or(start);
+    let first_line = start.split(|&b| b == b'\n').find(|line| !line.trim_ascii().is_empty());
+    first_line
+        .and_then(|line| header_names(line.trim_ascii()))
+        .is_some_and(|(names, _)| names.iter().any(|name| Quantity::from_column_name(name).is_some()))
+}
+
+fn unknown(path: &Path, found: String) -> LogError {
+    LogError::UnknownFormat { path: path.to_path_buf(), found }
+}

@@ -1,0 +1,57 @@
+//! Robot logs on disk: one reader and one writer per format, and nothing about robots beyond that.
+//!
+//! ```text
+//! file or directory  --read_log-->  (RobotLog, LogSummary)  --write_csv / write_parquet-->  file
+//! ```
+//!
+//! [`RobotLog`] is columnar and always valid: at least two rows, finite cells, columns of one length, strictly
+//! increasing time. Every way a file can be wrong is a [`LogError`] that names the file, the line or row, the column
+//! and the value. [`LogSummary`] says what was read, dropped, missing and not understood.
+//! Files are written atomically: a reader sees the old content or the new one, never a part.
+//! SI units and radians; degrees Celsius for temperatures; wrenches in the base frame, force first.
+//! Leaves out: model files, campaign journals and every computation on the data except resampling.
+//!
+//! ```
+//! use tribo_logs::{LogColumns, bursts, read_log, write_csv};
+//! let directory = tempfile::tempdir()?;
+//! let path = directory.path().join("swing.csv.gz");
+//! let time_s: Vec<f64> = (0..1000).map(|k| f64::from(k) * 1e-3).collect();
+//! let q_rad = vec![time_s.iter().map(|t| t.sin()).collect::<Vec<f64>>()];
+//! let dq_rad_s = vec![time_s.iter().map(|t| t.cos()).collect::<Vec<f64>>()];
+//! let log = LogColumns { tau_j_nm: vec![vec![0.0; 1000]], time_s, q_rad, dq_rad_s, ..LogColumns::default() }.validate()?;
+//! write_csv(&path, &log)?;
+//! let (same, summary) = read_log(&path)?;
+//! assert_eq!(log, same);
+//! assert_eq!((same.joints(), summary.bursts), (1, bursts(&same.time_s, tribo_logs::GAP_TOLERANCE).len()));
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+
+mod atomic;
+mod bursts;
+mod canonical_csv;
+mod csv_lines;
+mod detect;
+mod error;
+mod header;
+mod log;
+mod panda_gaz;
+mod parquet_log;
+mod parquet_table;
+mod quantity;
+mod resample;
+mod seal;
+mod source;
+mod summary;
+
+pub use atomic::write_atomic;
+pub use bursts::{GAP_TOLERANCE, bursts, median_period_s};
+pub use canonical_csv::{read_csv, read_csv_from, write_csv};
+pub use detect::{LogFormat, detect, read_log};
+pub use error::LogError;
+pub use log::{LogColumns, RobotLog, row};
+pub use panda_gaz::read_panda_gaz;
+pub use parquet_log::{read_parquet, write_parquet};
+pub use parquet_table::{Table, read_table, write_table};
+pub use quantity::Quantity;
+pub use resample::{Resampled, Resampling, resample};
+pub use summary::LogSummary;

@@ -1,0 +1,57 @@
+//! A robot log as a Parquet table: the canonical columns by name, `schema = tribo.log/1` in the metadata.
+
+use std::path::Path;
+
+use crate::detect::LogFormat;
+use crate::error::LogError;
+use crate::header::Header;
+use crate::log::RobotLog;
+use crate::parquet_table::{Table, read_table, write_table};
+use crate::summary::LogSummary;
+
+/// Value of the metadata key `schema`.
+const SCHEMA: &str = "tribo.log/1";
+
+/// Writes a log as Parquet. The file appears whole or not at all.
+///
+/// # Errors
+/// Those of [`write_table`].
+pub fn write_parquet(path: impl AsRef<Path>, log: &RobotLog) -> Result<(), LogError> {
+    write_table(path, &Table::from(log))
+}
+
+/// Reads a log from Parquet: columns in any order, unknown ones reported.
+///
+/// # Errors
+/// Those of [`read_table`], and errors of the content with the file name.
+pub fn read_parquet(path: impl AsRef<Path>) -> Result<(RobotLog, LogSummary), LogError> {
+    let path = path.as_ref();
+    let mut table = read_table(path)?;
+    let skipped = std::mem::take(&mut table.skipped_columns);
+    let (log, mut unknown) = table.into_log().map_err(|error| error.in_file(path))?;
+    unknown.extend(skipped);
+    let summary = LogSummary::new(LogFormat::Parquet, &log, 0, unknown);
+    Ok((log, summary))
+}
+
+impl From<&RobotLog> for Table {
+    fn from(log: &RobotLog) -> Self {
+        let columns = log.named().into_iter().map(|(name, values)| (name, values.to_vec())).collect();
+        Self { columns, metadata: vec![("schema".to_owned(), SCHEMA.to_owned())], ..Self::default() }
+    }
+}
+
+impl Table {
+    /// The log in the table, and the names of the columns that are not canonical.
+    ///
+    /// # Errors
+    /// [`LogError::DuplicateColumn`], [`LogError::MissingColumns`], and those of
+    /// [`LogColumns::validate`](crate::LogColumns::validate).
+    pub fn into_log(mut self) -> Result<(RobotLog, Vec<String>), LogError> {
+        let names: Vec<String> = self.columns.iter().map(|(name, _)| name.clone()).collect();
+        let header = Header::from_names(&names)?;
+        let take = |&position: &usize| std::mem::take(&mut self.columns[position].1);
+        let columns = header.positions.iter().map(take).collect();
+        Ok((header.assemble(columns).validate()?, header.unknown))
+    }
+}

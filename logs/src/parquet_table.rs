@@ -1,0 +1,259 @@
+//! A table of named `f64` columns in a Parquet file.
+//!
+//! ```text
+//! one row group; per column REQUIRED DOUBLE, BYTE_STREAM_SPLIT + zstd; metadata as key-value pairs of the footer
+//! ```
+//!
+//! What is written reads back to the same bits, NaN payloads and signed zeros included, and one table always gives the
+//! same bytes. Files of other programs are read too: float and signed integer columns become `f64` where that is exact,
+//! nulls become NaN; other columns (text, dates, lists) are named in [`Table::skipped_columns`].
+//! A damaged file is an error, never a panic: our own files carry a checksum (see `seal`), for others panics of the
+//! decoder are caught. Leaves out: codecs other than zstd and snappy.
+
+use std::fs::File;
+use std::io::Seek;
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::path::Path;
+use std::sync::Arc;
+
+use parquet::basic::{Compression, Encoding, LogicalType, Repetition, Type as PhysicalType, ZstdLevel};
+use parquet::column::reader::{ColumnReader, ColumnReaderImpl};
+use parquet::data_type::{DataType, DoubleType};
+use parquet::errors::ParquetError;
+use parquet::file::metadata::KeyValue;
+use parquet::file::properties::{EnabledStatistics, WriterProperties};
+use parquet::file::reader::{FileReader, SerializedFileReader};
+use parquet::file::writer::SerializedFileWriter;
+use parquet::schema::types::{ColumnDescriptor, Type};
+
+use crate::atomic::write_atomic;
+use crate::error::LogError;
+use crate::seal::{self, OPEN_SEAL, SEAL_KEY, SEAL_VALUE, Seal};
+use crate::source::open;
+
+/// Values decoded at once.
+const BATCH_ROWS: usize = 1 << 14;
+
+/// Largest integer up to which every integer is an `f64`: 2^53.
+const LARGEST_EXACT_INTEGER: u64 = 1 << 53;
+
+/// Named columns of equal length, and notes about them.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Table {
+    /// Name and values of each column; names are unique, lengths equal.
+    pub columns: Vec<(String, Vec<f64>)>,
+    /// Key-value pairs, in order.
+    pub metadata: Vec<(String, String)>,
+    /// Columns of a file read that hold no numbers, in order; not written.
+    pub skipped_columns: Vec<String>,
+}
+
+impl Table {
+    /// Values of the column called `name`.
+    #[must_use]
+    pub fn column(&self, name: &str) -> Option<&[f64]> {
+        self.columns.iter().find(|(column, _)| column == name).map(|(_, values)| values.as_slice())
+    }
+
+    /// First metadata value under `key`.
+    #[must_use]
+    pub fn metadata_value(&self, key: &str) -> Option<&str> {
+        self.metadata.iter().find(|(k, _)| k == key).map(|(_, value)| value.as_str())
+    }
+
+    /// Number of rows.
+    #[must_use]
+    pub fn rows(&self) -> usize {
+        self.columns.first().map_or(0, |(_, values)| values.len())
+    }
+
+    /// Unique names, equal lengths, at least one column.
+    fn check(&self) -> Result<(), LogError> {
+        let rows = self.rows();
+        if self.columns.is_empty() {
+            return Err(LogError::MissingColumns { missing: vec!["(any)".to_owned()], unknown: Vec::new() });
+        }
+        for (position, (name, values)) in self.columns.iter().enumerate() {
+            if let Some(first) = self.columns[..position].iter().position(|(earlier, _)| earlier == name) {
+                let column = name.clone();
+                return Err(LogError::DuplicateColumn { column, first: first + 1, second: position + 1 });
+            }
+            if values.len() != rows {
+                return Err(LogError::ColumnLength { column: name.clone(), got: values.len(), expected: rows });
+            }
+        }
+        Ok(())
+    }
+}
+
+/// Writes a table. The file appears whole or not at all.
+///
+/// # Errors
+/// [`LogError::DuplicateColumn`], [`LogError::ColumnLength`], [`LogError::MissingColumns`] for a table without columns,
+/// and those of [`write_atomic`].
+pub fn write_table(path: impl AsRef<Path>, table: &Table) -> Result<(), LogError> {
+    let path = path.as_ref();
+    table.check().map_err(|error| error.in_file(path))?;
+    let mut bytes = encode(table).map_err(|error| corrupt(path, error.to_string()))?;
+    seal::close(&mut bytes);
+    write_atomic(path, |file| file.write_all(&bytes))
+}
+
+/// Reads a table.
+///
+/// # Errors
+/// [`LogError::NotFound`], [`LogError::IsDirectory`], [`LogError::Io`], [`LogError::Empty`], and
+/// [`LogError::Corrupt`] for anything the decoder or the checksum refuses.
+pub fn read_table(path: impl AsRef<Path>) -> Result<Table, LogError> {
+    let path = path.as_ref();
+    let io = |source| LogError::io(path, "read", source);
+    let mut file = open(path, "Parquet")?;
+    if file.metadata().map_err(io)?.len() == 0 {
+        return Err(LogError::Empty { path: path.to_path_buf() });
+    }
+    let seal = seal::check(&mut file).map_err(io)?;
+    if seal == Seal::Broken {
+        return Err(corrupt(path, "the checksum of the file does not match its content".to_owned()));
+    }
+    file.rewind().map_err(io)?;
+
+    // The decoder indexes and allocates by numbers it read from the file and panics on some damaged inputs. Our own
+    // files are checked above; for files of other programs the panic stops here. Nothing shared is left half changed:
+    // everything the closure touches is dropped with it.
+    let decoded = catch_unwind(AssertUnwindSafe(|| decode(file)));
+    let table = match decoded {
+        Ok(Ok(table)) => table,
+        Ok(Err(error)) => return Err(corrupt(path, error.to_string())),
+        Err(_) => return Err(corrupt(path, "the Parquet decoder gave up on it".to_owned())),
+    };
+    match (seal, table.metadata_value(SEAL_KEY)) {
+        (Seal::Absent, Some(_)) => Err(corrupt(path, "the checksum that its footer promises is not there".to_owned())),
+        _ => {
+            let mut table = table;
+            table.metadata.retain(|(key, _)| key != SEAL_KEY);
+            Ok(table)
+        }
+    }
+}
+
+/// The bytes of a Parquet file, seal still open.
+fn encode(table: &Table) -> Result<Vec<u8>, ParquetError> {
+    let field = |(name, _): &(String, Vec<f64>)| {
+        let column = Type::primitive_type_builder(name, PhysicalType::DOUBLE);
+        column.with_repetition(Repetition::REQUIRED).build().map(Arc::new)
+    };
+    let fields = table.columns.iter().map(field).collect::<Result<Vec<_>, _>>()?;
+    let schema = Type::group_type_builder("tribo").with_fields(fields).build()?;
+    let pair = |(key, value): &(String, String)| KeyValue::new(key.clone(), value.clone());
+    let sealed = KeyValue::new(SEAL_KEY.to_owned(), SEAL_VALUE.to_owned());
+    let properties = WriterProperties::builder()
+        .set_created_by(concat!("tribo-logs ", env!("CARGO_PKG_VERSION")).to_owned())
+        .set_key_value_metadata(Some(table.metadata.iter().map(pair).chain([sealed]).collect()))
+        .set_dictionary_enabled(false)
+        .set_encoding(Encoding::BYTE_STREAM_SPLIT)
+        .set_compression(Compression::ZSTD(ZstdLevel::default()))
+        .set_statistics_enabled(EnabledStatistics::Chunk)
+        .build();
+
+    let mut writer = SerializedFileWriter::new(Vec::new(), Arc::new(schema), Arc::new(properties))?;
+    writer.write_all(OPEN_SEAL)?;
+    let mut rows = writer.next_row_group()?;
+    for (_, values) in &table.columns {
+        let Some(mut column) = rows.next_column()? else { break };
+        column.typed::<DoubleType>().write_batch(values, None, None)?;
+        column.close()?;
+    }
+    rows.close()?;
+    writer.into_inner()
+}
+
+/// All numeric columns of a Parquet file.
+fn decode(file: File) -> Result<Table, ParquetError> {
+    let reader = SerializedFileReader::new(file)?;
+    let metadata = reader.metadata().file_metadata();
+    let rows = usize::try_from(metadata.num_rows()).map_err(|e| ParquetError::General(e.to_string()))?;
+    let mut table = Table::default();
+    for pair in metadata.key_value_metadata().into_iter().flatten() {
+        table.metadata.push((pair.key.clone(), pair.value.clone().unwrap_or_default()));
+    }
+    for (index, column) in metadata.schema_descr().columns().iter().enumerate() {
+        let name = column.path().parts().join(".");
+        if !is_number(column) {
+            table.skipped_columns.push(name);
+            continue;
+        }
+        let mut values = Vec::new();
+        for group in 0..reader.num_row_groups() {
+            let chunk = reader.get_row_group(group)?.get_column_reader(index)?;
+            read_chunk(chunk, column, &mut values)?;
+        }
+        if values.len() != rows {
+            return Err(ParquetError::General(format!("column {name}: {} rows, expected {rows}", values.len())));
+        }
+        table.columns.push((name, values));
+    }
+    table.check().map_err(|error| ParquetError::General(error.to_string()))?;
+    Ok(table)
+}
+
+/// A flat column of floats or plain signed integers. Integers that mean a date or a scaled decimal are none.
+fn is_number(column: &ColumnDescriptor) -> bool {
+    use parquet::basic::ConvertedType::{INT_8, INT_16, INT_32, INT_64, NONE};
+    let signed = match column.logical_type_ref() {
+        Some(LogicalType::Integer(integer)) => integer.is_signed,
+        Some(_) => false,
+        None => matches!(column.converted_type(), NONE | INT_8 | INT_16 | INT_32 | INT_64),
+    };
+    let number = match column.physical_type() {
+        PhysicalType::DOUBLE | PhysicalType::FLOAT => true,
+        PhysicalType::INT32 | PhysicalType::INT64 => signed,
+        _ => false,
+    };
+    number && column.path().parts().len() == 1 && column.max_rep_level() == 0
+}
+
+/// Appends the values of one column of one row group.
+fn read_chunk(chunk: ColumnReader, column: &ColumnDescriptor, values: &mut Vec<f64>) -> Result<(), ParquetError> {
+    let nullable = column.max_def_level() > 0;
+    match chunk {
+        ColumnReader::DoubleColumnReader(chunk) => read_as(chunk, nullable, Some, values),
+        ColumnReader::FloatColumnReader(chunk) => read_as(chunk, nullable, |v| Some(f64::from(v)), values),
+        ColumnReader::Int32ColumnReader(chunk) => read_as(chunk, nullable, |v| Some(f64::from(v)), values),
+        ColumnReader::Int64ColumnReader(chunk) => {
+            let exact = |v: i64| (v.unsigned_abs() <= LARGEST_EXACT_INTEGER).then_some(v as f64);
+            read_as(chunk, nullable, exact, values)
+        }
+        _ => Err(ParquetError::General(format!("column {} holds no numbers", column.name()))),
+    }
+}
+
+fn read_as<T: DataType>(
+    mut chunk: ColumnReaderImpl<T>,
+    nullable: bool,
+    number: impl Fn(T::T) -> Option<f64>,
+    values: &mut Vec<f64>,
+) -> Result<(), ParquetError> {
+    let (mut batch, mut levels) = (Vec::new(), Vec::new());
+    loop {
+        batch.clear();
+        levels.clear();
+        let (records, _, _) = chunk.read_records(BATCH_ROWS, nullable.then_some(&mut levels), None, &mut batch)?;
+        if records == 0 {
+            return Ok(());
+        }
+        if !nullable {
+            levels.resize(batch.len(), 1);
+        }
+        // Only values that are there are in the batch: level 1 takes one, level 0 is a null.
+        let mut found = batch.drain(..);
+        for &level in &levels {
+            let value = if level == 0 { Some(f64::NAN) } else { found.next().and_then(&number) };
+            values
+                .push(value.ok_or_else(|| ParquetError::General("an integer beyond 2^53 is no exact f64".to_owned()))?);
+        }
+    }
+}
+
+fn corrupt(path: &Path, detail: String) -> LogError {
+    LogError::Corrupt { path: path.to_path_buf(), detail }
+}

@@ -1,0 +1,89 @@
+//! The seal of a Parquet file: a checksum of the whole file, in a place every Parquet reader skips.
+//!
+//! ```text
+//! bytes 0..4 `PAR1` | 4..12 `TRIBOCRC` | 12..20 CRC-32 of all other bytes, hexadecimal | columns | footer
+//! ```
+//!
+//! Parquet finds everything by offsets in its footer, so bytes after the magic are legal padding. With the seal one
+//! changed byte anywhere is found before the Parquet decoder, which may panic on damaged input, sees the file.
+//! The key `tribo.seal` in the footer says that the seal belongs there, so damage to the marker is found as well.
+
+use std::io::Read;
+
+use flate2::Crc;
+
+use crate::source::read_pieces;
+
+/// Key of the footer entry that promises a seal.
+pub(crate) const SEAL_KEY: &str = "tribo.seal";
+/// Value of that entry.
+pub(crate) const SEAL_VALUE: &str = "crc32";
+/// What a writer puts after the magic, before [`close`].
+pub(crate) const OPEN_SEAL: &[u8; 16] = b"TRIBOCRC00000000";
+
+const MARKER_START: usize = 4;
+const SUM_START: usize = 12;
+const SUM_END: usize = 20;
+
+/// What a file says about itself.
+#[derive(Debug, PartialEq, Eq)]
+pub(crate) enum Seal {
+    /// No marker: a file of another program.
+    Absent,
+    /// The checksum is right.
+    Intact,
+    /// The checksum is wrong.
+    Broken,
+}
+
+/// Puts the checksum into a file written with [`OPEN_SEAL`].
+pub(crate) fn close(bytes: &mut [u8]) {
+    if let Some((head, rest)) = bytes.split_at_mut_checked(SUM_END) {
+        let sum = checksum(&head[..SUM_START], rest);
+        head[SUM_START..].copy_from_slice(&hexadecimal(sum));
+    }
+}
+
+/// Reads a whole file and compares.
+pub(crate) fn check(file: &mut impl Read) -> std::io::Result<Seal> {
+    let mut head = Vec::with_capacity(SUM_END);
+    file.by_ref().take(SUM_END as u64).read_to_end(&mut head)?;
+    if head.len() < SUM_END || head[MARKER_START..SUM_START] != OPEN_SEAL[..SUM_START - MARKER_START] {
+        return Ok(Seal::Absent);
+    }
+    let mut crc = Crc::new();
+    crc.update(&head[..SUM_START]);
+    read_pieces(file, |piece| crc.update(piece))?;
+    Ok(if head[SUM_START..] == hexadecimal(crc.sum()) { Seal::Intact } else { Seal::Broken })
+}
+
+fn checksum(head: &[u8], rest: &[u8]) -> u32 {
+    let mut crc = Crc::new();
+    crc.update(head);
+    crc.update(rest);
+    crc.sum()
+}
+
+fn hexadecimal(sum: u32) -> [u8; SUM_END - SUM_START] {
+    const DIGITS: &[u8; 16] = b"0123456789abcdef";
+    std::array::from_fn(|k| DIGITS[(sum >> (28 - 4 * k)) as usize & 0xf])
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_single_byte_counts() {
+        let mut file = b"PAR1TRIBOCRC00000000some columns and a footer PAR1".to_vec();
+        close(&mut file);
+        assert_eq!(check(&mut &file[..]).unwrap(), Seal::Intact);
+        for k in 0..file.len() {
+            let mut torn = file.clone();
+            torn[k] ^= 1;
+            let expected = if (MARKER_START..SUM_START).contains(&k) { Seal::Absent } else { Seal::Broken };
+            assert_eq!(check(&mut &torn[..]).unwrap(), expected, "byte {k}");
+        }
+        assert_eq!(check(&mut &file[..10]).unwrap(), Seal::Absent);
+    }
+}

@@ -1,0 +1,85 @@
+//! What the tests of this folder share: a synthetic log, a file with given content, a small random source.
+
+#![allow(clippy::unwrap_used, clippy::panic, dead_code, reason = "test helpers; not every binary uses all")]
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use tempfile::TempDir;
+use tribo_logs::{LogColumns, RobotLog};
+
+/// A log whose cells use every bit of the mantissa, with all optional quantities if `full`.
+pub fn synthetic_log(joints: usize, rows: usize, full: bool) -> RobotLog {
+    let time_s: Vec<f64> = (0..rows).map(|k| k as f64 * 1e-3 + 1e-5 * (k as f64).sin()).collect();
+    let column = |phase: f64| -> Vec<f64> { time_s.iter().map(|t| (3.0 * t + phase).sin() / 3.0).collect() };
+    let per_joint = |seed: f64| -> Vec<Vec<f64>> { (0..joints).map(|j| column(seed + j as f64)).collect() };
+    let some = |seed: f64| full.then(|| per_joint(seed));
+    let mut log = LogColumns {
+        q_rad: per_joint(0.1),
+        dq_rad_s: per_joint(0.2),
+        tau_j_nm: per_joint(0.3),
+        tau_j_d_nm: some(0.4),
+        theta_rad: some(0.5),
+        dtheta_rad_s: some(0.6),
+        temperature_c: some(0.7),
+        temperature_ambient_c: full.then(|| column(0.8)),
+        o_f_ext: full.then(|| std::array::from_fn(|k| column(k as f64))),
+        time_s,
+    };
+    // Values that bad number formats lose.
+    let hard = [-0.0, 5e-324, f64::MAX, f64::MIN_POSITIVE, 0.1 + 0.2, 1e-300, 123_456_789.123_456_79];
+    for (k, value) in hard.into_iter().enumerate().take(rows) {
+        log.tau_j_nm[0][k] = value;
+    }
+    log.validate().unwrap()
+}
+
+/// All cells as bits: `==` alone does not tell zero from minus zero.
+pub fn bits(log: &RobotLog) -> Vec<(String, Vec<u64>)> {
+    log.named().into_iter().map(|(name, column)| (name, column.iter().map(|v| v.to_bits()).collect())).collect()
+}
+
+/// A file `name` with `content` in its own directory, which lives as long as the first value.
+pub fn file(name: &str, content: impl AsRef<[u8]>) -> (TempDir, PathBuf) {
+    let directory = tempfile::tempdir().unwrap();
+    let path = directory.path().join(name);
+    fs::write(&path, content).unwrap();
+    (directory, path)
+}
+
+/// What remains of an error text when the directory is taken away.
+pub fn relative(text: &str, path: &Path) -> String {
+    text.replace(&format!("{}/", path.parent().unwrap().display()), "")
+}
+
+/// Marsaglia's xorshift: mutations need variety, not quality.
+pub struct XorShift(pub u64);
+
+impl XorShift {
+    pub fn below(&mut self, limit: usize) -> usize {
+        self.0 ^= self.0 << 13;
+        self.0 ^= self.0 >> 7;
+        self.0 ^= self.0 << 17;
+        (self.0 % limit as u64) as usize
+    }
+}
+
+/// `bytes` with one to four bytes changed, removed, inserted or cut off.
+pub fn mutated(bytes: &[u8], random: &mut XorShift) -> Vec<u8> {
+    let mut bytes = bytes.to_vec();
+    for _ in 0..=random.below(4) {
+        if bytes.is_empty() {
+            break;
+        }
+        let (place, byte) = (random.below(bytes.len()), random.below(256) as u8);
+        match random.below(16) {
+            0 => drop(bytes.remove(place)),
+            1 => bytes.insert(place, byte),
+            2 => bytes.truncate(place),
+            3 => bytes[place] = *b",;\n\r\"-.e".get(random.below(8)).unwrap_or(&0),
+            4..=9 => bytes[place] ^= 1 << random.below(8),
+            _ => bytes[place] = byte,
+        }
+    }
+    bytes
+}
