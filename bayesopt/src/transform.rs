@@ -14,7 +14,7 @@ pub enum CostTransform {
     /// with `e = (t − t_best)/(t_median − t_best)`, `e ← 1 + ½ ln e` where e > 1.
     ///
     /// Whoever looks for a minimum need not model the upper half of the costs well: the bend takes the
-    /// median regret on fric14 from 20 to 11 and on branin2 from 3e-4 to 1e-4 (`examples/regret.rs`, 12 seeds).
+    /// median regret on fric14 from 20 to 12 and on branin2 from 3e-4 to 1e-4 (`examples/regret.rs`, 8 and 12 seeds).
     /// The logarithm keeps a penalty from swallowing the scale of the costs that matter, and the
     /// cap keeps a cliff from bending the model (`closed_loop_notes` §4). Where a cost <= 0 exists the
     /// logarithm does not: then `t = y` and failed trials are at `worst + (cap_factor − 1)(worst − best)`.

@@ -1,2 +1,42 @@
-//! The `tribo` command.
-fn main() {}
+//! The `tribo` command: gives a robot arm without force sensors a trustworthy sense of touch.
+//!
+//! Results go to standard output as tables, or as one JSON document with `--json`; progress and messages go to standard
+//! error. Exit code 0: done; 1: a check asked for has failed; 2: bad input; 3: an internal error.
+
+mod arguments;
+mod command;
+mod failure;
+mod output;
+mod progress;
+
+use std::process::ExitCode;
+
+use clap::{CommandFactory, Parser};
+
+use arguments::{Arguments, Command};
+
+fn main() -> ExitCode {
+    let arguments = Arguments::parse();
+    let Some(command) = arguments.command else {
+        // Help on standard output is what a bare call asks for; a broken pipe is the reader's wish.
+        let _ = Arguments::command().print_help();
+        return ExitCode::SUCCESS;
+    };
+    let common = arguments.common;
+    let result = match command {
+        Command::Tune(tune) => command::tune::run(&tune, &common),
+        Command::Simulate(simulate) => command::simulate::run(&simulate, &common),
+        Command::Estimate(estimate) => command::estimate::run(&estimate, &common),
+        Command::Convert(convert) => command::convert::run(&convert, &common),
+        Command::Export(export) => command::export::run(&export, &common),
+        Command::Completions { shell } => command::shell::completions(shell),
+        Command::Man => command::shell::man_page(),
+    };
+    match result {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => {
+            eprintln!("tribo: {error:#}");
+            ExitCode::from(failure::exit_code(&error))
+        }
+    }
+}

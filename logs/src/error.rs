@@ -114,9 +114,9 @@ pub enum LogError {
         path: PathBuf,
         /// Line, from 1.
         line: u64,
-        /// Stamp before [s].
+        /// Stamp before (s).
         previous_s: f64,
-        /// Stamp of this line [s].
+        /// Stamp of this line (s).
         value_s: f64,
     },
     /// Two files that belong together disagree in length.
@@ -203,9 +203,9 @@ pub enum LogError {
     TimeNotIncreasing {
         /// Row, from 0.
         row: usize,
-        /// Stamp before [s].
+        /// Stamp before (s).
         previous_s: f64,
-        /// Stamp of this row [s].
+        /// Stamp of this row (s).
         value_s: f64,
     },
     /// A setting lies outside its range.

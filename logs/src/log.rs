@@ -18,25 +18,25 @@ const MIN_ROWS: usize = 2;
 /// Columns of a log that nobody checked yet. Outer index joint (or wrench component), inner index row.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct LogColumns {
-    /// Time stamps [s].
+    /// Time stamps (s).
     pub time_s: Vec<f64>,
-    /// Joint positions [rad].
+    /// Joint positions (rad).
     pub q_rad: Vec<Vec<f64>>,
-    /// Joint velocities [rad/s].
+    /// Joint velocities (rad/s).
     pub dq_rad_s: Vec<Vec<f64>>,
-    /// Measured joint torques [Nm].
+    /// Measured joint torques (Nm).
     pub tau_j_nm: Vec<Vec<f64>>,
-    /// Commanded joint torques [Nm].
+    /// Commanded joint torques (Nm).
     pub tau_j_d_nm: Option<Vec<Vec<f64>>>,
-    /// Motor positions through the gear [rad].
+    /// Motor positions through the gear (rad).
     pub theta_rad: Option<Vec<Vec<f64>>>,
-    /// Motor velocities through the gear [rad/s].
+    /// Motor velocities through the gear (rad/s).
     pub dtheta_rad_s: Option<Vec<Vec<f64>>>,
-    /// Joint temperatures [degC].
+    /// Joint temperatures (degC).
     pub temperature_c: Option<Vec<Vec<f64>>>,
-    /// Ambient temperature [degC].
+    /// Ambient temperature (degC).
     pub temperature_ambient_c: Option<Vec<f64>>,
-    /// Wrench the robot exerts on the environment, base frame: force x, y, z [N], moment x, y, z [Nm].
+    /// Wrench the robot exerts on the environment, base frame: force x, y, z (N), moment x, y, z (Nm).
     pub o_f_ext: Option<[Vec<f64>; 6]>,
 }
 
@@ -185,7 +185,7 @@ impl RobotLog {
         self.0.map(|_, column| column.get(start..end).map(<[f64]>::to_vec).unwrap_or_default()).validate()
     }
 
-    /// Time from the first to the last stamp [s].
+    /// Time from the first to the last stamp (s).
     #[must_use]
     pub fn duration_s(&self) -> f64 {
         match (self.time_s.first(), self.time_s.last()) {

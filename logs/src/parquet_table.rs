@@ -31,6 +31,9 @@ use crate::error::LogError;
 use crate::seal::{self, OPEN_SEAL, SEAL_KEY, SEAL_VALUE, Seal};
 use crate::source::open;
 
+/// Who wrote a file, in its footer.
+const PROGRAM: &str = "tribo-logs";
+
 /// Values decoded at once.
 const BATCH_ROWS: usize = 1 << 14;
 
@@ -121,19 +124,16 @@ pub fn read_table(path: impl AsRef<Path>) -> Result<Table, LogError> {
     // files are checked above; for files of other programs the panic stops here. Nothing shared is left half changed:
     // everything the closure touches is dropped with it.
     let decoded = catch_unwind(AssertUnwindSafe(|| decode(file)));
-    let table = match decoded {
-        Ok(Ok(table)) => table,
+    let (mut table, promises_seal) = match decoded {
+        Ok(Ok(decoded)) => decoded,
         Ok(Err(error)) => return Err(corrupt(path, error.to_string())),
         Err(_) => return Err(corrupt(path, "the Parquet decoder gave up on it".to_owned())),
     };
-    match (seal, table.metadata_value(SEAL_KEY)) {
-        (Seal::Absent, Some(_)) => Err(corrupt(path, "the checksum that its footer promises is not there".to_owned())),
-        _ => {
-            let mut table = table;
-            table.metadata.retain(|(key, _)| key != SEAL_KEY);
-            Ok(table)
-        }
+    if seal == Seal::Absent && promises_seal {
+        return Err(corrupt(path, "the checksum that its footer promises is not there".to_owned()));
     }
+    table.metadata.retain(|(key, _)| key != SEAL_KEY);
+    Ok(table)
 }
 
 /// The bytes of a Parquet file, seal still open.
@@ -147,7 +147,7 @@ fn encode(table: &Table) -> Result<Vec<u8>, ParquetError> {
     let pair = |(key, value): &(String, String)| KeyValue::new(key.clone(), value.clone());
     let sealed = KeyValue::new(SEAL_KEY.to_owned(), SEAL_VALUE.to_owned());
     let properties = WriterProperties::builder()
-        .set_created_by(concat!("tribo-logs ", env!("CARGO_PKG_VERSION")).to_owned())
+        .set_created_by(format!("{PROGRAM} {}", env!("CARGO_PKG_VERSION")))
         .set_key_value_metadata(Some(table.metadata.iter().map(pair).chain([sealed]).collect()))
         .set_dictionary_enabled(false)
         .set_encoding(Encoding::BYTE_STREAM_SPLIT)
@@ -167,8 +167,8 @@ fn encode(table: &Table) -> Result<Vec<u8>, ParquetError> {
     writer.into_inner()
 }
 
-/// All numeric columns of a Parquet file.
-fn decode(file: File) -> Result<Table, ParquetError> {
+/// All numeric columns of a Parquet file, and whether its footer says in one of two places that we sealed it.
+fn decode(file: File) -> Result<(Table, bool), ParquetError> {
     let reader = SerializedFileReader::new(file)?;
     let metadata = reader.metadata().file_metadata();
     let rows = usize::try_from(metadata.num_rows()).map_err(|e| ParquetError::General(e.to_string()))?;
@@ -176,6 +176,8 @@ fn decode(file: File) -> Result<Table, ParquetError> {
     for pair in metadata.key_value_metadata().into_iter().flatten() {
         table.metadata.push((pair.key.clone(), pair.value.clone().unwrap_or_default()));
     }
+    let ours = metadata.created_by().is_some_and(|program| program.starts_with(PROGRAM));
+    let promises_seal = ours || table.metadata_value(SEAL_KEY).is_some();
     for (index, column) in metadata.schema_descr().columns().iter().enumerate() {
         let name = column.path().parts().join(".");
         if !is_number(column) {
@@ -193,7 +195,7 @@ fn decode(file: File) -> Result<Table, ParquetError> {
         table.columns.push((name, values));
     }
     table.check().map_err(|error| ParquetError::General(error.to_string()))?;
-    Ok(table)
+    Ok((table, promises_seal))
 }
 
 /// A flat column of floats or plain signed integers. Integers that mean a date or a scaled decimal are none.

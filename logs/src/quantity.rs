@@ -17,25 +17,25 @@ const WRENCH_COMPONENTS: usize = 6;
 /// A physical quantity of a log; one column, one per joint, or six for the wrench.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum Quantity {
-    /// `time` [s].
+    /// `time` (s).
     Time,
-    /// `q_i`: joint position [rad].
+    /// `q_i`: joint position (rad).
     Position,
-    /// `dq_i`: joint velocity [rad/s].
+    /// `dq_i`: joint velocity (rad/s).
     Velocity,
-    /// `tau_J_i`: measured joint torque [Nm].
+    /// `tau_J_i`: measured joint torque (Nm).
     Torque,
-    /// `tau_J_d_i`: commanded joint torque [Nm].
+    /// `tau_J_d_i`: commanded joint torque (Nm).
     TorqueDesired,
-    /// `theta_i`: motor position through the gear [rad].
+    /// `theta_i`: motor position through the gear (rad).
     MotorPosition,
-    /// `dtheta_i`: motor velocity through the gear [rad/s].
+    /// `dtheta_i`: motor velocity through the gear (rad/s).
     MotorVelocity,
-    /// `temperature_i`: joint temperature [degC].
+    /// `temperature_i`: joint temperature (degC).
     Temperature,
-    /// `temperature_ambient` [degC].
+    /// `temperature_ambient` (degC).
     TemperatureAmbient,
-    /// `O_F_ext_k`: wrench the robot exerts on the environment, base frame, force [N] then moment [Nm].
+    /// `O_F_ext_k`: wrench the robot exerts on the environment, base frame, force (N) then moment (Nm).
     ExternalWrench,
 }
 

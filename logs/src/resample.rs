@@ -22,7 +22,7 @@ use crate::quantity::Quantity;
 /// How to resample. Its default is the median period of the log and the contract's gap tolerance.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Resampling {
-    /// Period of the grid [s]; `None` takes the median period of the log.
+    /// Period of the grid (s); `None` takes the median period of the log.
     pub period_s: Option<f64>,
     /// Longest step to interpolate across, in median periods of the log (see [`bursts`](crate::bursts)).
     pub gap_tolerance: f64,
@@ -39,7 +39,7 @@ impl Default for Resampling {
 /// The bursts of a log on uniform grids of one period, each starting at its own first stamp.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Resampled {
-    /// Period of the grids [s].
+    /// Period of the grids (s).
     pub period_s: f64,
     /// One log per burst kept.
     pub bursts: Vec<RobotLog>,

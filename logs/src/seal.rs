@@ -6,7 +6,8 @@
 //!
 //! Parquet finds everything by offsets in its footer, so bytes after the magic are legal padding. With the seal one
 //! changed byte anywhere is found before the Parquet decoder, which may panic on damaged input, sees the file.
-//! The key `tribo.seal` in the footer says that the seal belongs there, so damage to the marker is found as well.
+//! The key `tribo.seal` and the program name in the footer say that the seal belongs there, so damage to the marker is
+//! found as well.
 
 use std::io::Read;
 

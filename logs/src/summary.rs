@@ -18,13 +18,13 @@ pub struct LogSummary {
     pub rows: usize,
     /// Rows of the file that repeated the row before and are not in the log.
     pub dropped_repeats: usize,
-    /// First to last stamp [s].
+    /// First to last stamp (s).
     pub duration_s: f64,
-    /// One over the median period [Hz].
+    /// One over the median period (Hz).
     pub rate_hz: f64,
     /// Number of bursts at the default tolerance of [`GAP_TOLERANCE`] median periods.
     pub bursts: usize,
-    /// Longest time between neighbouring rows [s].
+    /// Longest time between neighbouring rows (s).
     pub longest_gap_s: f64,
     /// Quantities the log has.
     pub present: Vec<Quantity>,

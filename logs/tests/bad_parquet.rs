@@ -121,7 +121,7 @@ fn tables_that_are_no_tables_are_not_written() {
 fn random_damage_to_foreign_files_never_panics() {
     // No checksum protects these: the decoder itself meets the damage.
     let whole = foreign_bytes();
-    let directory = tempfile::tempdir().unwrap();
+    let directory = common::scratch();
     let path = directory.path().join("foreign.parquet");
     let mut random = common::XorShift(0x5eed_0003);
     let refused = (0..20_000)

@@ -6,7 +6,7 @@ mod common;
 
 use std::fs;
 
-use common::{XorShift, bits, mutated, synthetic_log};
+use common::{XorShift, bits, mutated, scratch, synthetic_log};
 use tribo_logs::{read_csv_from, read_log, write_csv, write_parquet};
 
 const MUTATIONS: usize = 20_000;
@@ -36,7 +36,7 @@ fn damaged_csv_is_an_error_or_a_valid_log() {
 
 #[test]
 fn damaged_files_of_every_format_are_an_error_or_a_valid_log() {
-    let directory = tempfile::tempdir().unwrap();
+    let directory = scratch();
     let log = synthetic_log(2, 6, false);
     for (name, seed) in [("small.csv.gz", 0x5eed_0002), ("small.parquet", 0x5eed_0004)] {
         let path = directory.path().join(name);
@@ -52,10 +52,6 @@ fn damaged_files_of_every_format_are_an_error_or_a_valid_log() {
             let torn = mutated(&whole, &mut random);
             fs::write(&path, &torn).unwrap();
             match read_log(&path) {
-                Ok((read, _)) if parquet && torn != whole => {
-                    let places: Vec<_> = (0..whole.len()).filter(|&k| torn.get(k) != whole.get(k)).map(|k|(k,whole[k],torn.get(k))).collect();
-                    eprintln!("UNSEEN {} {} {:?} {}", whole.len(), torn.len(), &places[..places.len().min(9)], bits(&read) == bits(&log));
-                }
                 Ok((read, _)) if parquet => assert!(torn == whole && bits(&read) == bits(&log), "damage went unseen"),
                 Ok((read, _)) => assert!(read.into_columns().validate().is_ok()),
                 Err(error) => assert!(error.to_string().contains(name), "{error}"),

@@ -1,1 +1,165 @@
-//! todo
+//! Whatever the sensors say, the loop answers with a torque that may be sent.
+//!
+//! A tampered plant lies from tick [`AT`] on. Every tick of every story must return a finite command within the torque
+//! limits and within 1 Nm of the last one; the first reason is latched; afterwards the command is the safe torque
+//! g(q) − d qd. Tolerance: 1e-9 Nm, rounding of the limiter's additions.
+
+use tribo_control::{PAPER_PHASES_RAD, SafeTorque, SinusoidReference};
+use tribo_friction::VelocitySource;
+use tribo_robot::{SensorFrame, presets};
+use tribo_runtime::{TickFault, TickRecord};
+use tribo_sim::{BoxFrictionPlant, Sensors, Truth};
+use tribo_tests::{DT_S, Joints, TamperedPlant, panda_loop, ready_flange};
+
+/// First tick with a tampered frame, when the arm is moving at full amplitude.
+const AT: u64 = 4000;
+/// Ticks in all.
+const TICKS: u64 = 5000;
+const ROUNDING_NM: f64 = 1e-9;
+
+/// Runs the moving Panda with `tamper(ticks since AT, frame)` from tick AT on, asserting what must hold at every tick.
+fn records(at: u64, tamper: impl Fn(u64, &mut SensorFrame<7>)) -> Vec<TickRecord<7>> {
+    let truth = Truth::panda_coulomb_viscous();
+    let plant = BoxFrictionPlant::new(truth.clone(), Sensors::default(), presets::panda_ready_pose(), 1);
+    let mut plant = TamperedPlant::new(plant, |tick, mut frame| {
+        if tick >= at {
+            tamper(tick - at, &mut frame);
+        }
+        frame
+    });
+    let reference = SinusoidReference::paper(ready_flange(), PAPER_PHASES_RAD);
+    let mut control = panda_loop(reference, truth.friction, VelocitySource::Hybrid);
+    let limits = presets::panda().limits;
+    let mut records: Vec<TickRecord<7>> = Vec::new();
+    for tick in 0..TICKS {
+        let record = control.tick(&mut plant);
+        for j in 0..7 {
+            let tau = record.command[j];
+            assert!(tau.is_finite() && tau.abs() <= limits.tau_max_nm[j], "tick {tick} joint {j}: {tau} Nm");
+            if let Some(last) = records.last() {
+                let step = (tau - last.command[j]).abs();
+                assert!(step <= limits.tau_rate_max_nm_s[j] * DT_S + ROUNDING_NM, "tick {tick} joint {j}: {step} Nm");
+            }
+        }
+        assert!(record.estimate.wrench_base.to_vector().iter().all(|h| h.is_finite()), "tick {tick}");
+        assert_eq!(record.fault.is_some() && tick < at, false, "tick {tick}: fault before the tampering");
+        records.push(record);
+    }
+    records
+}
+
+/// The fault at the tampered tick, which must stay to the end, answered by the safe torque.
+fn latched_fault(at: u64, tamper: impl Fn(u64, &mut SensorFrame<7>)) -> TickFault {
+    let records = records(at, tamper);
+    let first = records[at as usize].fault.expect("a fault at the tampered tick");
+    assert!(records[at as usize..].iter().all(|record| record.fault == Some(first)), "{first} must be latched");
+    // Within 100 ticks the rate limit (1 Nm per tick) has let the safe torque through.
+    let arm = presets::panda();
+    let mut safe = SafeTorque::new(presets::panda_ready_pose());
+    for (tick, record) in records.iter().enumerate() {
+        let expected = safe.torque(&arm, &record.frame.q, &record.frame.qd);
+        if tick as u64 > at + 100 {
+            assert!((record.command - expected).amax() < ROUNDING_NM, "tick {tick}");
+        }
+    }
+    first
+}
+
+#[test]
+fn a_value_that_is_not_finite_is_named() {
+    for bad in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
+        for joint in [0, 3, 6] {
+            let fault = TickFault::SensorNotFinite { joint };
+            assert_eq!(latched_fault(AT, |_, frame| frame.q[joint] = bad), fault);
+            assert_eq!(latched_fault(AT, |_, frame| frame.qd[joint] = bad), fault);
+        }
+    }
+}
+
+/// From the very first tick, before there is any state to fall back to.
+#[test]
+fn the_first_tick_may_already_be_broken() {
+    let fault = latched_fault(0, |_, frame| {
+        frame.q = Joints::repeat(f64::NAN);
+        frame.qd = Joints::repeat(f64::INFINITY);
+    });
+    assert_eq!(fault, TickFault::SensorNotFinite { joint: 0 });
+}
+
+/// One bad sample is enough, and what comes after it is only an echo: the first reason stays.
+#[test]
+fn the_first_reason_is_latched() {
+    let once = latched_fault(AT, |since, frame| {
+        if since == 0 {
+            frame.q[2] = f64::NAN;
+        }
+    });
+    assert_eq!(once, TickFault::SensorNotFinite { joint: 2 });
+    let changing = latched_fault(AT, |since, frame| match since {
+        0 => frame.qd[5] = 3.0,
+        1 => frame.q[1] = f64::NAN,
+        _ => frame.q[4] = 9.0,
+    });
+    assert_eq!(changing, TickFault::JointSpeed { joint: 5 });
+}
+
+#[test]
+fn positions_and_speeds_beyond_their_limits_are_named() {
+    let limits = presets::panda().limits;
+    for joint in 0..7 {
+        let limit = TickFault::JointLimit { joint };
+        assert_eq!(latched_fault(AT, |_, frame| frame.q[joint] = limits.q_min_rad[joint] - 1e-6), limit);
+        assert_eq!(latched_fault(AT, |_, frame| frame.q[joint] = limits.q_max_rad[joint] + 1e-6), limit);
+        let speed = TickFault::JointSpeed { joint };
+        assert_eq!(latched_fault(AT, |_, frame| frame.qd[joint] = limits.qd_max_rad_s[joint] + 1e-6), speed);
+        assert_eq!(latched_fault(AT, |_, frame| frame.qd[joint] = -limits.qd_max_rad_s[joint] - 1e-6), speed);
+    }
+    // Finite, and absurd.
+    assert_eq!(latched_fault(AT, |_, frame| frame.q[0] = 1e300), TickFault::JointLimit { joint: 0 });
+    assert_eq!(latched_fault(AT, |_, frame| frame.qd[0] = -1e300), TickFault::JointSpeed { joint: 0 });
+}
+
+/// A clock that is not a number gives a reference that is not, hence a torque that is not: caught before it is sent.
+#[test]
+fn a_broken_clock_is_a_torque_fault() {
+    assert_eq!(latched_fault(AT, |_, frame| frame.time_s = f64::NAN), TickFault::TorqueNotFinite);
+}
+
+/// The loop is sensorless: the torque signal may be anything.
+#[test]
+fn a_broken_torque_sensor_is_nobodys_fault() {
+    let records = records(AT, |_, frame| frame.tau = Joints::repeat(f64::NAN));
+    assert!(records.iter().all(|record| record.fault.is_none()));
+}
+
+/// An encoder that jumps by less than its range: no tick-level fault by design (the trial's monitor sees the error), but
+/// limits and rate hold. A differentiated jump of 0.1 rad is 100 rad/s, which is one.
+#[test]
+fn a_jumping_encoder_keeps_the_command_within_its_limits() {
+    let silent = records(AT, |_, frame| frame.q[3] += 0.1);
+    assert!(silent[AT as usize].fault.is_none());
+    assert!((silent[AT as usize].task.error.amax()) > 0.02, "the jump must be visible in the task error");
+    let differentiated = latched_fault(AT, |since, frame| {
+        frame.q[3] += 0.1;
+        if since == 0 {
+            frame.qd[3] += 0.1 / DT_S;
+        }
+    });
+    assert_eq!(differentiated, TickFault::JointSpeed { joint: 3 });
+}
+
+/// A frozen encoder looks like an arm at rest: the loop pushes, limits and rate hold, nothing panics.
+#[test]
+fn a_frozen_encoder_keeps_the_command_within_its_limits() {
+    let frozen = std::cell::Cell::new(Joints::zeros());
+    let records = records(AT, |since, frame| {
+        if since == 0 {
+            frozen.set(frame.q);
+        }
+        frame.q = frozen.get();
+        frame.qd = Joints::zeros();
+    });
+    let last = records[TICKS as usize - 1];
+    assert_eq!(last.task.twist.amax(), 0.0);
+    assert!(last.task.error.amax() > 1e-3, "the reference must have moved on");
+}

@@ -6,7 +6,7 @@ pub mod random_source;
 pub mod standard;
 
 use random_source::RandomSource;
-use tribo_bayesopt::{Domain, History, Outcome, Settings, suggest};
+use tribo_bayesopt::{BayesoptError, Domain, History, Outcome, Settings, suggest};
 
 /// A function on the unit cube with its least value.
 #[derive(Clone, Copy)]
@@ -39,25 +39,29 @@ pub fn given_history(problem: &Problem, s: u64) -> History {
 }
 
 /// Simple regret after `evaluations`, of `settings` after the ten given points.
-pub fn simple_regret(problem: &Problem, settings: &Settings, s: u64, evaluations: usize) -> f64 {
-    let domain = Domain::unit_cube(problem.dimension).unwrap();
+pub fn simple_regret(problem: &Problem, settings: &Settings, s: u64, evaluations: usize) -> Result<f64, BayesoptError> {
+    let domain = Domain::unit_cube(problem.dimension)?;
     let mut history = given_history(problem, s);
     while history.len() < evaluations {
-        let suggestion = suggest(settings, &domain, &history, s).unwrap();
+        let suggestion = suggest(settings, &domain, &history, s)?;
         let value = (problem.value)(&suggestion.point);
         history.push(suggestion.point, Outcome::Value(value));
     }
-    history.incumbent().unwrap().1 - problem.least
+    Ok(best_cost(&history) - problem.least)
 }
 
 /// Simple regret of the peers' random search, FUNCTIONS §4.0.
 pub fn random_regret(problem: &Problem, s: u64, evaluations: usize) -> f64 {
     let mut source = RandomSource::seed(900_000 + s);
-    let mut best = given_history(problem, s).incumbent().unwrap().1;
+    let mut best = best_cost(&given_history(problem, s));
     for _ in 10..evaluations {
         best = best.min((problem.value)(&source.point(problem.dimension)));
     }
     best - problem.least
+}
+
+fn best_cost(history: &History) -> f64 {
+    history.incumbent().map_or(f64::INFINITY, |(_, cost)| cost)
 }
 
 pub fn median(mut values: Vec<f64>) -> f64 {

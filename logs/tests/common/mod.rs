@@ -47,6 +47,11 @@ pub fn file(name: &str, content: impl AsRef<[u8]>) -> (TempDir, PathBuf) {
     (directory, path)
 }
 
+/// A directory for twenty thousand short-lived files: in memory where the system offers it, since no disk is tested.
+pub fn scratch() -> TempDir {
+    tempfile::tempdir_in("/dev/shm").or_else(|_| tempfile::tempdir()).unwrap()
+}
+
 /// What remains of an error text when the directory is taken away.
 pub fn relative(text: &str, path: &Path) -> String {
     text.replace(&format!("{}/", path.parent().unwrap().display()), "")

@@ -1,0 +1,204 @@
+//! The command line.
+
+use std::path::PathBuf;
+
+use clap::builder::PossibleValuesParser;
+use clap::{Args, Parser, Subcommand};
+
+/// Gives any robot arm without force sensors a trustworthy sense of touch.
+#[derive(Debug, Parser)]
+#[command(name = "tribo", version, max_term_width = 110, after_help = EXAMPLES)]
+pub struct Arguments {
+    /// What to do.
+    #[command(subcommand)]
+    pub command: Option<Command>,
+    /// Options of every command.
+    #[command(flatten)]
+    pub common: Common,
+}
+
+const EXAMPLES: &str = "Examples:
+  tribo tune                                   tune a simulated Panda, 50 trials
+  tribo tune --friction stribeck --truth stribeck --pose 1 --seed 7
+  tribo tune --resume --out campaigns/0001     go on with a campaign that was stopped
+  tribo export campaigns/0001 --format json    the tuned compensator
+  tribo simulate --log trial.csv               one trial as a robot log
+  tribo convert panda_gaz2019 panda.csv        a log of another program as canonical CSV
+  tribo estimate panda.csv --torque-side link  what the joint torques and the tool say about it
+
+Exit codes: 0 done, 1 a check asked for has failed, 2 bad input, 3 internal error.";
+
+/// Options of every command.
+#[derive(Debug, Args)]
+pub struct Common {
+    /// Print one JSON document instead of tables.
+    #[arg(long, global = true)]
+    pub json: bool,
+    /// No progress and no messages.
+    #[arg(long, short, global = true)]
+    pub quiet: bool,
+    /// More messages.
+    #[arg(long, short, global = true)]
+    pub verbose: bool,
+    /// Threads for independent trials; 0 is one per core. The results do not depend on it.
+    #[arg(long, global = true, default_value_t = 0, value_name = "N")]
+    pub threads: usize,
+}
+
+/// The commands.
+#[derive(Debug, Subcommand)]
+pub enum Command {
+    /// Tune the friction compensator of a simulated arm over a campaign of trials.
+    ///
+    /// Writes campaign.yaml, journal.log (readable by optuna-dashboard), trials/NNNN.parquet and tuned.yaml. A campaign
+    /// that was killed goes on with --resume and ends with the same result.
+    Tune(Tune),
+    /// Run one trial on the simulated arm and write it as a robot log.
+    Simulate(Simulate),
+    /// Estimate the tool wrench and the joints' torque residual from a robot log.
+    Estimate(Estimate),
+    /// Convert a robot log to canonical CSV (.csv, .csv.gz) or Parquet.
+    Convert(Convert),
+    /// Write tuned parameters for another program.
+    Export(Export),
+    /// Print a shell completion script.
+    Completions {
+        /// The shell.
+        shell: clap_complete::Shell,
+    },
+    /// Print the manual page in roff.
+    Man,
+}
+
+/// Arguments of `tune`.
+#[derive(Debug, Args)]
+pub struct Tune {
+    /// Settings (YAML, schema tribo.tune/1); flags override it.
+    pub config: Option<PathBuf>,
+    /// Directory of the campaign [default: the next free campaigns/NNNN, with --resume the last one].
+    #[arg(long, value_name = "DIR")]
+    pub out: Option<PathBuf>,
+    /// Go on with the campaign in --out.
+    #[arg(long)]
+    pub resume: bool,
+    /// Seed of everything random.
+    #[arg(long)]
+    pub seed: Option<u64>,
+    /// Friction law of the compensator.
+    #[arg(long, value_parser = PossibleValuesParser::new(["coulomb_viscous", "stribeck"]))]
+    pub friction: Option<String>,
+    /// Estimator whose wrench is the cost.
+    #[arg(long, value_parser = PossibleValuesParser::new(["ekf"]))]
+    pub residual: Option<String>,
+    /// What chooses the next parameters.
+    #[arg(long, value_parser = PossibleValuesParser::new(["zero", "gaz", "random", "sobol", "paper", "bo", "grey_box"]))]
+    pub strategy: Option<String>,
+    /// Number of trials.
+    #[arg(long)]
+    pub trials: Option<usize>,
+    /// Trials of the initial design.
+    #[arg(long)]
+    pub init: Option<usize>,
+    /// What the simulated arm is like: coulomb_viscous, stribeck, lugre, gaz, thermal, frictionless or a model file.
+    #[arg(long)]
+    pub truth: Option<String>,
+    /// Configuration about which the tool moves.
+    #[arg(long, value_parser = clap::value_parser!(u8).range(0..=2))]
+    pub pose: Option<u8>,
+    /// Velocity the compensator believes near zero speed.
+    #[arg(long, value_parser = PossibleValuesParser::new(["measured", "reference", "hybrid"]))]
+    pub velocity: Option<String>,
+    /// Parameter box: the paper's bounds by index (literal) or by unit.
+    #[arg(long, value_parser = PossibleValuesParser::new(["literal", "unit_consistent"]))]
+    pub bounds: Option<String>,
+    /// Phases of the reference trajectory.
+    #[arg(long, value_parser = PossibleValuesParser::new(["documented", "random"]))]
+    pub phases: Option<String>,
+    /// Fail (exit code 1) if the best cost exceeds this multiple of the oracle's.
+    #[arg(long, value_name = "RATIO")]
+    pub check: Option<f64>,
+}
+
+/// Arguments of `simulate`.
+#[derive(Debug, Args)]
+pub struct Simulate {
+    /// Settings (YAML, schema tribo.tune/1) for truth, pose, gains and noise; flags override it.
+    pub config: Option<PathBuf>,
+    /// Log to write (.csv, .csv.gz or .parquet).
+    #[arg(long, value_name = "FILE")]
+    pub log: Option<PathBuf>,
+    /// Compensator: none, oracle, or a tuned.yaml.
+    #[arg(long, default_value = "none", value_name = "none|oracle|FILE")]
+    pub compensation: String,
+    /// Seed of everything random.
+    #[arg(long)]
+    pub seed: Option<u64>,
+    /// What the simulated arm is like: coulomb_viscous, stribeck, lugre, gaz, thermal, frictionless or a model file.
+    #[arg(long)]
+    pub truth: Option<String>,
+    /// Configuration about which the tool moves.
+    #[arg(long, value_parser = clap::value_parser!(u8).range(0..=2))]
+    pub pose: Option<u8>,
+    /// Velocity the compensator believes near zero speed.
+    #[arg(long, value_parser = PossibleValuesParser::new(["measured", "reference", "hybrid"]))]
+    pub velocity: Option<String>,
+    /// Side of the gears on which tau_J is measured.
+    #[arg(long, default_value = "motor", value_parser = PossibleValuesParser::new(["motor", "link"]))]
+    pub torque_side: String,
+    /// Hold a fixed set-point instead of moving.
+    #[arg(long)]
+    pub fixed: bool,
+    /// Push the tool along each axis in turn with this force [N] and --pulse-moment [Nm].
+    #[arg(long, value_name = "N", default_value_t = 0.0)]
+    pub pulse_force: f64,
+    /// Moment of the pulses [Nm].
+    #[arg(long, value_name = "NM", default_value_t = 0.0)]
+    pub pulse_moment: f64,
+}
+
+/// Arguments of `estimate`.
+#[derive(Debug, Args)]
+pub struct Estimate {
+    /// The log: canonical CSV (.gz), Parquet, or the text directory of the public Panda data set.
+    pub log: PathBuf,
+    /// Model of the robot (YAML, schema tribo.model/1) [default: the bare Panda without friction].
+    #[arg(long, value_name = "FILE")]
+    pub model: Option<PathBuf>,
+    /// Side of the gears on which tau_J was measured, when no --model says it.
+    #[arg(long, default_value = "motor", value_parser = PossibleValuesParser::new(["motor", "link"]), conflicts_with = "model")]
+    pub torque_side: String,
+    /// Which estimators to run.
+    #[arg(long, default_value = "all", value_parser = PossibleValuesParser::new(["all", "ekf", "torque"]))]
+    pub residual: String,
+    /// Band of the torque residual [Hz].
+    #[arg(long, default_value_t = 10.0, value_name = "HZ")]
+    pub band_hz: f64,
+    /// Length of the alternating train and test blocks of the friction fit [s].
+    #[arg(long, default_value_t = 2.0, value_name = "S")]
+    pub block_s: f64,
+    /// Write the estimated wrench along the log (.csv-like Parquet table) to this file.
+    #[arg(long, value_name = "FILE")]
+    pub out: Option<PathBuf>,
+}
+
+/// Arguments of `convert`.
+#[derive(Debug, Args)]
+pub struct Convert {
+    /// The log to read; its format is found from its content.
+    pub log: PathBuf,
+    /// The log to write: .csv, .csv.gz or .parquet.
+    pub out: PathBuf,
+}
+
+/// Arguments of `export`.
+#[derive(Debug, Args)]
+pub struct Export {
+    /// A campaign directory or a tuned.yaml.
+    pub source: PathBuf,
+    /// What to write.
+    #[arg(long, value_parser = PossibleValuesParser::new(["yaml", "json"]))]
+    pub format: String,
+    /// File to write [default: standard output].
+    #[arg(long, value_name = "FILE")]
+    pub out: Option<PathBuf>,
+}

@@ -1,0 +1,182 @@
+//! `tribo tune`.
+
+use std::path::{Path, PathBuf};
+use std::time::Instant;
+
+use anyhow::Context;
+use tribo_experiments::{Campaign, CampaignError, CampaignResult, ParameterSpace};
+
+use super::{configured, set};
+use crate::arguments::{Common, Tune};
+use crate::failure::{BadInput, CheckFailed};
+use crate::output::{print, print_json, significant, table};
+use crate::progress::{TrialProgress, stop_on_signal};
+
+/// Where campaigns go when nobody says where.
+const CAMPAIGNS: &str = "campaigns";
+
+/// Runs or resumes a campaign.
+pub fn run(arguments: &Tune, common: &Common) -> anyhow::Result<()> {
+    let started = Instant::now();
+    let campaign = if arguments.resume { resume(arguments)? } else { create(arguments)? };
+    let (directory, campaign) = campaign;
+    let (total, finished) = (campaign.tune().config.trials, campaign.finished());
+    if !common.quiet {
+        eprintln!("campaign {} ({} of {total} trials done)", directory.display(), finished);
+    }
+    stop_on_signal();
+    let mut progress = TrialProgress::new(total, finished, common.quiet);
+    let pool = rayon::ThreadPoolBuilder::new()
+        .num_threads(common.threads)
+        .build()
+        .context("starting the threads of the trials")?;
+    let result = pool.install(|| campaign.run(&mut progress));
+    progress.finish();
+    let result = match result {
+        Err(CampaignError::Stopped { finished }) => {
+            eprintln!(
+                "tribo: stopped after {finished} of {total} trials; go on with: tribo tune --resume --out {}",
+                directory.display()
+            );
+            return Ok(());
+        }
+        other => other?,
+    };
+    let wall_s = started.elapsed().as_secs_f64();
+    if common.json {
+        print_json(&result.to_json(wall_s));
+    } else if !common.quiet {
+        show(&result, &directory, wall_s);
+    }
+    match arguments.check {
+        Some(limit) => check(&result, limit),
+        None => Ok(()),
+    }
+}
+
+fn create(arguments: &Tune) -> anyhow::Result<(PathBuf, Campaign)> {
+    let (config, _) = configured(arguments.config.as_deref(), |config| {
+        set(&mut config.strategy, arguments.strategy.as_ref())?;
+        set(&mut config.friction, arguments.friction.as_ref())?;
+        set(&mut config.bounds, arguments.bounds.as_ref())?;
+        set(&mut config.residual, arguments.residual.as_ref())?;
+        set(&mut config.velocity, arguments.velocity.as_ref())?;
+        set(&mut config.truth, arguments.truth.as_ref())?;
+        set(&mut config.phases, arguments.phases.as_ref())?;
+        config.seed = arguments.seed.unwrap_or(config.seed);
+        config.trials = arguments.trials.unwrap_or(config.trials);
+        config.init = arguments.init.unwrap_or(config.init);
+        config.pose = arguments.pose.map_or(config.pose, usize::from);
+        Ok(())
+    })?;
+    let directory = match &arguments.out {
+        Some(directory) => directory.clone(),
+        None => {
+            let next = last_campaign().map_or(1, |(number, _)| number + 1);
+            Path::new(CAMPAIGNS).join(format!("{next:04}"))
+        }
+    };
+    let campaign = Campaign::create(&directory, config, now)?;
+    Ok((directory, campaign))
+}
+
+fn resume(arguments: &Tune) -> anyhow::Result<(PathBuf, Campaign)> {
+    // What is frozen within a campaign cannot be changed half-way.
+    let frozen = [
+        ("a settings file", arguments.config.is_some()),
+        ("--seed", arguments.seed.is_some()),
+        ("--friction", arguments.friction.is_some()),
+        ("--residual", arguments.residual.is_some()),
+        ("--strategy", arguments.strategy.is_some()),
+        ("--init", arguments.init.is_some()),
+        ("--truth", arguments.truth.is_some()),
+        ("--pose", arguments.pose.is_some()),
+        ("--velocity", arguments.velocity.is_some()),
+        ("--bounds", arguments.bounds.is_some()),
+        ("--phases", arguments.phases.is_some()),
+    ];
+    if let Some((name, _)) = frozen.iter().find(|(_, given)| *given) {
+        let message = format!("{name} cannot be combined with --resume; a campaign keeps the settings it began with");
+        return Err(BadInput(message).into());
+    }
+    let directory = match &arguments.out {
+        Some(directory) => directory.clone(),
+        None => last_campaign()
+            .map(|(_, directory)| directory)
+            .ok_or_else(|| BadInput(format!("no campaign in {CAMPAIGNS}/ to resume; name one with --out")))?,
+    };
+    let campaign = Campaign::resume(&directory, arguments.trials, now)?;
+    Ok((directory, campaign))
+}
+
+/// The numbered campaign directory with the highest number.
+fn last_campaign() -> Option<(u32, PathBuf)> {
+    let entries = std::fs::read_dir(CAMPAIGNS).ok()?;
+    entries
+        .flatten()
+        .filter_map(|entry| Some((entry.file_name().to_str()?.parse::<u32>().ok()?, entry.path())))
+        .max_by_key(|(number, _)| *number)
+}
+
+/// The time, for the stamps in the journal.
+fn now() -> String {
+    // Optuna reads Python's isoformat, which wants +00:00 in place of Z.
+    jiff::Timestamp::now().strftime("%Y-%m-%dT%H:%M:%S.%6f+00:00").to_string()
+}
+
+fn check(result: &CampaignResult, limit: f64) -> anyhow::Result<()> {
+    let ratio = result.best.map_or(f64::INFINITY, |(_, cost)| cost / result.references.oracle);
+    if ratio <= limit {
+        return Ok(());
+    }
+    Err(CheckFailed(format!("best J is {ratio:.3} of the oracle's; allowed: {limit}")).into())
+}
+
+fn show(result: &CampaignResult, directory: &Path, wall_s: f64) {
+    let mut trials = table(&["trial", "J [N + Nm]", "J/J_oracle", "max F+M", "mean F+M", "penalty", "chosen by", "state"]);
+    let best = result.best.map(|(number, _)| number);
+    for trial in &result.trials {
+        let cost = trial.cost.total();
+        let mark = if Some(trial.number) == best { " *" } else { "" };
+        let state = trial.aborted.map_or("complete".to_owned(), |reason| format!("failed: {reason}"));
+        trials.add_row([
+            format!("{}{mark}", trial.number),
+            significant(cost, 4),
+            significant(cost / result.references.oracle, 3),
+            significant(trial.cost.max.iter().sum(), 3),
+            significant(trial.cost.mean.iter().sum(), 3),
+            significant(trial.cost.penalty, 3),
+            format!("{:?}", trial.origin),
+            state,
+        ]);
+    }
+    print(trials);
+    let references = &result.references;
+    let mut summary = table(&["", "J [N + Nm]"]);
+    summary.add_row(["uncompensated".to_owned(), significant(references.uncompensated, 4)]);
+    if let Some((number, cost)) = result.best {
+        summary.add_row([format!("tuned (trial {number})"), significant(cost, 4)]);
+    }
+    summary.add_row(["oracle (true friction)".to_owned(), significant(references.oracle, 4)]);
+    summary.add_row(["no friction at all".to_owned(), significant(references.frictionless, 4)]);
+    print(format_args!("\n{summary}"));
+    if let Some(best) = best {
+        let space = ParameterSpace { law: result.config.friction, bounds: result.config.bounds, joints: 7 };
+        let entries = space.entries();
+        let header: Vec<&str> = std::iter::once("joint").chain(entries.iter().map(|entry| entry.0)).collect();
+        let mut parameters = table(&header);
+        for (joint, values) in result.trials[best].theta.chunks(entries.len()).enumerate() {
+            let row = std::iter::once(joint.to_string()).chain(values.iter().map(|value| significant(*value, 4)));
+            parameters.add_row(row);
+        }
+        print(format_args!("\n{parameters}"));
+    }
+    print(format_args!(
+        "\n{} trials in {wall_s:.1} s; written {}",
+        result.trials.len(),
+        directory.join("tuned.yaml").display()
+    ));
+    if let Some((_, cost)) = result.best {
+        print(format_args!("next: tribo export {} --format json   (J {:.1} -> {:.1})", directory.display(), references.uncompensated, cost));
+    }
+}

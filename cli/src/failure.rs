@@ -1,0 +1,45 @@
+//! From errors to exit codes.
+
+use tribo_experiments::files::FileError;
+use tribo_experiments::strategy::StrategyError;
+use tribo_experiments::{CampaignError, ConfigError};
+use tribo_logs::LogError;
+
+/// A failed quality check that was asked for with `--check`.
+#[derive(Debug)]
+pub struct CheckFailed(pub String);
+
+impl std::fmt::Display for CheckFailed {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(f, "check failed: {}", self.0)
+    }
+}
+
+impl std::error::Error for CheckFailed {}
+
+/// Input that cannot be used, found by the command itself.
+#[derive(Debug)]
+pub struct BadInput(pub String);
+
+impl std::fmt::Display for BadInput {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(&self.0)
+    }
+}
+
+impl std::error::Error for BadInput {}
+
+/// 1 failed check, 2 bad input, 3 internal.
+pub fn exit_code(error: &anyhow::Error) -> u8 {
+    if error.is::<CheckFailed>() {
+        return 1;
+    }
+    if error.is::<BadInput>() || error.is::<FileError>() || error.is::<ConfigError>() || error.is::<LogError>() {
+        return 2;
+    }
+    match error.downcast_ref::<CampaignError>() {
+        Some(CampaignError::Config(_) | CampaignError::File(_)) => 2,
+        Some(CampaignError::Strategy { source: StrategyError::File(_) | StrategyError::Identification(_), .. }) => 2,
+        _ => 3,
+    }
+}

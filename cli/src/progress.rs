@@ -1,0 +1,67 @@
+//! Progress of a campaign on standard error.
+
+use std::sync::atomic::{AtomicBool, Ordering};
+
+use indicatif::{ProgressBar, ProgressStyle};
+use tribo_experiments::strategy::FinishedTrial;
+use tribo_experiments::{CampaignObserver, References};
+
+/// Set by Ctrl-C and SIGTERM: the campaign ends after the trials that are running.
+static STOP: AtomicBool = AtomicBool::new(false);
+
+/// Ends the campaign cleanly on the first Ctrl-C or SIGTERM. A second one kills, which loses nothing either.
+pub fn stop_on_signal() {
+    let handler = || {
+        if STOP.swap(true, Ordering::SeqCst) {
+            std::process::exit(130);
+        }
+    };
+    // Without a handler the signal kills the process, and --resume goes on as after any other kill.
+    let _ = ctrlc::set_handler(handler);
+}
+
+/// A progress bar that shows the incumbent. Hidden when standard error is not a terminal or `--quiet` is given.
+pub struct TrialProgress {
+    bar: ProgressBar,
+    best: f64,
+    oracle: f64,
+    failed: usize,
+}
+
+impl TrialProgress {
+    /// A bar for `trials` trials, `finished` of which are done.
+    pub fn new(trials: usize, finished: usize, quiet: bool) -> Self {
+        let bar = if quiet { ProgressBar::hidden() } else { ProgressBar::new(trials as u64) };
+        if let Ok(style) = ProgressStyle::with_template("{bar:30} {pos:>4}/{len} trials  {elapsed}  {msg}") {
+            bar.set_style(style);
+        }
+        bar.set_position(finished as u64);
+        Self { bar, best: f64::INFINITY, oracle: f64::NAN, failed: 0 }
+    }
+
+    /// Takes the bar off the screen.
+    pub fn finish(&self) {
+        self.bar.finish_and_clear();
+    }
+}
+
+impl CampaignObserver for TrialProgress {
+    fn references(&mut self, references: &References) {
+        self.oracle = references.oracle;
+        self.bar.set_message(format!("uncompensated J {:.2}", references.uncompensated));
+    }
+
+    fn trial_finished(&mut self, trial: &FinishedTrial) {
+        match trial.aborted {
+            None => self.best = self.best.min(trial.cost.total()),
+            Some(_) => self.failed += 1,
+        }
+        let failed = if self.failed > 0 { format!(", {} failed", self.failed) } else { String::new() };
+        self.bar.set_message(format!("best J {:.2} (oracle {:.2}){failed}", self.best, self.oracle));
+        self.bar.inc(1);
+    }
+
+    fn stop_requested(&mut self) -> bool {
+        STOP.load(Ordering::SeqCst)
+    }
+}

@@ -1,0 +1,42 @@
+//! Explains a measured log: what torque the rigid model leaves over, and how much of it is joint friction.
+//!
+//! ```text
+//! residual_j = F (tau_measured,j − model_j(q, qd, qdd)),      residual_j ≈ F (Fc tanh(qd/ε) + Fv qd + offset)
+//! ```
+//!
+//! F is one zero-phase low-pass, the same for the measured torque, the model and every regressor, so that filtered is
+//! never compared with raw. [`TorqueResidual`] is the signal chain from a log to that equation, burst by burst;
+//! [`Blocks`] cuts its samples into contiguous blocks with a dead margin between training and test;
+//! [`FrictionReport`] says per joint what remains without friction, with a given law, and with a fitted one on samples
+//! that the fit has not seen.
+//!
+//! ```
+//! use tribo_diagnose::{FrictionReport, FrictionSettings, ResidualSettings, TorqueResidual};
+//! use tribo_logs::LogColumns;
+//! use tribo_robot::presets;
+//! let time_s: Vec<f64> = (0..12_000).map(|k| f64::from(k) * 1e-3).collect();
+//! let of_time = |f: fn(f64) -> f64| vec![time_s.iter().map(|&t| f(t)).collect::<Vec<f64>>(); 7];
+//! let (q_rad, dq_rad_s, tau_j_nm) = (of_time(|t| -0.5 - 0.4 * (2.0 * t).sin()), of_time(|_| 0.0), of_time(|_| 0.0));
+//! let log = LogColumns { time_s, q_rad, dq_rad_s, tau_j_nm, ..LogColumns::default() }.validate()?;
+//! let residual = TorqueResidual::of_log(&log, &presets::panda().link_side(), &ResidualSettings::default())?;
+//! let report = FrictionReport::of(&residual, None, &FrictionSettings::default());
+//! assert_eq!(report.joints.len(), 7); // measured torque zero: the residual of joint 2 is the weight of the arm
+//! assert!(report.joints[1].rms_rigid_nm > 1.0);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+//!
+//! Positions are the only motion signal used: qd and qdd are derivatives of smoothed q, which beats the logged dq.
+//! Leaves out, so far: named causes other than friction, their selection and their tests.
+
+mod blocks;
+pub mod filter;
+mod friction_report;
+mod least_squares;
+mod signal_chain;
+mod torque_residual;
+
+pub use blocks::{BlockSettings, Blocks, BlocksError, Split};
+pub use friction_report::{FrictionReport, FrictionSettings, HeldOut, HeldOutError, JointFitError, JointReport};
+pub use least_squares::{ColumnFit, fit_columns};
+pub use signal_chain::{ResidualSettings, SignalChain};
+pub use torque_residual::{MotionSample, ResidualError, TorqueResidual};

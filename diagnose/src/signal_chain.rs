@@ -1,0 +1,154 @@
+//! The filters between a log and the residual equation, with every number they were given.
+
+use std::fmt;
+
+use tribo_logs::{GAP_TOLERANCE, RobotLog, median_period_s};
+
+use crate::ResidualError;
+use crate::filter::ZeroPhaseLowPass;
+
+/// What the caller chooses.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ResidualSettings {
+    /// Cut-off of the band filter [Hz], at most 0.35 of the sample rate. 10 Hz holds the motion of an arm and leaves
+    /// out most of the noise of its acceleration, which grows with the square of frequency.
+    pub band_hz: f64,
+    /// Longest step between stamps to interpolate across [s]; a longer one splits bursts. `None` takes the larger of
+    /// 1.5 median periods and a tenth of 1/band: a hole that the band cannot see is no gap.
+    pub longest_gap_s: Option<f64>,
+    /// Samples averaged into one after filtering; 1 keeps the rate of the log. Columns are averaged likewise.
+    pub average_samples: usize,
+}
+
+impl Default for ResidualSettings {
+    fn default() -> Self {
+        Self { band_hz: 10.0, longest_gap_s: None, average_samples: 1 }
+    }
+}
+
+/// Order of each pass of both filters: the roll-off of both passes is then that of order six.
+const ORDER: usize = 3;
+/// Cut-off of the position smoother over the band: the smoother leaves 99.7 % of an amplitude at 0.8 band.
+const SMOOTHING_OVER_BAND: f64 = 3.0;
+/// Highest cut-off over the sample rate: beyond it the 8th-order difference errs by more than 1 %.
+const HIGHEST_CUTOFF: f64 = 0.35;
+/// Least time dropped at each end of a burst [s].
+const LEAST_TRIM_S: f64 = 0.05;
+/// Longest default gap, in periods of the band.
+const GAP_PERIODS: f64 = 0.1;
+/// Distance at which a filtered sample has forgotten another, in periods of the band.
+const MEMORY_PERIODS: f64 = 2.0;
+
+/// The resolved signal chain.
+///
+/// ```text
+/// q_s = S q,   qd = D q_s,   qdd = D qd,   model = B rnea(q_s, qd, qdd),   measured = B S tau,   column = B φ(q_s, qd, qdd)
+/// ```
+///
+/// S and B are zero-phase Butterworth filters of third order per pass, at `smoothing_hz` and `band_hz` (each at half
+/// amplitude there), D the central difference of 8th order. tau passes S as well, so where the dynamics are linear both
+/// sides see one and the same filter.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SignalChain {
+    /// Cut-off of the band filter B [Hz].
+    pub band_hz: f64,
+    /// Cut-off of the smoother S [Hz]: three bands, or 0.35 of the sample rate if that is less.
+    pub smoothing_hz: f64,
+    /// Rate of the uniform grid before averaging [Hz]: one over the median period of the log.
+    pub rate_hz: f64,
+    /// Longest step between stamps that was interpolated across [s].
+    pub longest_gap_s: f64,
+    /// Time dropped at each end of a burst [s]: one period of the band, at least 50 ms.
+    pub trim_s: f64,
+    /// Samples averaged into one.
+    pub average_samples: usize,
+    smoother: ZeroPhaseLowPass,
+    band: ZeroPhaseLowPass,
+}
+
+impl SignalChain {
+    /// Resolves the settings against the rate of a log.
+    pub(crate) fn resolve(log: &RobotLog, settings: &ResidualSettings) -> Result<Self, ResidualError> {
+        let period_s = median_period_s(&log.time_s).unwrap_or(0.0);
+        let rate_hz = period_s.recip();
+        let ResidualSettings { band_hz, longest_gap_s, average_samples } = *settings;
+        let highest_hz = HIGHEST_CUTOFF * rate_hz;
+        if !(band_hz > 0.0 && band_hz <= highest_hz) {
+            return Err(ResidualError::Band { band_hz, highest_hz, rate_hz });
+        }
+        let longest_gap_s = longest_gap_s.unwrap_or(f64::max(GAP_TOLERANCE * period_s, GAP_PERIODS / band_hz));
+        if !(longest_gap_s >= period_s && longest_gap_s.is_finite()) {
+            return Err(ResidualError::LongestGap { longest_gap_s, period_s });
+        }
+        if average_samples == 0 {
+            return Err(ResidualError::NothingAveraged);
+        }
+        let smoothing_hz = f64::min(SMOOTHING_OVER_BAND * band_hz, highest_hz);
+        Ok(Self {
+            band_hz,
+            smoothing_hz,
+            rate_hz,
+            longest_gap_s,
+            trim_s: f64::max(LEAST_TRIM_S, band_hz.recip()),
+            average_samples,
+            smoother: ZeroPhaseLowPass::butterworth(ORDER, smoothing_hz, rate_hz)?,
+            band: ZeroPhaseLowPass::butterworth(ORDER, band_hz, rate_hz)?,
+        })
+    }
+
+    /// Rate of the samples that come out [Hz].
+    pub fn output_rate_hz(&self) -> f64 {
+        self.rate_hz / self.average_samples as f64
+    }
+
+    /// Time after which an output no longer feels an input [s]: below 0.2 %.
+    pub fn memory_s(&self) -> f64 {
+        MEMORY_PERIODS / self.band_hz + self.average_samples as f64 / self.rate_hz
+    }
+
+    /// Gain of the whole chain on a measured torque at `frequency_hz`, averaging aside.
+    pub fn gain(&self, frequency_hz: f64) -> f64 {
+        self.smoother.gain(frequency_hz) * self.band.gain(frequency_hz)
+    }
+
+    /// Shortest burst that leaves something [s]: both trims and one period of the band or one average.
+    pub fn shortest_burst_s(&self) -> f64 {
+        2.0 * self.trim_s + f64::max(self.band_hz.recip(), self.average_samples as f64 / self.rate_hz)
+    }
+
+    /// S x.
+    pub(crate) fn smooth(&self, x: &[f64]) -> Vec<f64> {
+        self.smoother.filter(x)
+    }
+
+    /// B x, ends trimmed, averaged: one burst of a column.
+    pub(crate) fn finish(&self, x: &[f64]) -> Vec<f64> {
+        self.trim_and_average(&self.band.filter(x))
+    }
+
+    /// x without its ends, averaged.
+    pub(crate) fn trim_and_average(&self, x: &[f64]) -> Vec<f64> {
+        let trim = (self.trim_s * self.rate_hz).ceil() as usize;
+        let inner = x.get(trim..x.len().saturating_sub(trim)).unwrap_or_default();
+        inner.chunks_exact(self.average_samples).map(|part| part.iter().sum::<f64>() / part.len() as f64).collect()
+    }
+}
+
+impl fmt::Display for SignalChain {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(
+            f,
+            "zero-phase Butterworth (order {ORDER} forward and backward, half amplitude at {:.4} Hz; positions smoothed \
+             at {:.4} Hz), grid {:.1} Hz, gaps up to {:.1} ms interpolated, {:.0} ms trimmed at burst ends",
+            self.band_hz,
+            self.smoothing_hz,
+            self.rate_hz,
+            1e3 * self.longest_gap_s,
+            1e3 * self.trim_s
+        )?;
+        match self.average_samples {
+            1 => Ok(()),
+            count => write!(f, ", {count} samples averaged to {:.1} Hz", self.output_rate_hz()),
+        }
+    }
+}

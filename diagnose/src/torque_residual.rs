@@ -1,0 +1,209 @@
+//! Measured torque minus rigid-body torque.
+
+use std::ops::Range;
+
+use nalgebra::SVector;
+use tribo_logs::{LogError, Resampling, RobotLog, resample};
+use tribo_robot::{Arm, rnea};
+
+use crate::filter::{FilterError, central_difference};
+use crate::{ResidualSettings, SignalChain};
+
+/// Why a log has no torque residual.
+#[derive(Debug, thiserror::Error)]
+pub enum ResidualError {
+    /// The log and the arm disagree about the number of joints.
+    #[error("the log has {log} joints, the model {arm}")]
+    JointCount {
+        /// Joints of the log.
+        log: usize,
+        /// Joints of the arm.
+        arm: usize,
+    },
+    /// The band does not fit the sample rate.
+    #[error("band {band_hz} Hz is outside (0, {highest_hz:.3}] Hz, 0.35 of the log's {rate_hz:.1} Hz")]
+    Band {
+        /// Band asked for [Hz].
+        band_hz: f64,
+        /// Highest possible [Hz].
+        highest_hz: f64,
+        /// Rate of the log [Hz].
+        rate_hz: f64,
+    },
+    /// The gap tolerance is below the period of the log.
+    #[error("longest gap {longest_gap_s} s is outside [{period_s}, inf) s: it must hold one period of the log")]
+    LongestGap {
+        /// Tolerance asked for [s].
+        longest_gap_s: f64,
+        /// Median period of the log [s].
+        period_s: f64,
+    },
+    /// An average over no samples.
+    #[error("average_samples: 0 is outside [1, inf)")]
+    NothingAveraged,
+    /// No stretch without a gap is long enough for the filter.
+    #[error("the longest of {bursts} bursts lasts {longest_burst_s:.3} s, a band of {band_hz} Hz needs {need_s:.3} s")]
+    TooShort {
+        /// Duration of the longest burst [s].
+        longest_burst_s: f64,
+        /// Duration needed [s].
+        need_s: f64,
+        /// Number of bursts.
+        bursts: usize,
+        /// Band asked for [Hz].
+        band_hz: f64,
+    },
+    /// The model answers NaN or infinity.
+    #[error("the model torque of joint {joint} at {time_s:.3} s is not finite")]
+    ModelNotFinite {
+        /// Joint, from 0.
+        joint: usize,
+        /// Time of the first such sample [s].
+        time_s: f64,
+    },
+    /// The log could not be put on a uniform grid.
+    #[error(transparent)]
+    Log(#[from] LogError),
+    /// The filters could not be designed.
+    #[error(transparent)]
+    Filter(#[from] FilterError),
+}
+
+/// Smoothed motion at one grid stamp, before the band filter: what a regressor is a function of.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct MotionSample<const N: usize> {
+    /// Time [s].
+    pub time_s: f64,
+    /// Joint positions [rad].
+    pub q: SVector<f64, N>,
+    /// Joint velocities [rad/s].
+    pub qd: SVector<f64, N>,
+    /// Joint accelerations [rad/s²].
+    pub qdd: SVector<f64, N>,
+}
+
+/// `residual = measured − model` per joint on a uniform grid, burst by burst, filtered as [`SignalChain`] says.
+///
+/// Positive where the joint needs more torque than the rigid model: friction τ_f(qd) appears with its own sign.
+/// The bursts stand one after the other in every column; `bursts` says where each begins and ends.
+/// Leaves out: the logged dq (the derivative of smoothed q is better), and noise levels.
+#[derive(Clone, Debug, PartialEq)]
+pub struct TorqueResidual<const N: usize> {
+    /// Time of each sample [s].
+    pub time_s: Vec<f64>,
+    /// Joint velocities, filtered like the torques [rad/s]; outer index joint.
+    pub qd_rad_s: [Vec<f64>; N],
+    /// Measured torque, filtered [Nm].
+    pub measured_nm: [Vec<f64>; N],
+    /// Model torque, filtered [Nm].
+    pub model_nm: [Vec<f64>; N],
+    /// Measured minus model [Nm].
+    pub residual_nm: [Vec<f64>; N],
+    /// Samples of each burst.
+    pub bursts: Vec<Range<usize>>,
+    /// Bursts left out because they were too short.
+    pub skipped_bursts: usize,
+    /// How it was computed.
+    pub chain: SignalChain,
+    /// Motion of each burst before band filter and trimming.
+    motion: Vec<Vec<MotionSample<N>>>,
+}
+
+impl<const N: usize> TorqueResidual<N> {
+    /// The residual of a log against `arm`, whose rotor inertia must fit the side of the gears that tau was measured on.
+    ///
+    /// # Errors
+    /// See [`ResidualError`]; a log that validated is finite and ordered already.
+    pub fn of_log(log: &RobotLog, arm: &Arm<N>, settings: &ResidualSettings) -> Result<Self, ResidualError> {
+        if log.joints() != N {
+            return Err(ResidualError::JointCount { log: log.joints(), arm: N });
+        }
+        let chain = SignalChain::resolve(log, settings)?;
+
+        // Bursts on uniform grids.
+        let resampling = Resampling {
+            period_s: Some(chain.rate_hz.recip()),
+            gap_tolerance: chain.longest_gap_s * chain.rate_hz,
+            min_rows: 2,
+        };
+        let grids = resample(log, &resampling)?;
+        let count = grids.bursts.len() + grids.skipped_bursts;
+        let long = |burst: &&RobotLog| burst.duration_s() >= chain.shortest_burst_s();
+        let kept: Vec<&RobotLog> = grids.bursts.iter().filter(long).collect();
+        if kept.is_empty() {
+            let longest_burst_s = grids.bursts.iter().map(|burst| burst.duration_s()).fold(0.0, f64::max);
+            let (need_s, band_hz) = (chain.shortest_burst_s(), chain.band_hz);
+            return Err(ResidualError::TooShort { longest_burst_s, need_s, bursts: count, band_hz });
+        }
+
+        // Motion from positions; measured torque through the same smoother.
+        let motion: Vec<_> = kept.iter().map(|burst| motion_of(burst, &chain)).collect();
+        let mut residual = Self {
+            time_s: Vec::new(),
+            qd_rad_s: std::array::from_fn(|_| Vec::new()),
+            measured_nm: std::array::from_fn(|_| Vec::new()),
+            model_nm: std::array::from_fn(|_| Vec::new()),
+            residual_nm: std::array::from_fn(|_| Vec::new()),
+            bursts: Vec::new(),
+            skipped_bursts: count - kept.len(),
+            chain,
+            motion,
+        };
+        for burst in kept {
+            let start = residual.time_s.len();
+            residual.time_s.extend(residual.chain.trim_and_average(&burst.time_s));
+            residual.bursts.push(start..residual.time_s.len());
+            for j in 0..N {
+                let smoothed = residual.chain.smooth(&burst.tau_j_nm[j]);
+                residual.measured_nm[j].extend(residual.chain.finish(&smoothed));
+            }
+        }
+
+        // Model torque and velocity through the same band.
+        residual.model_nm = residual.joint_columns(|at| rnea(arm, &at.q, &at.qd, &at.qdd));
+        residual.qd_rad_s = residual.joint_columns(|at| at.qd);
+        for joint in 0..N {
+            let (measured, model) = (&residual.measured_nm[joint], &residual.model_nm[joint]);
+            if let Some(k) = model.iter().position(|tau| !tau.is_finite()) {
+                return Err(ResidualError::ModelNotFinite { joint, time_s: residual.time_s[k] });
+            }
+            residual.residual_nm[joint] = measured.iter().zip(model).map(|(tau, rigid)| tau - rigid).collect();
+        }
+        Ok(residual)
+    }
+
+    /// Number of samples of every column.
+    pub fn samples(&self) -> usize {
+        self.time_s.len()
+    }
+
+    /// A regressor φ(q, qd, qdd) for each joint, filtered, trimmed and averaged exactly as the torques are.
+    pub fn joint_columns(&self, regressor: impl Fn(&MotionSample<N>) -> SVector<f64, N>) -> [Vec<f64>; N] {
+        let mut columns = std::array::from_fn(|_| Vec::with_capacity(self.samples()));
+        for burst in &self.motion {
+            let values: Vec<SVector<f64, N>> = burst.iter().map(&regressor).collect();
+            for j in 0..N {
+                let column: Vec<f64> = values.iter().map(|value| value[j]).collect();
+                columns[j].extend(self.chain.finish(&column));
+            }
+        }
+        columns
+    }
+
+    /// One regressor, filtered, trimmed and averaged exactly as the torques are.
+    pub fn column(&self, regressor: impl Fn(&MotionSample<N>) -> f64) -> Vec<f64> {
+        let finished = |burst: &Vec<_>| self.chain.finish(&burst.iter().map(&regressor).collect::<Vec<f64>>());
+        self.motion.iter().flat_map(finished).collect()
+    }
+}
+
+/// Smoothed positions and their derivatives.
+fn motion_of<const N: usize>(burst: &RobotLog, chain: &SignalChain) -> Vec<MotionSample<N>> {
+    let dt_s = chain.rate_hz.recip();
+    let q: [Vec<f64>; N] = std::array::from_fn(|j| chain.smooth(&burst.q_rad[j]));
+    let qd: [Vec<f64>; N] = std::array::from_fn(|j| central_difference(&q[j], dt_s));
+    let qdd: [Vec<f64>; N] = std::array::from_fn(|j| central_difference(&qd[j], dt_s));
+    let at = |columns: &[Vec<f64>; N], k: usize| SVector::from_fn(|j, _| columns[j][k]);
+    let stamps = burst.time_s.iter().enumerate();
+    stamps.map(|(k, &time_s)| MotionSample { time_s, q: at(&q, k), qd: at(&qd, k), qdd: at(&qdd, k) }).collect()
+}

@@ -1,0 +1,201 @@
+//! A wrench estimator run over a measured log.
+
+use nalgebra::{SVector, Vector6};
+use serde_json::{Value, json};
+use tribo_friction::FrictionModel;
+use tribo_logs::{GAP_TOLERANCE, RobotLog, bursts};
+use tribo_robot::{Arm, ControlTerms, EstimatorInput, SensorFrame, WrenchEstimator};
+
+/// Wrench along a log, one row per sample of the log, in file order: force then moment [N, Nm], base axes.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct LogWrench {
+    /// Time stamps of the log [s].
+    pub time_s: Vec<f64>,
+    /// Estimated wrench by the robot on the environment.
+    pub wrench: Vec<[f64; 6]>,
+    /// Its standard deviation, as the estimator believes it.
+    pub sd: Vec<[f64; 6]>,
+    /// Normalised innovation squared, where the estimator has one.
+    pub nis: Vec<f64>,
+    /// The log's reference wrench, if it has one.
+    pub reference: Option<Vec<[f64; 6]>>,
+    /// Delay that the estimator states [s].
+    pub stated_delay_s: f64,
+}
+
+/// Time after the start of a burst that summaries leave out [s]: the estimator is still forgetting its start.
+const SETTLE_S: f64 = 0.5;
+
+/// Runs an estimator over the bursts of a log, starting anew at each.
+///
+/// The torque given to it is `tau_J` less the friction believed at the logged velocity; `arm` must be the arm on the
+/// same side of the gears as that torque. The torque that acted over a period is taken as the mean of its two ends.
+pub fn wrench_on_log<E: WrenchEstimator<7>>(
+    log: &RobotLog,
+    arm: &Arm<7>,
+    friction: &FrictionModel<7>,
+    smoothing_rad_s: f64,
+    estimator: &mut E,
+) -> LogWrench {
+    let mut result = LogWrench { stated_delay_s: estimator.delay_s(), ..LogWrench::default() };
+    if let Some(columns) = &log.o_f_ext {
+        let rows = 0..log.rows();
+        result.reference = Some(rows.map(|k| std::array::from_fn(|i| columns[i][k])).collect());
+    }
+    let no_command = Vector6::zeros();
+    let at = |columns: &[Vec<f64>], k: usize| SVector::<f64, 7>::from_fn(|j, _| columns[j][k]);
+    for burst in bursts(&log.time_s, GAP_TOLERANCE.max(LONGEST_GAP_PERIODS)) {
+        let first = burst.start;
+        for k in burst {
+            let frame = SensorFrame {
+                time_s: log.time_s[k],
+                q: at(&log.q_rad, k),
+                qd: at(&log.dq_rad_s, k),
+                tau: at(&log.tau_j_nm, k),
+            };
+            let terms = ControlTerms::at(arm, &frame.q, &frame.qd);
+            let estimate = if k == first {
+                estimator.reset(&frame, &terms);
+                None
+            } else {
+                let tau_motor = (frame.tau + at(&log.tau_j_nm, k - 1)) * 0.5;
+                let tau_friction = friction.torque(&frame.qd, smoothing_rad_s);
+                Some(estimator.step(&EstimatorInput {
+                    frame: &frame,
+                    terms: &terms,
+                    tau_motor: &tau_motor,
+                    tau_friction: &tau_friction,
+                    acceleration_command: &no_command,
+                    dt_s: log.time_s[k] - log.time_s[k - 1],
+                }))
+            };
+            let settled = log.time_s[k] - log.time_s[first] >= SETTLE_S;
+            result.time_s.push(log.time_s[k]);
+            let nan = [f64::NAN; 6];
+            match estimate.filter(|_| settled) {
+                Some(estimate) => {
+                    let variance = estimate.covariance.diagonal();
+                    let sd = tribo_robot::Wrench::from_vector(&variance.map(|v| v.max(0.0).sqrt())).to_force_moment();
+                    result.wrench.push(estimate.wrench_base.to_force_moment());
+                    result.sd.push(sd);
+                    result.nis.push(estimate.nis.unwrap_or(f64::NAN));
+                }
+                None => {
+                    result.wrench.push(nan);
+                    result.sd.push(nan);
+                    result.nis.push(f64::NAN);
+                }
+            }
+        }
+    }
+    result
+}
+
+/// Gaps up to this many periods are bridged: a real-time logger on a busy computer skips a few rows at a time.
+const LONGEST_GAP_PERIODS: f64 = 20.0;
+
+/// Summary of a wrench along a log.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct WrenchSummary {
+    /// Samples behind the figures.
+    pub samples: usize,
+    /// Mean wrench, force then moment.
+    pub mean: [f64; 6],
+    /// Root mean square, force then moment.
+    pub rms: [f64; 6],
+    /// Largest magnitude, force then moment.
+    pub max: [f64; 6],
+    /// Mean standard deviation that the estimator states.
+    pub stated_sd: [f64; 6],
+    /// Mean NIS (6 when the filter's noise model is right).
+    pub mean_nis: f64,
+    /// Errors against the log's reference wrench, if it has one.
+    pub against_reference: Option<ReferenceErrors>,
+}
+
+/// Errors of an estimate against a reference wrench.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct ReferenceErrors {
+    /// RMS of the force error, mean over axes [N].
+    pub rmse_force_n: f64,
+    /// RMS of the moment error, mean over axes [Nm].
+    pub rmse_moment_nm: f64,
+    /// Mean error, force then moment.
+    pub bias: [f64; 6],
+    /// Share of samples whose reference lies within ±1.96 stated standard deviations.
+    pub coverage95: [f64; 6],
+    /// Shift of the estimate that fits the reference best [s]; none where the reference never moves.
+    pub delay_s: Option<f64>,
+}
+
+impl LogWrench {
+    /// The figures of the settled samples.
+    pub fn summary(&self) -> WrenchSummary {
+        let settled: Vec<usize> = (0..self.wrench.len()).filter(|&k| self.wrench[k][0].is_finite()).collect();
+        let count = settled.len().max(1) as f64;
+        let mean_of = |value: &dyn Fn(usize, usize) -> f64| -> [f64; 6] {
+            std::array::from_fn(|i| settled.iter().map(|&k| value(k, i)).sum::<f64>() / count)
+        };
+        let against_reference = self.reference.as_ref().map(|reference| {
+            let error = |k: usize, i: usize| self.wrench[k][i] - reference[k][i];
+            let mean_square = mean_of(&|k, i| error(k, i).powi(2));
+            let inside = |k: usize, i: usize| f64::from(error(k, i).abs() <= 1.96 * self.sd[k][i]);
+            ReferenceErrors {
+                rmse_force_n: (mean_square[..3].iter().sum::<f64>() / 3.0).sqrt(),
+                rmse_moment_nm: (mean_square[3..].iter().sum::<f64>() / 3.0).sqrt(),
+                bias: mean_of(&error),
+                coverage95: mean_of(&inside),
+                delay_s: self.delay(reference, &settled),
+            }
+        });
+        let nis: Vec<f64> = settled.iter().map(|&k| self.nis[k]).filter(|nis| nis.is_finite()).collect();
+        WrenchSummary {
+            samples: settled.len(),
+            mean: mean_of(&|k, i| self.wrench[k][i]),
+            rms: mean_of(&|k, i| self.wrench[k][i].powi(2)).map(f64::sqrt),
+            max: std::array::from_fn(|i| settled.iter().map(|&k| self.wrench[k][i].abs()).fold(0.0, f64::max)),
+            stated_sd: mean_of(&|k, i| self.sd[k][i]),
+            mean_nis: nis.iter().sum::<f64>() / nis.len().max(1) as f64,
+            against_reference,
+        }
+    }
+
+    /// The lag, in samples of the log, at which the squared error over all axes is least; up to 100 ms.
+    fn delay(&self, reference: &[[f64; 6]], settled: &[usize]) -> Option<f64> {
+        let moves = |i: usize| reference.iter().any(|row| row[i] != reference[0][i]);
+        let (first, last) = (*settled.first()?, *settled.last()?);
+        let period = (self.time_s[last] - self.time_s[first]) / (last - first).max(1) as f64;
+        if !(0..6).any(moves) || period <= 0.0 {
+            return None;
+        }
+        let most = (0.1 / period).round() as usize;
+        let error = |lag: usize| -> f64 {
+            let pairs = settled.iter().filter(|&&k| k >= first + most);
+            pairs.map(|&k| (0..6).map(|i| (self.wrench[k][i] - reference[k - lag][i]).powi(2)).sum::<f64>()).sum()
+        };
+        let best = (0..=most).min_by(|&a, &b| error(a).total_cmp(&error(b)))?;
+        Some(best as f64 * period)
+    }
+}
+
+impl WrenchSummary {
+    /// The entry of one estimator in `tribo.estimate/1`.
+    pub fn to_json(&self) -> Value {
+        let mut document = json!({
+            "samples": self.samples,
+            "mean": self.mean,
+            "rms": self.rms,
+            "max": self.max,
+            "stated_sd": self.stated_sd,
+            "mean_nis": self.mean_nis,
+        });
+        if let (Some(errors), Some(object)) = (&self.against_reference, document.as_object_mut()) {
+            object.insert("rmse_force_n".into(), json!(errors.rmse_force_n));
+            object.insert("rmse_moment_nm".into(), json!(errors.rmse_moment_nm));
+            object.insert("bias".into(), json!(errors.bias));
+            object.insert("coverage95".into(), json!(errors.coverage95));
+            object.insert("delay_ms".into(), json!(errors.delay_s.map(|delay| delay * 1e3)));
+        }
+        document
+    }
+}
