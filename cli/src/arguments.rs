@@ -61,6 +61,8 @@ pub enum Command {
     Convert(Convert),
     /// Write tuned parameters for another program.
     Export(Export),
+    /// Rerun the experiments of a paper and print their table.
+    Reproduce(Reproduce),
     /// Print a shell completion script.
     Completions {
         /// The shell.
@@ -201,4 +203,24 @@ pub struct Export {
     /// File to write [default: standard output].
     #[arg(long, value_name = "FILE")]
     pub out: Option<PathBuf>,
+}
+
+/// Arguments of `reproduce`.
+#[derive(Debug, Args)]
+pub struct Reproduce {
+    /// The paper.
+    #[arg(value_parser = PossibleValuesParser::new(["roveda2022"]))]
+    pub paper: String,
+    /// Settings (YAML, schema tribo.reproduce/1) [default: those of experiments/01_roveda2022].
+    #[arg(long, value_name = "FILE")]
+    pub config: Option<PathBuf>,
+    /// Only the first seeds.
+    #[arg(long, value_name = "N")]
+    pub seeds: Option<u64>,
+    /// Write rows and campaigns as JSON to this file.
+    #[arg(long, value_name = "FILE")]
+    pub out: Option<PathBuf>,
+    /// Compare with the rows of such a file; exit code 1 if a mean differs by more than 5 %.
+    #[arg(long, value_name = "FILE")]
+    pub check: Option<PathBuf>,
 }

@@ -29,6 +29,7 @@ fn main() -> ExitCode {
         Command::Estimate(estimate) => command::estimate::run(&estimate, &common),
         Command::Convert(convert) => command::convert::run(&convert, &common),
         Command::Export(export) => command::export::run(&export, &common),
+        Command::Reproduce(reproduce) => command::reproduce::run(&reproduce, &common),
         Command::Completions { shell } => command::shell::completions(shell),
         Command::Man => command::shell::man_page(),
     };

@@ -151,11 +151,11 @@ impl<const N: usize> TorqueResidual<N> {
         };
         for burst in kept {
             let start = residual.time_s.len();
-            residual.time_s.extend(residual.chain.trim_and_average(&burst.time_s));
+            residual.time_s.extend(residual.chain.trim_and_average(residual.chain.settled(&burst.time_s)));
             residual.bursts.push(start..residual.time_s.len());
             for j in 0..N {
                 let smoothed = residual.chain.smooth(&burst.tau_j_nm[j]);
-                residual.measured_nm[j].extend(residual.chain.finish(&smoothed));
+                residual.measured_nm[j].extend(residual.chain.finish(residual.chain.settled(&smoothed)));
             }
         }
 
@@ -197,7 +197,7 @@ impl<const N: usize> TorqueResidual<N> {
     }
 }
 
-/// Smoothed positions and their derivatives.
+/// Smoothed positions and their derivatives, away from the ends of the burst.
 fn motion_of<const N: usize>(burst: &RobotLog, chain: &SignalChain) -> Vec<MotionSample<N>> {
     let dt_s = chain.rate_hz.recip();
     let q: [Vec<f64>; N] = std::array::from_fn(|j| chain.smooth(&burst.q_rad[j]));
@@ -205,5 +205,7 @@ fn motion_of<const N: usize>(burst: &RobotLog, chain: &SignalChain) -> Vec<Motio
     let qdd: [Vec<f64>; N] = std::array::from_fn(|j| central_difference(&qd[j], dt_s));
     let at = |columns: &[Vec<f64>; N], k: usize| SVector::from_fn(|j, _| columns[j][k]);
     let stamps = burst.time_s.iter().enumerate();
-    stamps.map(|(k, &time_s)| MotionSample { time_s, q: at(&q, k), qd: at(&qd, k), qdd: at(&qdd, k) }).collect()
+    let whole: Vec<_> =
+        stamps.map(|(k, &time_s)| MotionSample { time_s, q: at(&q, k), qd: at(&qd, k), qdd: at(&qdd, k) }).collect();
+    chain.settled(&whole).to_vec()
 }

@@ -27,6 +27,7 @@ mod log_wrench;
 mod monitor;
 mod parameters;
 mod report;
+pub mod reproduce;
 pub mod scenario;
 mod simulate;
 pub mod strategy;
@@ -35,7 +36,8 @@ mod trial_log;
 mod trial_store;
 
 pub use campaign::{
-    Campaign, CampaignError, CampaignObserver, CampaignResult, References, references, run_numbered,
+    Campaign, CampaignError, CampaignObserver, CampaignResult, References, references, run_in_memory,
+    run_numbered,
 };
 pub use config::{ConfigError, EstimatorName, Phases, TuneConfig, ValidTune};
 pub use cost::{Cost, CostAccumulator};

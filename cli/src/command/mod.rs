@@ -3,6 +3,7 @@
 pub mod convert;
 pub mod estimate;
 pub mod export;
+pub mod reproduce;
 pub mod shell;
 pub mod simulate;
 pub mod tune;

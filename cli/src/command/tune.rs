@@ -4,6 +4,7 @@ use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use anyhow::Context;
+use tribo_experiments::strategy::Origin;
 use tribo_experiments::{Campaign, CampaignError, CampaignResult, ParameterSpace};
 
 use super::{configured, set};
@@ -132,6 +133,16 @@ fn check(result: &CampaignResult, limit: f64) -> anyhow::Result<()> {
     Err(CheckFailed(format!("best J is {ratio:.3} of the oracle's; allowed: {limit}")).into())
 }
 
+/// Who chose a trial's parameters, for people.
+fn origin(origin: Origin) -> &'static str {
+    match origin {
+        Origin::Constant => "constant",
+        Origin::Design => "design",
+        Origin::LeastSquares => "least squares",
+        Origin::Model => "model",
+    }
+}
+
 fn show(result: &CampaignResult, directory: &Path, wall_s: f64) {
     let mut trials = table(&["trial", "J [N + Nm]", "J/J_oracle", "max F+M", "mean F+M", "penalty", "chosen by", "state"]);
     let best = result.best.map(|(number, _)| number);
@@ -146,7 +157,7 @@ fn show(result: &CampaignResult, directory: &Path, wall_s: f64) {
             significant(trial.cost.max.iter().sum(), 3),
             significant(trial.cost.mean.iter().sum(), 3),
             significant(trial.cost.penalty, 3),
-            format!("{:?}", trial.origin),
+            origin(trial.origin).to_owned(),
             state,
         ]);
     }

@@ -53,6 +53,11 @@ impl YamlDocument {
         Ok(Self { path: path.to_owned(), text: read_text(path)? })
     }
 
+    /// A document that is part of the program, under a name for messages.
+    pub fn embedded(name: &str, text: &str) -> Self {
+        Self { path: PathBuf::from(name), text: text.to_owned() }
+    }
+
     /// Parses the document into T; unknown keys are errors where T says so.
     pub fn parse<T: DeserializeOwned>(&self) -> Result<T, FileError> {
         serde_saphyr::from_str(&self.text).map_err(|error| {

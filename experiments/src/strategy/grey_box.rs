@@ -1,5 +1,8 @@
 //! Least squares on the logs of past trials, then local search.
 
+use std::collections::BTreeMap;
+use std::sync::{Mutex, PoisonError};
+
 use tribo_bayesopt::{Domain, Settings, suggest};
 use tribo_friction::identify::{Basis, GlsFit, GlsSample, GlsSettings, SavitzkyGolay, fit_from_wrench};
 use tribo_robot::{Arm, ControlTerms};
@@ -17,12 +20,15 @@ const LOGS: usize = 2;
 ///
 /// ```text
 /// trial 0      no compensation
-/// trials 1–3   θ = generalised least squares on the last two logs (see `tribo_friction::identify::fit_from_wrench`)
-/// then         Bayesian optimisation in a small box around that θ
+/// trials 1–3   θ_k = generalised least squares on the last two logs (`tribo_friction::identify::fit_from_wrench`)
+/// then         θ_k + S δ,  δ in [−1, 1]^d by Bayesian optimisation of J over all δ tried so far
 /// ```
 ///
 /// The estimator's wrench in free motion is the friction that was not compensated, seen through a known matrix; one
-/// trial therefore tells nearly all there is to know, and 50 blind ones do not.
+/// trial therefore tells nearly all there is to know, and 50 blind ones do not. The least-squares part is refitted at
+/// every trial and so follows a robot that warms up; the correction δ is what a law of the wrong shape, the estimator's
+/// noise and the maxima in J leave to gain. S holds the standard deviations of the first fit, so a correction never
+/// leaves what the data allow.
 pub struct GreyBox {
     space: ParameterSpace,
     domain: Domain,
@@ -30,6 +36,8 @@ pub struct GreyBox {
     delay_s: f64,
     gls: GlsSettings,
     seed: u64,
+    /// Fits by trial number: each is a pure function of the logs before it, so remembering them changes nothing.
+    fits: Mutex<BTreeMap<usize, GlsFit<7>>>,
 }
 
 impl GreyBox {
@@ -42,13 +50,9 @@ impl GreyBox {
         };
         let mut gls = GlsSettings::new(basis);
         for (name, low, high) in space.entries() {
-            let column = match *name {
-                "viscous_nm_s_per_rad" => 0,
-                "coulomb_nm" => 1,
-                "breakaway_minus_coulomb_nm" => 2,
-                _ => continue,
-            };
-            (gls.lower[column], gls.upper[column]) = (*low, *high);
+            if let Some(column) = basis_column(name) {
+                (gls.lower[column], gls.upper[column]) = (*low, *high);
+            }
         }
         Ok(Self {
             space,
@@ -57,30 +61,43 @@ impl GreyBox {
             delay_s: estimator_delay_s(tune),
             gls,
             seed: tune.config.seed,
+            fits: Mutex::new(BTreeMap::new()),
         })
     }
 
-    /// Friction identified from the logs of the last trials.
-    pub fn identify(&self, history: &[FinishedTrial], logs: &dyn LogSource) -> Result<GlsFit<7>, StrategyError> {
-        let mut samples = Vec::new();
-        for trial in history.iter().rev().take(LOGS) {
-            samples.extend(identification_samples(&self.model, &logs.log(trial.number)?, self.delay_s));
+    /// Friction identified from the logs of the last trials before trial `number`.
+    pub fn identify(&self, number: usize, logs: &dyn LogSource) -> Result<GlsFit<7>, StrategyError> {
+        let mut fits = self.fits.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some(fit) = fits.get(&number) {
+            return Ok(fit.clone());
         }
-        Ok(fit_from_wrench(&samples, &self.gls)?)
+        let mut samples = Vec::new();
+        for trial in (0..number).rev().take(LOGS) {
+            samples.extend(identification_samples(&self.model, &logs.log(trial)?, self.delay_s));
+        }
+        let fit = fit_from_wrench(&samples, &self.gls)?;
+        fits.insert(number, fit.clone());
+        Ok(fit)
     }
 
-    /// Box of half-width `max(2 sd, 2 % of the domain)` around θ, inside the domain.
-    fn neighbourhood(&self, theta: &[f64], fit: &GlsFit<7>) -> Result<Domain, StrategyError> {
-        let per_joint = self.space.entries().len();
-        let (mut lower, mut upper) = (Vec::new(), Vec::new());
-        for (k, &centre) in theta.iter().enumerate() {
-            let (low, high) = (self.domain.lower()[k], self.domain.upper()[k]);
-            let sd = fit.sd[k / per_joint].get(k % per_joint).copied().unwrap_or(0.0);
-            let half = (2.0 * sd).max(0.02 * (high - low));
-            lower.push((centre - half).max(low));
-            upper.push((centre + half).min(high));
-        }
-        Ok(Domain::new(self.domain.names().to_vec(), lower, upper)?)
+    /// Scale S of the correction: the standard deviation of each parameter in the first fit; zero for parameters that
+    /// least squares does not touch.
+    fn scales(&self, logs: &dyn LogSource) -> Result<Vec<f64>, StrategyError> {
+        let first = self.identify(1, logs)?;
+        let entries = self.space.entries();
+        let joint = |j: usize| entries.iter().map(move |entry| (j, entry.0));
+        let sd = |(j, name): (usize, &str)| basis_column(name).map_or(0.0, |column| first.sd[j][column]);
+        Ok((0..self.space.joints).flat_map(joint).map(sd).collect())
+    }
+
+    /// `θ + S δ`, inside the domain.
+    fn corrected(&self, theta: &[f64], scales: &[f64], delta: &[f64]) -> Vec<f64> {
+        let mut delta = delta.iter();
+        let moved = theta.iter().zip(scales).map(|(centre, scale)| match scale {
+            0.0 => *centre,
+            _ => centre + scale * delta.next().copied().unwrap_or(0.0),
+        });
+        moved.zip(self.domain.lower().iter().zip(self.domain.upper())).map(|(x, (low, high))| x.clamp(*low, *high)).collect()
     }
 }
 
@@ -95,19 +112,35 @@ impl Strategy for GreyBox {
         history: &[FinishedTrial],
         logs: &dyn LogSource,
     ) -> Result<Proposal, StrategyError> {
-        let fit = self.identify(history, logs)?;
-        let theta = self.space.theta(&fit.friction);
+        let theta = self.space.theta(&self.identify(number, logs)?.friction);
         if number <= REFITS {
             return Ok(Proposal { theta, origin: Origin::LeastSquares });
         }
-        let near = self.neighbourhood(&theta, &fit)?;
-        let inside = |trial: &&FinishedTrial| {
-            trial.theta.iter().enumerate().all(|(k, x)| (near.lower()[k]..=near.upper()[k]).contains(x))
-        };
-        let seen: Vec<FinishedTrial> = history.iter().filter(inside).cloned().collect();
-        let settings = Settings { init_trials: 0, ..Settings::bo(theta) };
-        let suggestion = suggest(&settings, &near, &observations(&seen), self.seed.wrapping_add(number as u64))?;
-        Ok(Proposal { theta: suggestion.point, origin: Origin::Model })
+        let scales = self.scales(logs)?;
+        let free: Vec<usize> = (0..scales.len()).filter(|&k| scales[k] > 0.0).collect();
+        let names = free.iter().map(|&k| self.domain.names()[k].clone()).collect();
+        let box_of_corrections = Domain::new(names, vec![-1.0; free.len()], vec![1.0; free.len()])?;
+
+        // Every trial after the first as the correction it was to its own fit.
+        let mut tried = Vec::new();
+        for trial in history.iter().filter(|trial| trial.number > 0) {
+            let centre = self.space.theta(&self.identify(trial.number, logs)?.friction);
+            let delta = free.iter().map(|&k| ((trial.theta[k] - centre[k]) / scales[k]).clamp(-1.0, 1.0));
+            tried.push(FinishedTrial { theta: delta.collect(), ..trial.clone() });
+        }
+        let settings = Settings { init_trials: 0, ..Settings::bo(vec![0.0; free.len()]) };
+        let delta = suggest(&settings, &box_of_corrections, &observations(&tried), self.seed)?.point;
+        Ok(Proposal { theta: self.corrected(&theta, &scales, &delta), origin: Origin::Model })
+    }
+}
+
+/// Column of [`Basis`] that a parameter is the coefficient of.
+fn basis_column(name: &str) -> Option<usize> {
+    match name {
+        "viscous_nm_s_per_rad" => Some(0),
+        "coulomb_nm" => Some(1),
+        "breakaway_minus_coulomb_nm" => Some(2),
+        _ => None,
     }
 }
 

@@ -1,0 +1,116 @@
+//! `tribo reproduce`.
+
+use anyhow::Context;
+use indicatif::{ProgressBar, ProgressStyle};
+use serde::{Deserialize, Serialize};
+use tribo_experiments::files::{FileError, YamlDocument, read_text};
+use tribo_experiments::reproduce::{CellResult, Roveda2022, RowSummary, summarize};
+use tribo_logs::write_atomic;
+
+use crate::arguments::{Common, Reproduce};
+use crate::failure::{BadInput, CheckFailed};
+use crate::output::{print, significant, table};
+
+/// The settings that ship with the experiment.
+const ROVEDA2022: &str = include_str!("../../../experiments/01_roveda2022/config.yaml");
+/// Relative difference of a mean that `--check` accepts: the costs of this many campaigns repeat to 2–3 %.
+const TOLERANCE: f64 = 0.05;
+
+/// What `--out` writes and `--check` reads.
+#[derive(Debug, Serialize, Deserialize)]
+struct Document {
+    schema: String,
+    tribo_version: String,
+    rows: Vec<RowSummary>,
+    campaigns: Vec<CellResult>,
+}
+
+/// Runs the campaigns of the experiment and prints one row per truth and strategy.
+pub fn run(arguments: &Reproduce, common: &Common) -> anyhow::Result<()> {
+    let expected = arguments.check.as_deref().map(read_document).transpose()?;
+    let mut config: Roveda2022 = match &arguments.config {
+        Some(path) => {
+            let document = YamlDocument::read(path)?;
+            let config: Roveda2022 = document.parse()?;
+            config.validate().map_err(|error| document.explain(error))?;
+            config
+        }
+        None => YamlDocument::embedded("config.yaml", ROVEDA2022).parse()?,
+    };
+    config.seeds = arguments.seeds.unwrap_or(config.seeds);
+    config.validate().map_err(|error| BadInput(error.to_string()))?;
+
+    let bar = if common.quiet { ProgressBar::hidden() } else { ProgressBar::new(config.cells() as u64) };
+    bar.set_style(ProgressStyle::with_template("{bar:30} {pos}/{len} campaigns  {elapsed}  eta {eta}")?);
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(common.threads).build().context("starting the threads")?;
+    let cells = pool.install(|| config.run(|_| bar.inc(1)))?;
+    bar.finish_and_clear();
+
+    let rows = summarize(&cells);
+    let document = Document {
+        schema: "tribo.reproduce.result/1".to_owned(),
+        tribo_version: env!("CARGO_PKG_VERSION").to_owned(),
+        rows,
+        campaigns: cells,
+    };
+    let text = format!("{}\n", serde_json::to_string_pretty(&document)?);
+    if let Some(out) = &arguments.out {
+        write_atomic(out, |file| file.write_all(text.as_bytes()))?;
+    }
+    if common.json {
+        print(text.trim_end());
+    } else if !common.quiet {
+        show(&document.rows);
+    }
+    expected.map_or(Ok(()), |expected| check(&document.rows, &expected.rows))
+}
+
+fn read_document(path: &std::path::Path) -> anyhow::Result<Document> {
+    serde_json::from_str(&read_text(path)?).map_err(|error| {
+        let (line, column) = (error.line() as u64, error.column() as u64);
+        FileError::Syntax { path: path.to_owned(), line, column, message: error.to_string() }.into()
+    })
+}
+
+fn check(rows: &[RowSummary], expected: &[RowSummary]) -> anyhow::Result<()> {
+    for row in rows {
+        let same = |other: &&RowSummary| other.truth == row.truth && other.strategy == row.strategy;
+        let Some(reference) = expected.iter().find(same) else {
+            continue;
+        };
+        let name = format!("{} {}", String::from(row.truth.clone()), serde_json::to_string(&row.strategy)?);
+        let pairs = [("second trial", row.second_mean, reference.second_mean), ("best", row.best_mean[2], reference.best_mean[2])];
+        for (what, got, want) in pairs {
+            if (got / want - 1.0).abs() > TOLERANCE {
+                return Err(CheckFailed(format!("{name}: mean J/J_oracle, {what}: {got:.3}, expected {want:.3}")).into());
+            }
+        }
+    }
+    Ok(())
+}
+
+fn show(rows: &[RowSummary]) {
+    let mut rows_of_table = table(&[
+        "truth", "strategy", "campaigns", "J0", "2nd mean", "2nd worst", "best of 5", "best of 20", "best", "worst best",
+        "trials to 1.1", "never", "penalties",
+    ]);
+    for row in rows {
+        rows_of_table.add_row([
+            String::from(row.truth.clone()),
+            serde_json::to_string(&row.strategy).unwrap_or_default().trim_matches('"').to_owned(),
+            row.campaigns.to_string(),
+            significant(row.uncompensated_ratio, 3),
+            significant(row.second_mean, 3),
+            significant(row.second_worst, 3),
+            significant(row.best_mean[0], 3),
+            significant(row.best_mean[1], 3),
+            significant(row.best_mean[2], 3),
+            significant(row.best_worst, 3),
+            row.trials_to_1_1.map_or("-".to_owned(), |trials| significant(trials, 3)),
+            row.never.to_string(),
+            significant(row.penalties, 2),
+        ]);
+    }
+    print(rows_of_table);
+    print("\nCosts are ratios to J_oracle, the mean cost with the true steady friction as compensator.");
+}
