@@ -178,7 +178,7 @@ pub struct Estimate {
     /// Length of the alternating train and test blocks of the friction fit [s].
     #[arg(long, default_value_t = 2.0, value_name = "S")]
     pub block_s: f64,
-    /// Write the estimated wrench along the log (.csv-like Parquet table) to this file.
+    /// Write the wrench along the log, with its standard deviation, to this Parquet file.
     #[arg(long, value_name = "FILE")]
     pub out: Option<PathBuf>,
 }

@@ -103,7 +103,12 @@ pub struct TaskState {
 impl TaskState {
     /// Nothing seen, nothing asked.
     pub fn zero() -> Self {
-        Self { twist: Vector6::zeros(), error: Vector6::zeros(), acceleration_command: Vector6::zeros(), nullspace_speed_rad_s: 0.0 }
+        Self {
+            twist: Vector6::zeros(),
+            error: Vector6::zeros(),
+            acceleration_command: Vector6::zeros(),
+            nullspace_speed_rad_s: 0.0,
+        }
     }
 }
 

@@ -6,12 +6,12 @@ use std::ops::Range;
 /// How to cut blocks.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BlockSettings {
-    /// Length of a block [s]. Two seconds outlast the memory of friction and filter; interleaved shorter pieces flatter
+    /// Length of a block (s). Two seconds outlast the memory of friction and filter; interleaved shorter pieces flatter
     /// wrong causes.
     pub length_s: f64,
     /// Number of folds, at least 2: block i is the test of fold i mod folds. Two folds alternate.
     pub folds: usize,
-    /// Training samples closer than this to a test block are dropped [s]. `None` takes the memory of the filter.
+    /// Training samples closer than this to a test block are dropped (s). `None` takes the memory of the filter.
     pub margin_s: Option<f64>,
 }
 
@@ -31,7 +31,7 @@ pub enum BlocksError {
         got: usize,
         /// Folds asked for.
         folds: usize,
-        /// Length of a block [s].
+        /// Length of a block (s).
         length_s: f64,
     },
     /// A setting lies outside its range.
@@ -60,9 +60,9 @@ pub struct Blocks {
     pub ranges: Vec<Range<usize>>,
     /// Number of folds.
     pub folds: usize,
-    /// Nominal length of a block [s].
+    /// Nominal length of a block (s).
     pub length_s: f64,
-    /// Dead time on either side of a test block [s].
+    /// Dead time on either side of a test block (s).
     pub margin_s: f64,
     margin_samples: usize,
     burst_of: Vec<usize>,
@@ -152,6 +152,7 @@ fn in_range(field: &'static str, value: f64, inside: bool, allowed: &'static str
 }
 
 #[cfg(test)]
+#[allow(clippy::single_range_in_vec_init, reason = "one burst is one range")]
 mod tests {
     use super::*;
 

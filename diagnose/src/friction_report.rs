@@ -12,7 +12,7 @@ use crate::{BlockSettings, Blocks, BlocksError, SignalChain, TorqueResidual, fit
 /// How friction is fitted and judged.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FrictionSettings {
-    /// On logs sign(qd) is tanh(qd/smoothing) [rad/s]; 0.005 is about the noise of a differentiated encoder.
+    /// On logs sign(qd) is tanh(qd/smoothing) (rad/s); 0.005 is about the noise of a differentiated encoder.
     pub smoothing_rad_s: f64,
     /// Blocks for training and test.
     pub blocks: BlockSettings,
@@ -33,13 +33,13 @@ pub enum JointFitError {
          {need_s:.2} s each way faster than {speed_rad_s} rad/s"
     )]
     OneWay {
-        /// Time faster than the threshold with qd > 0 [s].
+        /// Time faster than the threshold with qd > 0 (s).
         forwards_s: f64,
-        /// Time faster than the threshold with qd < 0 [s].
+        /// Time faster than the threshold with qd < 0 (s).
         backwards_s: f64,
-        /// Time needed each way [s].
+        /// Time needed each way (s).
         need_s: f64,
-        /// Threshold [rad/s].
+        /// Threshold (rad/s).
         speed_rad_s: f64,
     },
     /// The least-squares problem has no answer.
@@ -66,11 +66,11 @@ pub enum HeldOutError {
 /// What cross-validation over contiguous blocks says about a fit.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct HeldOut {
-    /// RMS on the training samples, over all folds [Nm].
+    /// RMS on the training samples, over all folds (Nm).
     pub rms_fit_train_nm: f64,
-    /// RMS on the test samples, over all folds: each sample once, by a fit that has not seen its block [Nm].
+    /// RMS on the test samples, over all folds: each sample once, by a fit that has not seen its block (Nm).
     pub rms_fit_test_nm: f64,
-    /// Standard deviation of the parameters, jackknife over the folds: Fc [Nm], Fv [Nm s/rad], offset [Nm].
+    /// Standard deviation of the parameters, jackknife over the folds: Fc (Nm), Fv (Nm s/rad), offset (Nm).
     pub sd: [f64; 3],
 }
 
@@ -79,13 +79,13 @@ pub struct HeldOut {
 pub struct JointReport {
     /// Joint, from 0.
     pub joint: usize,
-    /// RMS of the residual without friction [Nm].
+    /// RMS of the residual without friction (Nm).
     pub rms_rigid_nm: f64,
-    /// Standard deviation of the same about its mean [Nm].
+    /// Standard deviation of the same about its mean (Nm).
     pub sd_rigid_nm: f64,
-    /// RMS with the given friction model [Nm].
+    /// RMS with the given friction model (Nm).
     pub rms_with_model_nm: Option<f64>,
-    /// Standard deviation with the given friction model [Nm].
+    /// Standard deviation with the given friction model (Nm).
     pub sd_with_model_nm: Option<f64>,
     /// Coulomb friction, viscous friction and offset fitted to all samples.
     pub fit: Result<JointTorqueFit, JointFitError>,
@@ -100,7 +100,7 @@ pub struct FrictionReport {
     pub joints: Vec<JointReport>,
     /// Samples behind each RMS.
     pub samples: usize,
-    /// Smoothing of the sign [rad/s].
+    /// Smoothing of the sign (rad/s).
     pub smoothing_rad_s: f64,
     /// Filters and band.
     pub chain: SignalChain,

@@ -53,6 +53,7 @@ pub fn fit_columns(columns: &[&[f64]], target: &[f64], rows: &[Range<usize>]) ->
 }
 
 #[cfg(test)]
+#[allow(clippy::single_range_in_vec_init, reason = "one burst is one range")]
 mod tests {
     use super::*;
     use tribo_friction::identify::fit_joint_torque;

@@ -10,10 +10,10 @@ use crate::filter::ZeroPhaseLowPass;
 /// What the caller chooses.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ResidualSettings {
-    /// Cut-off of the band filter [Hz], at most 0.35 of the sample rate. 10 Hz holds the motion of an arm and leaves
+    /// Cut-off of the band filter (Hz), at most 0.35 of the sample rate. 10 Hz holds the motion of an arm and leaves
     /// out most of the noise of its acceleration, which grows with the square of frequency.
     pub band_hz: f64,
-    /// Longest step between stamps to interpolate across [s]; a longer one splits bursts. `None` takes the larger of
+    /// Longest step between stamps to interpolate across (s); a longer one splits bursts. `None` takes the larger of
     /// 1.5 median periods and a tenth of 1/band: a hole that the band cannot see is no gap.
     pub longest_gap_s: Option<f64>,
     /// Samples averaged into one after filtering; 1 keeps the rate of the log. Columns are averaged likewise.
@@ -36,7 +36,7 @@ const HIGHEST_CUTOFF: f64 = 0.35;
 const SETTLE_PERIODS: f64 = 3.0;
 /// Time dropped at each end after the band filter, in periods of the band: there it still follows single samples.
 const TRIM_PERIODS: f64 = 0.5;
-/// Least time dropped at each end after the band filter [s].
+/// Least time dropped at each end after the band filter (s).
 const LEAST_TRIM_S: f64 = 0.05;
 /// Longest default gap, in periods of the band.
 const GAP_PERIODS: f64 = 0.1;
@@ -55,17 +55,17 @@ const MEMORY_PERIODS: f64 = 2.0;
 /// then treats equal signals equally up to its own ends (`trim_s`).
 #[derive(Clone, Debug, PartialEq)]
 pub struct SignalChain {
-    /// Cut-off of the band filter B [Hz].
+    /// Cut-off of the band filter B (Hz).
     pub band_hz: f64,
-    /// Cut-off of the smoother S [Hz]: three bands, or 0.35 of the sample rate if that is less.
+    /// Cut-off of the smoother S (Hz): three bands, or 0.35 of the sample rate if that is less.
     pub smoothing_hz: f64,
-    /// Rate of the uniform grid before averaging [Hz]: one over the median period of the log.
+    /// Rate of the uniform grid before averaging (Hz): one over the median period of the log.
     pub rate_hz: f64,
-    /// Longest step between stamps that was interpolated across [s].
+    /// Longest step between stamps that was interpolated across (s).
     pub longest_gap_s: f64,
-    /// Time dropped at each end of a burst before the band filter [s]: three periods of the smoother.
+    /// Time dropped at each end of a burst before the band filter (s): three periods of the smoother.
     pub settle_s: f64,
-    /// Time dropped at each end of a burst after the band filter [s]: half a period of the band, at least 50 ms.
+    /// Time dropped at each end of a burst after the band filter (s): half a period of the band, at least 50 ms.
     pub trim_s: f64,
     /// Samples averaged into one.
     pub average_samples: usize,
@@ -104,12 +104,12 @@ impl SignalChain {
         })
     }
 
-    /// Rate of the samples that come out [Hz].
+    /// Rate of the samples that come out (Hz).
     pub fn output_rate_hz(&self) -> f64 {
         self.rate_hz / self.average_samples as f64
     }
 
-    /// Time after which an output no longer feels an input [s]: below 0.2 %.
+    /// Time after which an output no longer feels an input (s): below 0.2 %.
     pub fn memory_s(&self) -> f64 {
         MEMORY_PERIODS / self.band_hz + self.average_samples as f64 / self.rate_hz
     }
@@ -119,7 +119,7 @@ impl SignalChain {
         self.smoother.gain(frequency_hz) * self.band.gain(frequency_hz)
     }
 
-    /// Shortest burst that leaves something [s]: what both ends lose, and one period of the band or one average.
+    /// Shortest burst that leaves something (s): what both ends lose, and one period of the band or one average.
     pub fn shortest_burst_s(&self) -> f64 {
         2.0 * (self.settle_s + self.trim_s) + f64::max(self.band_hz.recip(), self.average_samples as f64 / self.rate_hz)
     }

@@ -23,19 +23,19 @@ pub enum ResidualError {
     /// The band does not fit the sample rate.
     #[error("band {band_hz} Hz is outside (0, {highest_hz:.3}] Hz, 0.35 of the log's {rate_hz:.1} Hz")]
     Band {
-        /// Band asked for [Hz].
+        /// Band asked for (Hz).
         band_hz: f64,
-        /// Highest possible [Hz].
+        /// Highest possible (Hz).
         highest_hz: f64,
-        /// Rate of the log [Hz].
+        /// Rate of the log (Hz).
         rate_hz: f64,
     },
     /// The gap tolerance is below the period of the log.
     #[error("longest gap {longest_gap_s} s is outside [{period_s}, inf) s: it must hold one period of the log")]
     LongestGap {
-        /// Tolerance asked for [s].
+        /// Tolerance asked for (s).
         longest_gap_s: f64,
-        /// Median period of the log [s].
+        /// Median period of the log (s).
         period_s: f64,
     },
     /// An average over no samples.
@@ -44,13 +44,13 @@ pub enum ResidualError {
     /// No stretch without a gap is long enough for the filter.
     #[error("the longest of {bursts} bursts lasts {longest_burst_s:.3} s, a band of {band_hz} Hz needs {need_s:.3} s")]
     TooShort {
-        /// Duration of the longest burst [s].
+        /// Duration of the longest burst (s).
         longest_burst_s: f64,
-        /// Duration needed [s].
+        /// Duration needed (s).
         need_s: f64,
         /// Number of bursts.
         bursts: usize,
-        /// Band asked for [Hz].
+        /// Band asked for (Hz).
         band_hz: f64,
     },
     /// The model answers NaN or infinity.
@@ -58,7 +58,7 @@ pub enum ResidualError {
     ModelNotFinite {
         /// Joint, from 0.
         joint: usize,
-        /// Time of the first such sample [s].
+        /// Time of the first such sample (s).
         time_s: f64,
     },
     /// The log could not be put on a uniform grid.
@@ -72,13 +72,13 @@ pub enum ResidualError {
 /// Smoothed motion at one grid stamp, before the band filter: what a regressor is a function of.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct MotionSample<const N: usize> {
-    /// Time [s].
+    /// Time (s).
     pub time_s: f64,
-    /// Joint positions [rad].
+    /// Joint positions (rad).
     pub q: SVector<f64, N>,
-    /// Joint velocities [rad/s].
+    /// Joint velocities (rad/s).
     pub qd: SVector<f64, N>,
-    /// Joint accelerations [rad/s²].
+    /// Joint accelerations (rad/s²).
     pub qdd: SVector<f64, N>,
 }
 
@@ -89,15 +89,15 @@ pub struct MotionSample<const N: usize> {
 /// Leaves out: the logged dq (the derivative of smoothed q is better), and noise levels.
 #[derive(Clone, Debug, PartialEq)]
 pub struct TorqueResidual<const N: usize> {
-    /// Time of each sample [s].
+    /// Time of each sample (s).
     pub time_s: Vec<f64>,
-    /// Joint velocities, filtered like the torques [rad/s]; outer index joint.
+    /// Joint velocities, filtered like the torques (rad/s); outer index joint.
     pub qd_rad_s: [Vec<f64>; N],
-    /// Measured torque, filtered [Nm].
+    /// Measured torque, filtered (Nm).
     pub measured_nm: [Vec<f64>; N],
-    /// Model torque, filtered [Nm].
+    /// Model torque, filtered (Nm).
     pub model_nm: [Vec<f64>; N],
-    /// Measured minus model [Nm].
+    /// Measured minus model (Nm).
     pub residual_nm: [Vec<f64>; N],
     /// Samples of each burst.
     pub bursts: Vec<Range<usize>>,
@@ -123,7 +123,7 @@ impl<const N: usize> TorqueResidual<N> {
         // Bursts on uniform grids.
         let resampling = Resampling {
             period_s: Some(chain.rate_hz.recip()),
-            gap_tolerance: chain.longest_gap_s * chain.rate_hz,
+            gap_tolerance: f64::max(1.0, chain.longest_gap_s * chain.rate_hz),
             min_rows: 2,
         };
         let grids = resample(log, &resampling)?;

@@ -1,5 +1,7 @@
 //! Logs whose truth is known in closed form: sinusoids in every joint, rigid torque by RNEA, friction by its law.
 
+#![allow(clippy::unwrap_used, reason = "tests")]
+
 use nalgebra::SVector;
 use tribo_diagnose::{
     BlockSettings, BlocksError, FrictionReport, FrictionSettings, HeldOutError, JointFitError, ResidualError,
@@ -82,8 +84,8 @@ fn assert_recovered(report: &FrictionReport, joints: impl IntoIterator<Item = us
     }
 }
 
-/// What remains is the sharp reversal seen through the position smoother.
-const TOLERANCE_NM: f64 = 2e-3;
+/// What remains is the sharp reversal, of which measured torque sees the smoother and the column does not: 0.1 mNm.
+const TOLERANCE_NM: f64 = 3e-4;
 
 #[test]
 fn friction_is_recovered_and_the_residual_vanishes() {
@@ -120,9 +122,9 @@ fn velocity_and_model_stay_where_they_were_in_time() {
         let (q, qd, qdd) = motion(t_s);
         let tau = rnea(&presets::panda(), &q, &qd, &qdd);
         for j in 0..7 {
-            // 0.1 ms of delay would be 1e-4 s times qdd of up to 1.5 rad/s²; torque is up to 50 Nm.
-            assert!((residual.qd_rad_s[j][k] - qd[j]).abs() < 1e-4, "joint {j} at {t_s} s");
-            assert!((residual.model_nm[j][k] - tau[j]).abs() < 5e-3, "joint {j} at {t_s} s");
+            // A delay of one sample would be 1 ms times 1 rad/s² = 1e-3 rad/s; measured are 6e-7 rad/s and 5e-6 Nm.
+            assert!((residual.qd_rad_s[j][k] - qd[j]).abs() < 1e-5, "joint {j} at {t_s} s");
+            assert!((residual.model_nm[j][k] - tau[j]).abs() < 1e-4, "joint {j} at {t_s} s");
         }
     }
 }
@@ -134,7 +136,7 @@ fn irregular_stamps_say_what_regular_ones_say() {
         assert_eq!(residual.bursts.len(), 1);
         FrictionReport::of(&residual, None, &FrictionSettings::default())
     });
-    assert_recovered(&uneven, 0..7, 1.5 * TOLERANCE_NM);
+    assert_recovered(&uneven, 0..7, TOLERANCE_NM);
     for (a, b) in even.joints.iter().zip(&uneven.joints) {
         assert!((a.rms_rigid_nm / b.rms_rigid_nm - 1.0).abs() < 2e-3, "{a:?} {b:?}");
     }
@@ -153,7 +155,7 @@ fn gaps_split_bursts_and_nothing_is_computed_across_them() {
     };
     assert!((ends(0).1 - 4.849).abs() < 2e-3 && (ends(1).0 - 5.55).abs() < 2e-3, "{:?} {:?}", ends(0), ends(1));
     let report = FrictionReport::of(&residual, None, &FrictionSettings::default());
-    assert_recovered(&report, 0..7, 1.5 * TOLERANCE_NM);
+    assert_recovered(&report, 0..7, TOLERANCE_NM);
 }
 
 #[test]

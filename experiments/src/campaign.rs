@@ -167,8 +167,12 @@ impl Campaign {
     pub fn run(mut self, observer: &mut dyn CampaignObserver) -> Result<CampaignResult, CampaignError> {
         let references = references(&self.tune);
         observer.references(&references);
-        let strategy =
-            self.tune.config.strategy.build(&self.tune).map_err(|source| CampaignError::Strategy { trial: 0, source })?;
+        let strategy = self
+            .tune
+            .config
+            .strategy
+            .build(&self.tune)
+            .map_err(|source| CampaignError::Strategy { trial: 0, source })?;
         let logs = StoredLogs { directory: self.directory.clone(), recent: Mutex::new(Vec::new()) };
 
         while let Some(next) = self.trials.iter().position(Option::is_none) {
@@ -232,7 +236,12 @@ impl Campaign {
                 origin: proposal.origin,
             };
             let mut shared = shared.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
-            shared.0.finish(*number, &attributes(&trial, outcome.aborted_at_s), TrialState::Complete, Some(trial.cost.total()))?;
+            shared.0.finish(
+                *number,
+                &attributes(&trial, outcome.aborted_at_s),
+                TrialState::Complete,
+                Some(trial.cost.total()),
+            )?;
             logs.remember(*number, outcome.log);
             shared.2.trial_finished(&trial);
             shared.1[*number] = Some(trial);
@@ -249,7 +258,8 @@ impl Campaign {
         let known = self.recorded.get(number).map(|trial| &trial.params);
         let names = self.tune.space.names();
         let entries = self.tune.space.entries();
-        let missing = names.iter().enumerate().filter(|(_, name)| !known.is_some_and(|params| params.contains_key(*name)));
+        let missing =
+            names.iter().enumerate().filter(|(_, name)| !known.is_some_and(|params| params.contains_key(*name)));
         let params = missing.map(|(k, name)| {
             let (_, low, high) = entries[k % entries.len()];
             (name.as_str(), proposal.theta[k], low, high)
@@ -298,8 +308,7 @@ impl LogSource for LogsInMemory {
 
 /// Runs all trials of a campaign one after the other, without directory, journal or reference costs.
 pub fn run_in_memory(tune: &ValidTune) -> Result<Vec<FinishedTrial>, CampaignError> {
-    let strategy =
-        tune.config.strategy.build(tune).map_err(|source| CampaignError::Strategy { trial: 0, source })?;
+    let strategy = tune.config.strategy.build(tune).map_err(|source| CampaignError::Strategy { trial: 0, source })?;
     let (mut trials, mut logs) = (Vec::new(), LogsInMemory(Vec::new()));
     for number in 0..tune.config.trials {
         let fail = |source| CampaignError::Strategy { trial: number, source };

@@ -36,8 +36,7 @@ mod trial_log;
 mod trial_store;
 
 pub use campaign::{
-    Campaign, CampaignError, CampaignObserver, CampaignResult, References, references, run_in_memory,
-    run_numbered,
+    Campaign, CampaignError, CampaignObserver, CampaignResult, References, references, run_in_memory, run_numbered,
 };
 pub use config::{ConfigError, EstimatorName, Phases, TuneConfig, ValidTune};
 pub use cost::{Cost, CostAccumulator};

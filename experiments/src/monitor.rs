@@ -88,13 +88,7 @@ pub struct TrialMonitor {
 impl TrialMonitor {
     /// A monitor for a loop of period `dt_s` [s].
     pub fn new(limits: PenaltyLimits, dt_s: f64) -> Self {
-        Self {
-            limits,
-            dt_s,
-            last_twist: None,
-            acceleration: Vector6::zeros(),
-            saturated_s: 0.0,
-        }
+        Self { limits, dt_s, last_twist: None, acceleration: Vector6::zeros(), saturated_s: 0.0 }
     }
 
     /// Judges one tick; the first violated limit, if any.

@@ -123,9 +123,7 @@ impl ParameterSpace {
                 shape: at(4),
             }
             .into(),
-            TunedLaw::GazSigmoid => {
-                GazSigmoid { phi1_nm: at(0), phi2_s_per_rad: at(1), phi3_rad_s: at(2) }.into()
-            }
+            TunedLaw::GazSigmoid => GazSigmoid { phi1_nm: at(0), phi2_s_per_rad: at(1), phi3_rad_s: at(2) }.into(),
         }
     }
 
@@ -183,7 +181,10 @@ mod tests {
                 for (a, b) in theta.iter().zip(&back) {
                     assert!((a - b).abs() < 1e-12);
                 }
-                assert_eq!(space.friction::<7>(&space.zero()).torque(&nalgebra::SVector::repeat(0.3), 0.001).amax(), 0.0);
+                assert_eq!(
+                    space.friction::<7>(&space.zero()).torque(&nalgebra::SVector::repeat(0.3), 0.001).amax(),
+                    0.0
+                );
             }
         }
     }

@@ -123,8 +123,7 @@ impl ModelError {
             truth.arm = truth.arm.with_link_scale_errors(&errors);
         }
         if self.payload_kg > 0.0 {
-            let body =
-                Payload { mass_kg: self.payload_kg, com_m: Vector3::zeros(), inertia_kg_m2: Matrix3::zeros() };
+            let body = Payload { mass_kg: self.payload_kg, com_m: Vector3::zeros(), inertia_kg_m2: Matrix3::zeros() };
             truth.arm = truth.arm.with_payload(&body);
         }
         truth

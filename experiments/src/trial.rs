@@ -85,10 +85,7 @@ pub fn run_trial_observed<const N: usize, E: WrenchEstimator<N>>(
     let mut accumulator = CostAccumulator::default();
     let ticks = (trial.reference.total_s() / trial.dt_s).round() as u64;
     let judged_from = (trial.reference.pre_roll_s() / trial.dt_s).round() as u64;
-    let mut log = TrialLog::with_capacity(
-        (ticks / LOG_DECIMATION + 1) as usize,
-        trial.dt_s * LOG_DECIMATION as f64,
-    );
+    let mut log = TrialLog::with_capacity((ticks / LOG_DECIMATION + 1) as usize, trial.dt_s * LOG_DECIMATION as f64);
     let mut violation = None;
 
     for tick in 0..ticks {

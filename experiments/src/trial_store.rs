@@ -26,11 +26,9 @@ const JOINT_GROUPS: [&str; 8] = [
 ];
 
 /// Components of the wrench in file order, and their places in `[moment; force]`.
-const WRENCH: [(&str, usize); 6] =
-    [("fx_n", 3), ("fy_n", 4), ("fz_n", 5), ("mx_nm", 0), ("my_nm", 1), ("mz_nm", 2)];
+const WRENCH: [(&str, usize); 6] = [("fx_n", 3), ("fy_n", 4), ("fz_n", 5), ("mx_nm", 0), ("my_nm", 1), ("mz_nm", 2)];
 /// Components of the pose error in file order, and their places in `[rotation; position]`.
-const ERROR: [(&str, usize); 6] =
-    [("x_m", 3), ("y_m", 4), ("z_m", 5), ("rx_rad", 0), ("ry_rad", 1), ("rz_rad", 2)];
+const ERROR: [(&str, usize); 6] = [("x_m", 3), ("y_m", 4), ("z_m", 5), ("rx_rad", 0), ("ry_rad", 1), ("rz_rad", 2)];
 
 /// Writes a log atomically, to the last bit.
 pub fn write_trial_log(path: &Path, log: &TrialLog<7>) -> Result<(), FileError> {

@@ -89,7 +89,10 @@ impl<const N: usize, E: WrenchEstimator<N>> ControlLoop<N, E> {
         let reference = self.settings.reference.at(frame.time_s);
         let decision = self.check(&frame).and_then(|()| self.decide(&frame, &reference));
         let (torque, task) = match decision {
-            Ok(terms) => terms,
+            Ok(terms) => {
+                self.safe.remember(&frame.q);
+                terms
+            }
             Err(fault) => {
                 // The first reason stays: what follows a fault is only its echo.
                 self.fault.get_or_insert(fault);

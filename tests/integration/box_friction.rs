@@ -49,11 +49,9 @@ fn fastest_under(truth: &Truth<7>, extra: &Joints, sub_steps: usize) -> f64 {
 fn cost_does_not_depend_on_the_sub_steps() {
     let truth = Truth::panda_coulomb_viscous();
     let oracle = truth.friction;
-    for (velocity, friction) in [
-        (VelocitySource::Hybrid, oracle),
-        (VelocitySource::Reference, oracle),
-        (VelocitySource::Hybrid, no_friction()),
-    ] {
+    for (velocity, friction) in
+        [(VelocitySource::Hybrid, oracle), (VelocitySource::Reference, oracle), (VelocitySource::Hybrid, no_friction())]
+    {
         let cost = |sub_steps: usize| {
             let mut trial = tuning_trial(truth.clone(), velocity);
             trial.sensors = Sensors::noise_free();
@@ -193,7 +191,11 @@ fn asymmetric_friction_slides_as_the_closed_form() {
             let t = f64::from(tick) * 1e-3;
             let expected = (tau - coulomb) / viscous * (1.0 - (-viscous * t / 0.5_f64).exp());
             // The first sub-step still sees the slope of the other direction at most once.
-            assert!((plant.qd()[0] - expected).abs() < 1e-3 * expected.abs() + 1e-6, "{t} {} {expected}", plant.qd()[0]);
+            assert!(
+                (plant.qd()[0] - expected).abs() < 1e-3 * expected.abs() + 1e-6,
+                "{t} {} {expected}",
+                plant.qd()[0]
+            );
         }
     }
 }

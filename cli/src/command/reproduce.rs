@@ -79,10 +79,15 @@ fn check(rows: &[RowSummary], expected: &[RowSummary]) -> anyhow::Result<()> {
             continue;
         };
         let name = format!("{} {}", String::from(row.truth.clone()), serde_json::to_string(&row.strategy)?);
-        let pairs = [("second trial", row.second_mean, reference.second_mean), ("best", row.best_mean[2], reference.best_mean[2])];
+        let pairs = [
+            ("second trial", row.second_mean, reference.second_mean),
+            ("best", row.best_mean[2], reference.best_mean[2]),
+        ];
         for (what, got, want) in pairs {
             if (got / want - 1.0).abs() > TOLERANCE {
-                return Err(CheckFailed(format!("{name}: mean J/J_oracle, {what}: {got:.3}, expected {want:.3}")).into());
+                return Err(
+                    CheckFailed(format!("{name}: mean J/J_oracle, {what}: {got:.3}, expected {want:.3}")).into()
+                );
             }
         }
     }
@@ -91,8 +96,19 @@ fn check(rows: &[RowSummary], expected: &[RowSummary]) -> anyhow::Result<()> {
 
 fn show(rows: &[RowSummary]) {
     let mut rows_of_table = table(&[
-        "truth", "strategy", "campaigns", "J0", "2nd mean", "2nd worst", "best of 5", "best of 20", "best", "worst best",
-        "trials to 1.1", "never", "penalties",
+        "truth",
+        "strategy",
+        "campaigns",
+        "J0",
+        "2nd mean",
+        "2nd worst",
+        "best of 5",
+        "best of 20",
+        "best",
+        "worst best",
+        "trials to 1.1",
+        "never",
+        "penalties",
     ]);
     for row in rows {
         rows_of_table.add_row([

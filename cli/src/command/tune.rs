@@ -144,7 +144,8 @@ fn origin(origin: Origin) -> &'static str {
 }
 
 fn show(result: &CampaignResult, directory: &Path, wall_s: f64) {
-    let mut trials = table(&["trial", "J [N + Nm]", "J/J_oracle", "max F+M", "mean F+M", "penalty", "chosen by", "state"]);
+    let mut trials =
+        table(&["trial", "J [N + Nm]", "J/J_oracle", "max F+M", "mean F+M", "penalty", "chosen by", "state"]);
     let best = result.best.map(|(number, _)| number);
     for trial in &result.trials {
         let cost = trial.cost.total();
@@ -188,6 +189,11 @@ fn show(result: &CampaignResult, directory: &Path, wall_s: f64) {
         directory.join("tuned.yaml").display()
     ));
     if let Some((_, cost)) = result.best {
-        print(format_args!("next: tribo export {} --format json   (J {:.1} -> {:.1})", directory.display(), references.uncompensated, cost));
+        print(format_args!(
+            "next: tribo export {} --format json   (J {:.1} -> {:.1})",
+            directory.display(),
+            references.uncompensated,
+            cost
+        ));
     }
 }

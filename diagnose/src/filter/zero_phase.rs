@@ -50,9 +50,9 @@ pub enum FilterError {
     /// The cut-off lies outside what the sample rate carries.
     #[error("cut-off {cutoff_hz} Hz is outside (0, {}) Hz, half the sample rate", 0.5 * rate_hz)]
     Cutoff {
-        /// Cut-off asked for [Hz].
+        /// Cut-off asked for (Hz).
         cutoff_hz: f64,
-        /// Sample rate [Hz].
+        /// Sample rate (Hz).
         rate_hz: f64,
     },
     /// The order is outside 1..=8.

@@ -124,11 +124,9 @@ impl JointParameters {
     pub fn of(joint: &JointFriction) -> Self {
         let none = Self::default();
         match *joint {
-            JointFriction::CoulombViscous(law) => Self {
-                coulomb_nm: Some(law.coulomb_nm),
-                viscous_nm_s_per_rad: Some(law.viscous_nm_s_per_rad),
-                ..none
-            },
+            JointFriction::CoulombViscous(law) => {
+                Self { coulomb_nm: Some(law.coulomb_nm), viscous_nm_s_per_rad: Some(law.viscous_nm_s_per_rad), ..none }
+            }
             JointFriction::Stribeck(law) => Self {
                 coulomb_nm: Some(law.coulomb_nm),
                 viscous_nm_s_per_rad: Some(law.viscous_nm_s_per_rad),
@@ -189,12 +187,9 @@ impl JointParameters {
                     Some(_) if self.inverse_stribeck_velocity_s_per_rad.is_none() => {
                         1.0 / need("stribeck_velocity_rad_s", self.stribeck_velocity_rad_s, 1e-6, 1e3)?
                     }
-                    _ => need(
-                        "inverse_stribeck_velocity_s_per_rad",
-                        self.inverse_stribeck_velocity_s_per_rad,
-                        0.0,
-                        1e6,
-                    )?,
+                    _ => {
+                        need("inverse_stribeck_velocity_s_per_rad", self.inverse_stribeck_velocity_s_per_rad, 0.0, 1e6)?
+                    }
                 },
                 shape: need("shape", self.shape, 0.0, 10.0)?,
             }

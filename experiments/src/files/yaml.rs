@@ -27,11 +27,7 @@ impl FieldError {
 
     /// `Ok` if `value` lies in [low, high]; NaN never does.
     pub fn check(field: &str, value: f64, low: f64, high: f64) -> Result<(), Self> {
-        if value >= low && value <= high {
-            Ok(())
-        } else {
-            Err(Self::new(field, value, format!("{low} to {high}")))
-        }
+        if value >= low && value <= high { Ok(()) } else { Err(Self::new(field, value, format!("{low} to {high}"))) }
     }
 }
 

@@ -26,7 +26,8 @@ const WORKER: &str = "tribo";
 impl Journal {
     /// Creates a journal with an empty study. An existing file is an error.
     pub fn create(path: &Path, clock: Clock) -> Result<Self, FileError> {
-        let file = OpenOptions::new().read(true).append(true).create_new(true).open(path).map_err(FileError::io(path))?;
+        let file =
+            OpenOptions::new().read(true).append(true).create_new(true).open(path).map_err(FileError::io(path))?;
         let mut journal = Self { path: path.to_owned(), file, clock };
         journal.lock()?;
         journal.append(&[json!({"op_code": 0, "worker_id": WORKER, "study_name": "tribo", "directions": [1]})])?;

@@ -97,7 +97,10 @@ impl GreyBox {
             0.0 => *centre,
             _ => centre + scale * delta.next().copied().unwrap_or(0.0),
         });
-        moved.zip(self.domain.lower().iter().zip(self.domain.upper())).map(|(x, (low, high))| x.clamp(*low, *high)).collect()
+        moved
+            .zip(self.domain.lower().iter().zip(self.domain.upper()))
+            .map(|(x, (low, high))| x.clamp(*low, *high))
+            .collect()
     }
 }
 
@@ -159,9 +162,8 @@ const DERIVATIVE_HALF_WIDTH: usize = 10;
 /// W = J̄ᵀ = Λ J B⁻¹ of the controller's model at the measured configuration; velocity by zero-phase differentiation.
 pub fn identification_samples(model: &Arm<7>, log: &TrialLog<7>, delay_s: f64) -> Vec<GlsSample<7>> {
     let filter = SavitzkyGolay { half_width: DERIVATIVE_HALF_WIDTH };
-    let qd: Vec<Vec<f64>> = (0..7)
-        .map(|j| filter.derivative(&log.q.iter().map(|q| q[j]).collect::<Vec<_>>(), log.period_s))
-        .collect();
+    let qd: Vec<Vec<f64>> =
+        (0..7).map(|j| filter.derivative(&log.q.iter().map(|q| q[j]).collect::<Vec<_>>(), log.period_s)).collect();
     let delay = (delay_s / log.period_s).round() as usize;
     let settle = (SETTLE_S / log.period_s).round() as usize;
     let still = nalgebra::SVector::zeros();
