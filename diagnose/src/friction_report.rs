@@ -4,10 +4,10 @@ use std::ops::Range;
 
 use nalgebra::SVector;
 use tribo_friction::FrictionModel;
-use tribo_friction::identify::{JointTorqueFit, TorqueFitError};
+use tribo_friction::identify::{JointTorqueFit, TorqueFitError, fit_columns};
 use tribo_friction::law::smooth_sign;
 
-use crate::{BlockSettings, Blocks, BlocksError, SignalChain, TorqueResidual, fit_columns};
+use crate::{BlockSettings, Blocks, BlocksError, SignalChain, TorqueResidual};
 
 /// How friction is fitted and judged.
 #[derive(Clone, Copy, Debug, PartialEq)]

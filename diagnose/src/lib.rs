@@ -31,12 +31,10 @@
 mod blocks;
 pub mod filter;
 mod friction_report;
-mod least_squares;
 mod signal_chain;
 mod torque_residual;
 
 pub use blocks::{BlockSettings, Blocks, BlocksError, Split};
 pub use friction_report::{FrictionReport, FrictionSettings, HeldOut, HeldOutError, JointFitError, JointReport};
-pub use least_squares::{ColumnFit, fit_columns};
 pub use signal_chain::{ResidualSettings, SignalChain};
 pub use torque_residual::{MotionSample, ResidualError, TorqueResidual};

@@ -103,9 +103,10 @@ fn violations(metadata: &Metadata) -> Vec<String> {
                     found.push(format!("{} uses {}, reserved for {allowed:?}", package.name, dependency.name));
                 }
             }
-            let (Some(to), None, Some(above)) = (room(&dependency.name), &dependency.kind, layer(from)) else {
+            let (Some(to), Some(above)) = (room(&dependency.name), layer(from)) else { continue };
+            if dependency.kind.as_deref() == Some("dev") {
                 continue;
-            };
+            }
             let downwards = layer(to).is_some_and(|below| below < above);
             if !(downwards || SIDEWAYS.contains(&(from, to))) || FORBIDDEN.contains(&(from, to)) {
                 found.push(format!("{} must not use {}", package.name, dependency.name));

@@ -88,8 +88,8 @@ fn gaz_agrees_with_the_table() {
 }
 
 /// Regression. Without the pre-roll, eq. (35) starts with a jump of up to 2.5 cm and 5°. The jump, not the friction, is then
-/// what J reports: measured 9.3 in hybrid mode (the notes' prototype: 15) instead of 3.0. The tool's 15 Hz acceleration, as the length of a vector, passes the 5 m/s² and
-/// 30 rad/s² that the notes penalise (notes: 6 and 34).
+/// what J reports: measured 9.3 in hybrid mode instead of 3.0 (the notes' prototype: 15 instead of 3). The tool's 15 Hz
+/// acceleration, as the length of a vector, passes the 5 m/s² and 30 rad/s² that the notes penalise (notes: 6 and 34).
 #[test]
 fn without_the_pre_roll_the_first_jump_is_what_is_measured() {
     let truth = Truth::panda_coulomb_viscous();

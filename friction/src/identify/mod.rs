@@ -2,12 +2,14 @@
 
 mod basis;
 mod box_least_squares;
+mod column_fit;
 mod gls;
 mod savitzky_golay;
 mod torque_fit;
 
 pub use basis::{Basis, STRIBECK_BASIS_INVERSE_VELOCITY_S_PER_RAD, STRIBECK_BASIS_SHAPE};
 pub use box_least_squares::{BoxLeastSquares, minimize_in_box};
+pub use column_fit::{ColumnFit, fit_columns};
 pub use gls::{GlsError, GlsFit, GlsSample, GlsSettings, fit_from_wrench};
 pub use savitzky_golay::SavitzkyGolay;
 pub use torque_fit::{JointTorqueFit, TorqueFitError, fit_joint_torque};

@@ -1,7 +1,6 @@
 //! Coulomb-viscous friction and offset of one joint from its torque residual.
 
-use nalgebra::{Matrix3, Vector3};
-
+use super::fit_columns;
 use crate::law::smooth_sign;
 
 /// `residual = Fc tanh(qd/ε) + Fv qd + offset`, fitted by least squares.
@@ -45,38 +44,22 @@ impl JointTorqueFit {
     }
 }
 
-/// Condition number beyond which the three columns count as indistinguishable.
-const MAX_CONDITION: f64 = 1e8;
-
 /// Least squares of `residual_nm` [Nm] on `[tanh(qd/ε), qd, 1]`; qd [rad/s], both of the same length.
 pub fn fit_joint_torque(
     qd: &[f64],
     residual_nm: &[f64],
     smoothing_rad_s: f64,
 ) -> Result<JointTorqueFit, TorqueFitError> {
-    let got = qd.len().min(residual_nm.len());
-    if got < 10 {
-        return Err(TorqueFitError::TooFewSamples { need: 10, got });
-    }
-    let (mut normal, mut score) = (Matrix3::<f64>::zeros(), Vector3::zeros());
-    for (&v, &r) in qd.iter().zip(residual_nm) {
-        let column = Vector3::new(smooth_sign(v, smoothing_rad_s), v, 1.0);
-        normal += column * column.transpose();
-        score += column * r;
-    }
-    let scale = Vector3::from_fn(|i, _| normal[(i, i)].sqrt());
-    if !scale.iter().all(|s| *s > 0.0 && s.is_finite()) {
-        return Err(TorqueFitError::NotSeparable { condition: f64::INFINITY });
-    }
-    let scaled = Matrix3::from_fn(|i, k| normal[(i, k)] / (scale[i] * scale[k]));
-    let eigenvalues = scaled.symmetric_eigenvalues();
-    let condition = eigenvalues.max() / eigenvalues.min().max(0.0);
-    let factor = scaled.cholesky().filter(|_| condition < MAX_CONDITION);
-    let Some(factor) = factor else {
-        return Err(TorqueFitError::NotSeparable { condition });
-    };
-    let x = factor.solve(&score.component_div(&scale)).component_div(&scale);
-    Ok(JointTorqueFit { coulomb_nm: x[0], viscous_nm_s_per_rad: x[1], offset_nm: x[2], condition })
+    let sign: Vec<f64> = qd.iter().map(|&v| smooth_sign(v, smoothing_rad_s)).collect();
+    let ones = vec![1.0; qd.len()];
+    let rows = 0..qd.len().min(residual_nm.len());
+    let fit = fit_columns(&[&sign, qd, &ones], residual_nm, std::slice::from_ref(&rows))?;
+    Ok(JointTorqueFit {
+        coulomb_nm: fit.coefficients[0],
+        viscous_nm_s_per_rad: fit.coefficients[1],
+        offset_nm: fit.coefficients[2],
+        condition: fit.condition,
+    })
 }
 
 #[cfg(test)]

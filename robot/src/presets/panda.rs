@@ -1,7 +1,7 @@
 //! Franka Emika Panda (FER), seven joints.
 
 use nalgebra::{Matrix3, SVector, Vector3};
-use std::f64::consts::FRAC_PI_2;
+use std::f64::consts::{FRAC_PI_2, FRAC_PI_4};
 
 use crate::{Arm, JointPlacement, Limits, LinkInertia, ModifiedDh};
 
@@ -61,5 +61,5 @@ pub fn panda() -> Arm<7> {
 
 /// The vendor's ready pose [rad].
 pub fn panda_ready_pose() -> SVector<f64, 7> {
-    SVector::from([0.0, -0.7853981633974483, 0.0, -2.356194490192345, 0.0, FRAC_PI_2, 0.7853981633974483])
+    SVector::from([0.0, -FRAC_PI_4, 0.0, -3.0 * FRAC_PI_4, 0.0, FRAC_PI_2, FRAC_PI_4])
 }

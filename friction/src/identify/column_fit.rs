@@ -1,9 +1,10 @@
-//! Least squares on columns that were filtered like the target.
+//! Least squares on given columns.
 
 use std::ops::Range;
 
 use nalgebra::{DMatrix, DVector};
-use tribo_friction::identify::TorqueFitError;
+
+use super::TorqueFitError;
 
 /// Coefficients of a fit and how well its columns can be told apart.
 #[derive(Clone, Debug, PartialEq)]
@@ -14,15 +15,15 @@ pub struct ColumnFit {
     pub condition: f64,
 }
 
-/// Condition number beyond which columns count as indistinguishable, as in `tribo_friction::identify`.
+/// Condition number beyond which columns count as indistinguishable.
 const MAX_CONDITION: f64 = 1e8;
-/// Fewest rows, as in `tribo_friction::identify`.
+/// Fewest rows.
 const LEAST_ROWS: usize = 10;
 
 /// `min_θ Σ_{k in rows} (target_k − Σ_c θ_c column_c,k)²`.
 ///
-/// `tribo_friction::identify::fit_joint_torque` evaluates its columns from qd; here they come filtered, so they are
-/// given. Ranges must lie inside every column.
+/// For columns that were filtered like the target; [`super::fit_joint_torque`] evaluates its own from qd. Ranges must
+/// lie inside every column.
 ///
 /// # Errors
 /// [`TorqueFitError`]: fewer than ten rows, or columns that are zero or linearly dependent.
@@ -56,22 +57,6 @@ pub fn fit_columns(columns: &[&[f64]], target: &[f64], rows: &[Range<usize>]) ->
 #[allow(clippy::single_range_in_vec_init, reason = "one burst is one range")]
 mod tests {
     use super::*;
-    use tribo_friction::identify::fit_joint_torque;
-
-    /// Second algorithm: on raw columns the friction crate's own fit.
-    #[test]
-    fn equals_the_fit_of_the_friction_crate_on_raw_columns() {
-        let qd: Vec<f64> = (0..900).map(|k| 0.4 * (f64::from(k) * 0.031).sin() + 0.05).collect();
-        let residual: Vec<f64> = (0..900).map(|k| f64::from((k * k) % 61) / 61.0 + qd[k as usize]).collect();
-        let sign: Vec<f64> = qd.iter().map(|v| (v / 0.005).tanh()).collect();
-        let ours = fit_columns(&[&sign, &qd, &[1.0; 900]], &residual, &[0..300, 300..900]).unwrap();
-        let theirs = fit_joint_torque(&qd, &residual, 0.005).unwrap();
-        let expected = [theirs.coulomb_nm, theirs.viscous_nm_s_per_rad, theirs.offset_nm];
-        for (a, b) in ours.coefficients.iter().zip(expected) {
-            assert!((a - b).abs() < 1e-12, "{a} {b}");
-        }
-        assert!((ours.condition / theirs.condition - 1.0).abs() < 1e-9);
-    }
 
     #[test]
     fn rows_outside_the_ranges_do_not_matter_and_twins_are_refused() {
