@@ -84,7 +84,7 @@ pub struct Tune {
     #[arg(long)]
     pub resume: bool,
     /// Seed of everything random.
-    #[arg(long)]
+    #[arg(long, allow_negative_numbers = true)]
     pub seed: Option<u64>,
     /// Friction law of the compensator.
     #[arg(long, value_parser = PossibleValuesParser::new(["coulomb_viscous", "stribeck"]))]
@@ -96,10 +96,10 @@ pub struct Tune {
     #[arg(long, value_parser = PossibleValuesParser::new(["zero", "gaz", "random", "sobol", "paper", "bo", "grey_box"]))]
     pub strategy: Option<String>,
     /// Number of trials.
-    #[arg(long)]
+    #[arg(long, allow_negative_numbers = true)]
     pub trials: Option<usize>,
     /// Trials of the initial design.
-    #[arg(long)]
+    #[arg(long, allow_negative_numbers = true)]
     pub init: Option<usize>,
     /// What the simulated arm is like: coulomb_viscous, stribeck, lugre, gaz, thermal, frictionless or a model file.
     #[arg(long)]
@@ -117,7 +117,7 @@ pub struct Tune {
     #[arg(long, value_parser = PossibleValuesParser::new(["documented", "random"]))]
     pub phases: Option<String>,
     /// Fail (exit code 1) if the best cost exceeds this multiple of the oracle's.
-    #[arg(long, value_name = "RATIO")]
+    #[arg(long, value_name = "RATIO", allow_negative_numbers = true)]
     pub check: Option<f64>,
 }
 
@@ -133,7 +133,7 @@ pub struct Simulate {
     #[arg(long, default_value = "none", value_name = "none|oracle|FILE")]
     pub compensation: String,
     /// Seed of everything random.
-    #[arg(long)]
+    #[arg(long, allow_negative_numbers = true)]
     pub seed: Option<u64>,
     /// What the simulated arm is like: coulomb_viscous, stribeck, lugre, gaz, thermal, frictionless or a model file.
     #[arg(long)]
@@ -151,10 +151,10 @@ pub struct Simulate {
     #[arg(long)]
     pub fixed: bool,
     /// Push the tool along each axis in turn with this force [N] and --pulse-moment [Nm].
-    #[arg(long, value_name = "N", default_value_t = 0.0)]
+    #[arg(long, value_name = "N", default_value_t = 0.0, allow_negative_numbers = true)]
     pub pulse_force: f64,
     /// Moment of the pulses [Nm].
-    #[arg(long, value_name = "NM", default_value_t = 0.0)]
+    #[arg(long, value_name = "NM", default_value_t = 0.0, allow_negative_numbers = true)]
     pub pulse_moment: f64,
 }
 
@@ -173,10 +173,10 @@ pub struct Estimate {
     #[arg(long, default_value = "all", value_parser = PossibleValuesParser::new(["all", "ekf", "torque"]))]
     pub residual: String,
     /// Band of the torque residual [Hz].
-    #[arg(long, default_value_t = 10.0, value_name = "HZ")]
+    #[arg(long, default_value_t = 10.0, value_name = "HZ", allow_negative_numbers = true)]
     pub band_hz: f64,
     /// Length of the alternating train and test blocks of the friction fit [s].
-    #[arg(long, default_value_t = 2.0, value_name = "S")]
+    #[arg(long, default_value_t = 2.0, value_name = "S", allow_negative_numbers = true)]
     pub block_s: f64,
     /// Write the wrench along the log, with its standard deviation, to this Parquet file.
     #[arg(long, value_name = "FILE")]

@@ -43,3 +43,26 @@ pub fn exit_code(error: &anyhow::Error) -> u8 {
         _ => 3,
     }
 }
+
+/// The error and its causes, each told once: the messages of our libraries quote their cause already.
+pub fn describe(error: &anyhow::Error) -> String {
+    error
+        .chain()
+        .skip(1)
+        .map(ToString::to_string)
+        .fold(error.to_string(), |text, cause| if text.contains(&cause) { text } else { format!("{text}: {cause}") })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_cause_that_is_quoted_is_not_repeated() {
+        let io = || std::io::Error::other("disk on fire");
+        let quoting = anyhow::Error::from(FileError::io("a.yaml")(io()));
+        assert_eq!(describe(&quoting), "a.yaml: disk on fire");
+        let silent = anyhow::Error::from(io()).context("writing");
+        assert_eq!(describe(&silent), "writing: disk on fire");
+    }
+}

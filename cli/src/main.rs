@@ -36,7 +36,7 @@ fn main() -> ExitCode {
     match result {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => {
-            eprintln!("tribo: {error:#}");
+            eprintln!("tribo: {}", failure::describe(&error));
             ExitCode::from(failure::exit_code(&error))
         }
     }

@@ -13,6 +13,7 @@ use tribo_logs::write_atomic;
 use crate::config::{ConfigError, EstimatorName};
 use crate::files::{FileError, TunedFile, YamlDocument, to_yaml};
 use crate::journal::{Clock, Journal, JournalTrial, TrialState};
+use crate::leftovers::sweep;
 use crate::strategy::{FinishedTrial, LogSource, Origin, Proposal, Strategy, StrategyError};
 use crate::trial_store::{read_trial_log, trial_log_path, write_trial_log};
 use crate::{AbortReason, Cost, Trial, TrialLog, TrialOutcome, TuneConfig, ValidTune, run_trial};
@@ -116,6 +117,7 @@ impl Campaign {
         let text = to_yaml(&tune.config).map_err(FileError::io(&settings))?;
         write_atomic(&settings, |file| file.write_all(text.as_bytes())).map_err(FileError::from)?;
         let journal = Journal::create(&directory.join("journal.log"), clock)?;
+        sweep(directory);
         let trials = vec![None; tune.config.trials];
         Ok(Self { directory: directory.to_owned(), tune, journal, trials, created: 0, recorded: Vec::new() })
     }
@@ -142,6 +144,7 @@ impl Campaign {
         let (journal, recorded) =
             if path.exists() { Journal::open(&path, clock)? } else { (Journal::create(&path, clock)?, Vec::new()) };
         std::fs::create_dir_all(directory.join("trials")).map_err(FileError::io(directory))?;
+        sweep(directory);
         let mut finished = vec![None; tune.config.trials.max(recorded.len())];
         for (number, trial) in recorded.iter().enumerate() {
             if trial.state.is_finished() {

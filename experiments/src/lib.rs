@@ -23,6 +23,7 @@ mod config;
 mod cost;
 pub mod files;
 pub mod journal;
+mod leftovers;
 mod log_wrench;
 mod monitor;
 mod parameters;

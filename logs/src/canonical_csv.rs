@@ -18,8 +18,8 @@ use flate2::write::GzEncoder;
 
 use crate::atomic::write_atomic;
 use crate::csv_lines::{Lines, header_names, parse_number, split_cells};
-use crate::detect::LogFormat;
 use crate::error::LogError;
+use crate::format::LogFormat;
 use crate::header::Header;
 use crate::log::RobotLog;
 use crate::source::open_text;

@@ -7,42 +7,18 @@
 //! | text whose first line names at least one canonical column | [`LogFormat::Csv`] |
 //! | gzip of such text | [`LogFormat::CsvGz`] |
 
-use std::fmt;
 use std::path::Path;
 
 use crate::canonical_csv::read_csv;
 use crate::csv_lines::{BYTE_ORDER_MARK, header_names};
 use crate::error::{LogError, shown};
+use crate::format::LogFormat;
 use crate::log::RobotLog;
 use crate::panda_gaz::{is_panda_gaz, read_panda_gaz};
 use crate::parquet_log::read_parquet;
 use crate::quantity::Quantity;
 use crate::source::{open_text, peek};
 use crate::summary::LogSummary;
-
-/// A format that can be read.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-pub enum LogFormat {
-    /// Canonical CSV, plain.
-    Csv,
-    /// Canonical CSV, gzip.
-    CsvGz,
-    /// Parquet with the canonical columns.
-    Parquet,
-    /// Directory of text files of the Panda data of Gaz et al. 2019.
-    PandaGaz,
-}
-
-impl fmt::Display for LogFormat {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(match self {
-            Self::Csv => "canonical CSV",
-            Self::CsvGz => "canonical CSV (gzip)",
-            Self::Parquet => "Parquet",
-            Self::PandaGaz => "Panda text files (Gaz 2019)",
-        })
-    }
-}
 
 /// Tells the format of a file or directory.
 ///

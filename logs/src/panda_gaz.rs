@@ -12,8 +12,8 @@
 use std::path::Path;
 
 use crate::csv_lines::{Lines, parse_number};
-use crate::detect::LogFormat;
 use crate::error::LogError;
+use crate::format::LogFormat;
 use crate::log::{LogColumns, RobotLog};
 use crate::source::open_text;
 use crate::summary::LogSummary;

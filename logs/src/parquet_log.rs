@@ -2,8 +2,8 @@
 
 use std::path::Path;
 
-use crate::detect::LogFormat;
 use crate::error::LogError;
+use crate::format::LogFormat;
 use crate::header::Header;
 use crate::log::RobotLog;
 use crate::parquet_table::{Table, read_table, write_table};

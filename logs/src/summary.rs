@@ -3,7 +3,7 @@
 use std::fmt;
 
 use crate::bursts::{GAP_TOLERANCE, bursts, median_period_s};
-use crate::detect::LogFormat;
+use crate::format::LogFormat;
 use crate::log::RobotLog;
 use crate::quantity::Quantity;
 

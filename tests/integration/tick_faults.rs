@@ -74,6 +74,7 @@ fn latched_fault(at: u64, tamper: impl Fn(u64, &mut SensorFrame<7>)) -> TickFaul
                 (gravity[j] - brake).clamp(-limit, limit).clamp(low, high)
             });
             assert!((record.command - expected).amax() < ROUNDING_NM, "tick {tick}: not the safe torque");
+            assert_eq!(record.torque.total(), Joints::zeros(), "tick {tick}: the controller still speaks");
         }
         last = Some(record.command);
     }

@@ -36,6 +36,10 @@ pub fn run(arguments: &Estimate, common: &Common) -> anyhow::Result<()> {
         let message = format!("{}: {} joints; the model has 7", arguments.log.display(), log.joints());
         return Err(BadInput(message).into());
     }
+    if !(arguments.block_s > 0.0 && arguments.block_s.is_finite()) {
+        let message = format!("--block-s is {}; allowed: greater than 0", arguments.block_s);
+        return Err(BadInput(message).into());
+    }
     let wants = |name: &str| arguments.residual == "all" || arguments.residual == name;
     let torque = wants("torque").then(|| torque_residual(arguments, &log, &model)).transpose()?;
     let wrench = wants("ekf").then(|| {

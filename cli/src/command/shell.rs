@@ -10,10 +10,20 @@ use crate::arguments::Arguments;
 pub fn completions(shell: clap_complete::Shell) -> anyhow::Result<()> {
     let mut script = Vec::new();
     clap_complete::generate(shell, &mut Arguments::command(), "tribo", &mut script);
-    Ok(std::io::stdout().lock().write_all(&script)?)
+    write_all(&script)
 }
 
 /// Prints the manual page.
 pub fn man_page() -> anyhow::Result<()> {
-    Ok(clap_mangen::Man::new(Arguments::command()).render(&mut std::io::stdout().lock())?)
+    let mut page = Vec::new();
+    clap_mangen::Man::new(Arguments::command()).render(&mut page)?;
+    write_all(&page)
+}
+
+/// Writes to standard output. A reader that has gone (`tribo man | head`) is no error of ours.
+fn write_all(bytes: &[u8]) -> anyhow::Result<()> {
+    match std::io::stdout().lock().write_all(bytes) {
+        Err(error) if error.kind() != std::io::ErrorKind::BrokenPipe => Err(error.into()),
+        _ => Ok(()),
+    }
 }

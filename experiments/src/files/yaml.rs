@@ -31,9 +31,14 @@ impl FieldError {
     }
 }
 
-/// The whole text of a file.
+/// The whole text of a file; bytes that are no text are named by their place.
 pub fn read_text(path: &Path) -> Result<String, FileError> {
-    std::fs::read_to_string(path).map_err(FileError::io(path))
+    String::from_utf8(std::fs::read(path).map_err(FileError::io(path))?).map_err(|error| {
+        let good = &error.as_bytes()[..error.utf8_error().valid_up_to()];
+        let line = good.iter().filter(|&&byte| byte == b'\n').count() as u64 + 1;
+        let column = good.iter().rev().take_while(|&&byte| byte != b'\n').count() as u64 + 1;
+        FileError::Syntax { path: path.to_owned(), line, column, message: "not UTF-8 text".to_owned() }
+    })
 }
 
 /// The text of a YAML file, kept for error messages.
@@ -58,9 +63,7 @@ impl YamlDocument {
     pub fn parse<T: DeserializeOwned>(&self) -> Result<T, FileError> {
         serde_saphyr::from_str(&self.text).map_err(|error| {
             let (line, column) = error.location().map_or((1, 1), |at| (at.line(), at.column()));
-            // The library's message may span lines with a drawing of the source; its first line says it all.
-            let message = error.to_string();
-            let message = message.lines().next().unwrap_or_default().trim_start_matches("error: ").to_owned();
+            let message = self.message(&error.to_string(), line);
             FileError::Syntax { path: self.path.clone(), line, column, message }
         })
     }
@@ -76,28 +79,99 @@ impl YamlDocument {
         }
     }
 
-    /// Line (from 1) of the key at a dotted path such as `limits.error_m`, in block style; for a path that cannot be
-    /// followed to its end, the line of its deepest key that was found.
+    /// The parser's message for people, with the field it is about.
+    fn message(&self, message: &str, line: u64) -> String {
+        // The library's message may span lines with a drawing of the source; its first line says it all but the field.
+        let message = message.lines().next().unwrap_or_default().trim_start_matches("error: ");
+        let message = match message.split_once(": ") {
+            Some((place, rest)) if place.starts_with("line ") => rest,
+            _ => message,
+        };
+        let message = match message.strip_prefix("invalid ") {
+            Some("u8" | "u16" | "u32" | "u64" | "usize") => "not a whole number",
+            Some("floating point") => "not a number",
+            _ => message,
+        };
+        match self.field_at(line) {
+            Some(field) if !message.contains('`') || message.starts_with("unknown variant") => {
+                format!("field `{field}`: {message}")
+            }
+            _ => message.to_owned(),
+        }
+    }
+
+    /// Dotted path of the key on a line (from 1), in block style.
+    fn field_at(&self, line: u64) -> Option<String> {
+        let lines: Vec<(usize, &str)> = self.text.lines().take(line as usize).filter_map(key).collect();
+        let last = self.text.lines().nth(line.checked_sub(1)? as usize).and_then(key)?;
+        let mut path = vec![last.1];
+        let mut column = last.0;
+        for (outer, name) in lines.into_iter().rev() {
+            if outer < column {
+                path.push(name);
+                column = outer;
+            }
+        }
+        path.reverse();
+        Some(path.join("."))
+    }
+
+    /// Line (from 1) of the key at a dotted path such as `limits.error_m` or `friction.joints[2].coulomb_nm`, in block
+    /// style; for a path that cannot be followed to its end, the line of its deepest part that was found.
     pub fn line_of(&self, path: &str) -> Option<u64> {
+        let lines: Vec<&str> = self.text.lines().collect();
         let mut found = None;
-        let mut from = 0;
-        let mut parent_indent = None;
-        for key in path.split('.') {
-            let hit = self.text.lines().enumerate().skip(from).find_map(|(index, line)| {
-                let indent = line.len() - line.trim_start().len();
-                let deeper = parent_indent.is_none_or(|parent| indent > parent);
-                let named = line.trim_start().strip_prefix(key).is_some_and(|rest| rest.starts_with(':'));
-                (deeper && named).then_some((index, indent))
-            });
-            let Some((index, indent)) = hit else {
+        let mut block = 0..lines.len();
+        for part in path.split('.') {
+            let (name, item) = match part.strip_suffix(']').and_then(|part| part.split_once('[')) {
+                Some((name, item)) => (name, item.parse::<usize>().ok()),
+                None => (part, None),
+            };
+
+            // The key, among its siblings: the keys in the column of the first one.
+            let siblings = block.clone().find_map(|k| key(lines[k])).map(|(column, _)| column);
+            let Some(at) =
+                block.clone().find(|&k| key(lines[k]).is_some_and(|it| (Some(it.0), it.1) == (siblings, name)))
+            else {
                 break;
             };
-            found = Some(index as u64 + 1);
-            from = index + 1;
-            parent_indent = Some(indent);
+            found = Some(at as u64 + 1);
+
+            // What belongs to it: everything deeper, and the items of a list even in its own column.
+            let own = siblings.unwrap_or(0);
+            let outside = |k: &usize| column(lines[*k]).is_some_and(|c| c < own || (c == own && !is_item(lines[*k])));
+            block = at + 1..(at + 1..block.end).find(outside).unwrap_or(block.end);
+            if let Some(item) = item {
+                let bullet = block.clone().find(|&k| is_item(lines[k])).and_then(|k| column(lines[k]));
+                let mut items = block.clone().filter(|&k| is_item(lines[k]) && column(lines[k]) == bullet);
+                let Some(start) = items.nth(item) else {
+                    break;
+                };
+                found = Some(start as u64 + 1);
+                block = start..items.next().unwrap_or(block.end);
+            }
         }
         found
     }
+}
+
+/// Column of the first character of a line with content.
+fn column(line: &str) -> Option<usize> {
+    let content = line.trim_start();
+    (!content.is_empty() && !content.starts_with('#')).then(|| line.len() - content.len())
+}
+
+/// Whether a line begins an item of a list.
+fn is_item(line: &str) -> bool {
+    line.trim_start().starts_with("- ")
+}
+
+/// Column and name of the key on a line, behind the bullet if there is one.
+fn key(line: &str) -> Option<(usize, &str)> {
+    let content = line.trim_start_matches([' ', '-']);
+    let name = content.split_once(':').map(|(name, _)| name)?;
+    let plain = !name.is_empty() && name.chars().all(|c| c.is_ascii_alphanumeric() || c == '_');
+    plain.then(|| (line.len() - content.len(), name))
 }
 
 /// Serialises to YAML text.
@@ -120,6 +194,13 @@ mod tests {
         assert_eq!(doc.line_of("ekf.error_m"), Some(6));
         assert_eq!(doc.line_of("ekf.nothing"), Some(5));
         assert_eq!(doc.line_of("nothing"), None);
+        let doc = document("a:\n- x: 1\n  y: 2\n- x: 3\n  y: 4\nb:\n  - x: 5\n\n  -  x: 6\n     y: 7\ny: 8\n");
+        let lines = ["a[0].x", "a[0].y", "a[1].x", "a[1].y", "b[0].x", "b[0].y", "b[1].y", "y", "a[2].x"];
+        let expected = [2, 3, 4, 5, 7, 7, 10, 11, 1];
+        assert_eq!(lines.map(|path| doc.line_of(path)), expected.map(Some));
+        let doc = document("limits:\n  error_m: 0.05\nother:\n  seed: 5\nseed: 1\n");
+        assert_eq!(doc.line_of("seed"), Some(5));
+        let doc = document("seed: 1\nlimits:\n  # metres\n  error_m: 0.05\nekf:\n  error_m: 7\n");
         let error = doc.explain(FieldError::check("limits.error_m", -1.0, 0.0, 1.0).unwrap_err());
         assert_eq!(error.to_string(), "some.yaml:4: field `limits.error_m` is -1; allowed: 0 to 1");
     }
@@ -135,6 +216,31 @@ mod tests {
         let unknown = document("a: 1\nbee: 2\n").parse::<Two>().unwrap_err().to_string();
         assert!(unknown.starts_with("some.yaml:2:1: ") && unknown.contains("bee"), "{unknown}");
         let wrong = document("\n\na: one\n").parse::<Two>().unwrap_err().to_string();
-        assert!(wrong.starts_with("some.yaml:3:4: "), "{wrong}");
+        assert_eq!(wrong, "some.yaml:3:4: field `a`: not a whole number");
+    }
+
+    #[test]
+    fn a_wrong_type_deep_inside_names_its_path() {
+        #[derive(Debug, Default, serde::Deserialize)]
+        #[allow(dead_code)]
+        struct Outer {
+            inner: Inner,
+        }
+        #[derive(Debug, Default, serde::Deserialize)]
+        #[allow(dead_code)]
+        struct Inner {
+            x: f64,
+        }
+        let wrong = document("# c\ninner:\n  # d\n  x: wide\n").parse::<Outer>().unwrap_err().to_string();
+        assert_eq!(wrong, "some.yaml:4:6: field `inner.x`: not a number");
+    }
+
+    #[test]
+    fn bytes_that_are_no_text_are_named_by_their_place() {
+        let dir = tempfile::tempdir().unwrap();
+        let path = dir.path().join("a.yaml");
+        std::fs::write(&path, b"a: 1\nb: \xff\n").unwrap();
+        let message = read_text(&path).unwrap_err().to_string();
+        assert!(message.ends_with("a.yaml:2:4: not UTF-8 text"), "{message}");
     }
 }

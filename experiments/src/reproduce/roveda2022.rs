@@ -178,7 +178,8 @@ impl Roveda2022 {
             pose,
             oracle,
             uncompensated,
-            ratio: trials.iter().map(|trial| trial.cost.total() / oracle).collect(),
+            // Four decimals: costs repeat to per cents.
+            ratio: trials.iter().map(|trial| (1e4 * trial.cost.total() / oracle).round() / 1e4).collect(),
             penalties: trials.iter().filter(|trial| trial.aborted.is_some()).count(),
         })
     }

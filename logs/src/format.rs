@@ -1,0 +1,27 @@
+//! Names of the formats.
+
+use std::fmt;
+
+/// A format that can be read.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum LogFormat {
+    /// Canonical CSV, plain.
+    Csv,
+    /// Canonical CSV, gzip.
+    CsvGz,
+    /// Parquet with the canonical columns.
+    Parquet,
+    /// Directory of text files of the Panda data of Gaz et al. 2019.
+    PandaGaz,
+}
+
+impl fmt::Display for LogFormat {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::Csv => "canonical CSV",
+            Self::CsvGz => "canonical CSV (gzip)",
+            Self::Parquet => "Parquet",
+            Self::PandaGaz => "Panda text files (Gaz 2019)",
+        })
+    }
+}
