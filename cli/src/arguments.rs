@@ -72,6 +72,23 @@ pub enum Command {
     Man,
 }
 
+/// What is simulated; each flag overrides the settings file.
+#[derive(Debug, Args)]
+pub struct Scenario {
+    /// Seed of everything random.
+    #[arg(long, allow_negative_numbers = true)]
+    pub seed: Option<u64>,
+    /// What the simulated arm is like: coulomb_viscous, stribeck, lugre, gaz, thermal, frictionless or a model file.
+    #[arg(long)]
+    pub truth: Option<String>,
+    /// Configuration about which the tool moves.
+    #[arg(long, value_parser = clap::value_parser!(u8).range(0..=2))]
+    pub pose: Option<u8>,
+    /// Velocity the compensator believes near zero speed.
+    #[arg(long, value_parser = PossibleValuesParser::new(["measured", "reference", "hybrid"]))]
+    pub velocity: Option<String>,
+}
+
 /// Arguments of `tune`.
 #[derive(Debug, Args)]
 pub struct Tune {
@@ -83,9 +100,9 @@ pub struct Tune {
     /// Go on with the campaign in --out.
     #[arg(long)]
     pub resume: bool,
-    /// Seed of everything random.
-    #[arg(long, allow_negative_numbers = true)]
-    pub seed: Option<u64>,
+    /// What is simulated.
+    #[command(flatten)]
+    pub scenario: Scenario,
     /// Friction law of the compensator.
     #[arg(long, value_parser = PossibleValuesParser::new(["coulomb_viscous", "stribeck"]))]
     pub friction: Option<String>,
@@ -101,15 +118,6 @@ pub struct Tune {
     /// Trials of the initial design.
     #[arg(long, allow_negative_numbers = true)]
     pub init: Option<usize>,
-    /// What the simulated arm is like: coulomb_viscous, stribeck, lugre, gaz, thermal, frictionless or a model file.
-    #[arg(long)]
-    pub truth: Option<String>,
-    /// Configuration about which the tool moves.
-    #[arg(long, value_parser = clap::value_parser!(u8).range(0..=2))]
-    pub pose: Option<u8>,
-    /// Velocity the compensator believes near zero speed.
-    #[arg(long, value_parser = PossibleValuesParser::new(["measured", "reference", "hybrid"]))]
-    pub velocity: Option<String>,
     /// Parameter box: the paper's bounds by index (literal) or by unit.
     #[arg(long, value_parser = PossibleValuesParser::new(["literal", "unit_consistent"]))]
     pub bounds: Option<String>,
@@ -132,18 +140,9 @@ pub struct Simulate {
     /// Compensator: none, oracle, or a tuned.yaml.
     #[arg(long, default_value = "none", value_name = "none|oracle|FILE")]
     pub compensation: String,
-    /// Seed of everything random.
-    #[arg(long, allow_negative_numbers = true)]
-    pub seed: Option<u64>,
-    /// What the simulated arm is like: coulomb_viscous, stribeck, lugre, gaz, thermal, frictionless or a model file.
-    #[arg(long)]
-    pub truth: Option<String>,
-    /// Configuration about which the tool moves.
-    #[arg(long, value_parser = clap::value_parser!(u8).range(0..=2))]
-    pub pose: Option<u8>,
-    /// Velocity the compensator believes near zero speed.
-    #[arg(long, value_parser = PossibleValuesParser::new(["measured", "reference", "hybrid"]))]
-    pub velocity: Option<String>,
+    /// What is simulated.
+    #[command(flatten)]
+    pub scenario: Scenario,
     /// Side of the gears on which tau_J is measured.
     #[arg(long, default_value = "motor", value_parser = PossibleValuesParser::new(["motor", "link"]))]
     pub torque_side: String,

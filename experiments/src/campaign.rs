@@ -4,19 +4,17 @@ use std::path::{Path, PathBuf};
 use std::sync::Mutex;
 
 use rayon::prelude::*;
-use serde_json::{Value, json};
-use tribo_ekf::WrenchEkf;
-use tribo_friction::law::CoulombViscous;
-use tribo_friction::{Compensator, FrictionModel};
+use tribo_friction::Compensator;
 use tribo_logs::write_atomic;
 
-use crate::config::{ConfigError, EstimatorName};
+use crate::config::ConfigError;
 use crate::files::{FileError, TunedFile, YamlDocument, to_yaml};
-use crate::journal::{Clock, Journal, JournalTrial, TrialState};
+use crate::journal::{Clock, Journal, JournalTrial, TrialState, attributes, finished_trial};
 use crate::leftovers::sweep;
-use crate::strategy::{FinishedTrial, LogSource, Origin, Proposal, Strategy, StrategyError};
-use crate::trial_store::{read_trial_log, trial_log_path, write_trial_log};
-use crate::{AbortReason, Cost, Trial, TrialLog, TrialOutcome, TuneConfig, ValidTune, run_trial};
+use crate::stored_logs::StoredLogs;
+use crate::strategy::{FinishedTrial, Proposal, Strategy, StrategyError};
+use crate::trial_store::{trial_log_path, write_trial_log};
+use crate::{References, TuneConfig, ValidTune, references, run_numbered};
 
 /// Why a campaign cannot go on.
 #[derive(Debug, thiserror::Error)]
@@ -41,17 +39,6 @@ pub enum CampaignError {
         /// Trials finished so far.
         finished: usize,
     },
-}
-
-/// Costs that put a campaign's result into proportion; known only in simulation.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct References {
-    /// J without compensation.
-    pub uncompensated: f64,
-    /// J with the true steady friction, cold, as compensator.
-    pub oracle: f64,
-    /// J of the same arm without friction.
-    pub frictionless: f64,
 }
 
 /// Somebody who watches a campaign; called in the order in which trials finish.
@@ -176,7 +163,7 @@ impl Campaign {
             .strategy
             .build(&self.tune)
             .map_err(|source| CampaignError::Strategy { trial: 0, source })?;
-        let logs = StoredLogs { directory: self.directory.clone(), recent: Mutex::new(Vec::new()) };
+        let logs = StoredLogs::new(self.directory.clone());
 
         while let Some(next) = self.trials.iter().position(Option::is_none) {
             if observer.stop_requested() {
@@ -271,109 +258,6 @@ impl Campaign {
     }
 }
 
-/// Logs of trials: the last few in memory, all on disk. Both hold the same bits.
-struct StoredLogs {
-    directory: PathBuf,
-    recent: Mutex<Vec<(usize, TrialLog<7>)>>,
-}
-
-impl StoredLogs {
-    fn remember(&self, number: usize, log: TrialLog<7>) {
-        let mut recent = self.recent.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
-        recent.push((number, log));
-        if recent.len() > 4 {
-            recent.remove(0);
-        }
-    }
-}
-
-impl LogSource for StoredLogs {
-    fn log(&self, number: usize) -> Result<TrialLog<7>, FileError> {
-        let recent = self.recent.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
-        match recent.iter().find(|(held, _)| *held == number) {
-            Some((_, log)) => Ok(log.clone()),
-            None => read_trial_log(&trial_log_path(&self.directory, number)),
-        }
-    }
-}
-
-/// Logs of a campaign that never touches the disk.
-struct LogsInMemory(Vec<TrialLog<7>>);
-
-impl LogSource for LogsInMemory {
-    fn log(&self, number: usize) -> Result<TrialLog<7>, FileError> {
-        self.0.get(number).cloned().ok_or_else(|| FileError::Campaign {
-            path: PathBuf::new(),
-            message: format!("trial {number} has not run yet"),
-        })
-    }
-}
-
-/// Runs all trials of a campaign one after the other, without directory, journal or reference costs.
-pub fn run_in_memory(tune: &ValidTune) -> Result<Vec<FinishedTrial>, CampaignError> {
-    let strategy = tune.config.strategy.build(tune).map_err(|source| CampaignError::Strategy { trial: 0, source })?;
-    let (mut trials, mut logs) = (Vec::new(), LogsInMemory(Vec::new()));
-    for number in 0..tune.config.trials {
-        let fail = |source| CampaignError::Strategy { trial: number, source };
-        let proposal = match strategy.design(number).map_err(fail)? {
-            Some(proposal) => proposal,
-            None => strategy.propose(number, &trials, &logs).map_err(fail)?,
-        };
-        let outcome = run_numbered(tune, number, &proposal.theta);
-        trials.push(FinishedTrial {
-            number,
-            theta: proposal.theta,
-            cost: outcome.cost,
-            aborted: outcome.aborted,
-            origin: proposal.origin,
-        });
-        logs.0.push(outcome.log);
-    }
-    Ok(trials)
-}
-
-/// Runs trial `number` with parameters θ: the noise depends on the campaign's seed and the number alone, and a truth
-/// that warms up has run all trials before.
-pub fn run_numbered(tune: &ValidTune, number: usize, theta: &[f64]) -> TrialOutcome<7> {
-    let mut trial = tune.trial.clone();
-    if let Some(warm_up) = &mut trial.truth.warm_up {
-        warm_up.operated_s = number as f64 * trial.reference.total_s();
-    }
-    run_estimated(tune, &trial, &tune.space.friction(theta), noise_seed(tune.config.seed, number as u64))
-}
-
-fn run_estimated(tune: &ValidTune, trial: &Trial<7>, friction: &FrictionModel<7>, seed: u64) -> TrialOutcome<7> {
-    match tune.config.residual {
-        EstimatorName::Ekf => run_trial(trial, friction, WrenchEkf::new(tune.config.ekf), seed),
-    }
-}
-
-/// SplitMix64 of seed and stream: neighbouring trials get unrelated noise.
-fn noise_seed(seed: u64, stream: u64) -> u64 {
-    let mut z = seed.wrapping_add(stream.wrapping_mul(0x9E37_79B9_7F4A_7C15)).wrapping_add(0x9E37_79B9_7F4A_7C15);
-    z = (z ^ (z >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
-    z = (z ^ (z >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
-    z ^ (z >> 31)
-}
-
-/// The three reference costs, on noise of their own.
-pub fn references(tune: &ValidTune) -> References {
-    let none = FrictionModel::uniform(CoulombViscous::default().into());
-    let mut smooth = tune.trial.clone();
-    smooth.truth.friction = none;
-    let runs: [(&Trial<7>, FrictionModel<7>); 3] =
-        [(&tune.trial, none), (&tune.trial, tune.trial.truth.friction), (&smooth, none)];
-    let costs: Vec<f64> = runs
-        .par_iter()
-        .enumerate()
-        .map(|(k, (trial, friction))| {
-            let seed = noise_seed(tune.config.seed, u64::MAX - k as u64);
-            run_estimated(tune, trial, friction, seed).cost.total()
-        })
-        .collect();
-    References { uncompensated: costs[0], oracle: costs[1], frictionless: costs[2] }
-}
-
 /// Number and cost of the cheapest trial that was not aborted; the earliest of equals.
 fn best_trial(trials: &[FinishedTrial]) -> Option<(usize, f64)> {
     let complete = trials.iter().filter(|trial| trial.aborted.is_none());
@@ -391,45 +275,4 @@ fn write_tuned(directory: &Path, tune: &ValidTune, result: &CampaignResult) -> R
     let path = directory.join("tuned.yaml");
     let text = to_yaml(&file).map_err(FileError::io(&path))?;
     Ok(write_atomic(&path, |file| file.write_all(text.as_bytes()))?)
-}
-
-/// What the journal keeps of a trial besides parameters and J.
-fn attributes(trial: &FinishedTrial, aborted_at_s: Option<f64>) -> [(&'static str, Value); 6] {
-    [
-        ("origin", json!(trial.origin)),
-        ("max", json!(trial.cost.max)),
-        ("mean", json!(trial.cost.mean)),
-        ("penalty", json!(trial.cost.penalty)),
-        ("aborted", json!(trial.aborted)),
-        ("aborted_at_s", json!(aborted_at_s)),
-    ]
-}
-
-/// The inverse of [`attributes`].
-fn finished_trial(
-    tune: &ValidTune,
-    path: &Path,
-    number: usize,
-    trial: &JournalTrial,
-) -> Result<FinishedTrial, FileError> {
-    let broken = |what: &str| FileError::Campaign {
-        path: path.to_owned(),
-        message: format!("trial {number} has no usable `{what}`; the journal was not written by this campaign"),
-    };
-    fn attribute<T: serde::de::DeserializeOwned>(trial: &JournalTrial, key: &str) -> Option<T> {
-        serde_json::from_value(trial.attributes.get(key)?.clone()).ok()
-    }
-    let names = tune.space.names();
-    let theta = names
-        .iter()
-        .map(|name| trial.params.get(name).copied().ok_or_else(|| broken(name)))
-        .collect::<Result<Vec<f64>, _>>()?;
-    let cost = Cost {
-        max: attribute(trial, "max").ok_or_else(|| broken("max"))?,
-        mean: attribute(trial, "mean").ok_or_else(|| broken("mean"))?,
-        penalty: attribute(trial, "penalty").ok_or_else(|| broken("penalty"))?,
-    };
-    let aborted: Option<AbortReason> = attribute(trial, "aborted").ok_or_else(|| broken("aborted"))?;
-    let origin: Origin = attribute(trial, "origin").ok_or_else(|| broken("origin"))?;
-    Ok(FinishedTrial { number, theta, cost, aborted, origin })
 }

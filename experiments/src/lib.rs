@@ -22,28 +22,33 @@ mod campaign;
 mod config;
 mod cost;
 pub mod files;
+mod in_memory;
 pub mod journal;
 mod leftovers;
 mod log_wrench;
 mod monitor;
+mod numbered_trial;
 mod parameters;
+mod reference_costs;
 mod report;
 pub mod reproduce;
 pub mod scenario;
 mod simulate;
+mod stored_logs;
 pub mod strategy;
 mod trial;
 mod trial_log;
 mod trial_store;
 
-pub use campaign::{
-    Campaign, CampaignError, CampaignObserver, CampaignResult, References, references, run_in_memory, run_numbered,
-};
+pub use campaign::{Campaign, CampaignError, CampaignObserver, CampaignResult};
 pub use config::{ConfigError, EstimatorName, Phases, TuneConfig, ValidTune};
 pub use cost::{Cost, CostAccumulator};
+pub use in_memory::run_in_memory;
 pub use log_wrench::{LogWrench, ReferenceErrors, WrenchSummary, wrench_on_log};
 pub use monitor::{AbortReason, PenaltyLimits, TrialMonitor};
+pub use numbered_trial::run_numbered;
 pub use parameters::{Bounds, ParameterSpace, TunedLaw};
+pub use reference_costs::{References, references};
 pub use simulate::simulate_log;
 pub use trial::{Trial, TrialOutcome, run_trial, run_trial_observed};
 pub use trial_log::TrialLog;

@@ -14,6 +14,8 @@ use serde::de::DeserializeOwned;
 use tribo_experiments::files::YamlDocument;
 use tribo_experiments::{ConfigError, TuneConfig, ValidTune};
 
+use crate::arguments::Scenario;
+
 /// The value of an option whose spelling clap has checked.
 fn named<T: DeserializeOwned>(name: &str) -> anyhow::Result<T> {
     Ok(serde_json::from_value(serde_json::Value::String(name.to_owned()))?)
@@ -25,6 +27,17 @@ fn set<T: DeserializeOwned>(field: &mut T, name: Option<&String>) -> anyhow::Res
         *field = named(name)?;
     }
     Ok(())
+}
+
+impl Scenario {
+    /// Puts the flags that were given over the settings.
+    fn apply(&self, config: &mut TuneConfig) -> anyhow::Result<()> {
+        set(&mut config.truth, self.truth.as_ref())?;
+        set(&mut config.velocity, self.velocity.as_ref())?;
+        config.seed = self.seed.unwrap_or(config.seed);
+        config.pose = self.pose.map_or(config.pose, usize::from);
+        Ok(())
+    }
 }
 
 /// Settings from a file (or the defaults), changed by `overrides`, validated; errors name the file where it is to blame.

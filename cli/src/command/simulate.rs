@@ -12,7 +12,7 @@ use tribo_friction::law::CoulombViscous;
 use tribo_sim::WrenchPulses;
 
 use super::convert::{check_extension, write_log};
-use super::{configured, named, set};
+use super::{configured, named};
 use crate::arguments::{Common, Simulate};
 use crate::failure::BadInput;
 use crate::output::{print, print_json, significant, table};
@@ -22,13 +22,7 @@ pub fn run(arguments: &Simulate, common: &Common) -> anyhow::Result<()> {
     if let Some(log) = &arguments.log {
         check_extension(log)?;
     }
-    let (config, mut tune) = configured(arguments.config.as_deref(), |config| {
-        set(&mut config.truth, arguments.truth.as_ref())?;
-        set(&mut config.velocity, arguments.velocity.as_ref())?;
-        config.seed = arguments.seed.unwrap_or(config.seed);
-        config.pose = arguments.pose.map_or(config.pose, usize::from);
-        Ok(())
-    })?;
+    let (config, mut tune) = configured(arguments.config.as_deref(), |config| arguments.scenario.apply(config))?;
     let trial = &mut tune.trial;
     trial.sensors.torque_side = named(&arguments.torque_side)?;
     if arguments.fixed {
@@ -48,7 +42,7 @@ pub fn run(arguments: &Simulate, common: &Common) -> anyhow::Result<()> {
         "oracle" => trial.truth.friction,
         file => {
             let tuned = TunedFile::read(Path::new(file))?;
-            trial.velocity = if arguments.velocity.is_some() { trial.velocity } else { tuned.velocity };
+            trial.velocity = if arguments.scenario.velocity.is_some() { trial.velocity } else { tuned.velocity };
             tuned.compensator().map_err(|error| BadInput(format!("{file}: {error}")))?.friction
         }
     };

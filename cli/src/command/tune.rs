@@ -61,14 +61,10 @@ fn create(arguments: &Tune) -> anyhow::Result<(PathBuf, Campaign)> {
         set(&mut config.friction, arguments.friction.as_ref())?;
         set(&mut config.bounds, arguments.bounds.as_ref())?;
         set(&mut config.residual, arguments.residual.as_ref())?;
-        set(&mut config.velocity, arguments.velocity.as_ref())?;
-        set(&mut config.truth, arguments.truth.as_ref())?;
         set(&mut config.phases, arguments.phases.as_ref())?;
-        config.seed = arguments.seed.unwrap_or(config.seed);
         config.trials = arguments.trials.unwrap_or(config.trials);
         config.init = arguments.init.unwrap_or(config.init);
-        config.pose = arguments.pose.map_or(config.pose, usize::from);
-        Ok(())
+        arguments.scenario.apply(config)
     })?;
     let directory = match &arguments.out {
         Some(directory) => directory.clone(),
@@ -85,14 +81,14 @@ fn resume(arguments: &Tune) -> anyhow::Result<(PathBuf, Campaign)> {
     // What is frozen within a campaign cannot be changed half-way.
     let frozen = [
         ("a settings file", arguments.config.is_some()),
-        ("--seed", arguments.seed.is_some()),
+        ("--seed", arguments.scenario.seed.is_some()),
         ("--friction", arguments.friction.is_some()),
         ("--residual", arguments.residual.is_some()),
         ("--strategy", arguments.strategy.is_some()),
         ("--init", arguments.init.is_some()),
-        ("--truth", arguments.truth.is_some()),
-        ("--pose", arguments.pose.is_some()),
-        ("--velocity", arguments.velocity.is_some()),
+        ("--truth", arguments.scenario.truth.is_some()),
+        ("--pose", arguments.scenario.pose.is_some()),
+        ("--velocity", arguments.scenario.velocity.is_some()),
         ("--bounds", arguments.bounds.is_some()),
         ("--phases", arguments.phases.is_some()),
     ];

@@ -6,6 +6,8 @@
 
 mod file;
 mod replay;
+mod trial_record;
 
 pub use file::{Clock, Journal};
 pub use replay::{JournalTrial, TrialState, replay};
+pub(crate) use trial_record::{attributes, finished_trial};

@@ -4,11 +4,10 @@ use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 use tribo_friction::VelocitySource;
 
-use crate::campaign::{CampaignError, run_in_memory};
 use crate::files::FieldError;
 use crate::scenario::{POSES, TruthName};
 use crate::strategy::StrategyName;
-use crate::{ConfigError, Phases, TuneConfig, TunedLaw, references};
+use crate::{CampaignError, ConfigError, Phases, TuneConfig, TunedLaw, references, run_in_memory};
 
 /// Settings of the experiment, `schema: tribo.reproduce/1`.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]

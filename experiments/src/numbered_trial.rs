@@ -1,0 +1,36 @@
+//! A trial as a function of the campaign's settings and its number.
+
+use tribo_ekf::WrenchEkf;
+use tribo_friction::FrictionModel;
+
+use crate::config::EstimatorName;
+use crate::{Trial, TrialOutcome, ValidTune, run_trial};
+
+/// Runs trial `number` with parameters θ: the noise depends on the campaign's seed and the number alone, and a truth
+/// that warms up has run all trials before.
+pub fn run_numbered(tune: &ValidTune, number: usize, theta: &[f64]) -> TrialOutcome<7> {
+    let mut trial = tune.trial.clone();
+    if let Some(warm_up) = &mut trial.truth.warm_up {
+        warm_up.operated_s = number as f64 * trial.reference.total_s();
+    }
+    run_estimated(tune, &trial, &tune.space.friction(theta), noise_seed(tune.config.seed, number as u64))
+}
+
+pub(crate) fn run_estimated(
+    tune: &ValidTune,
+    trial: &Trial<7>,
+    friction: &FrictionModel<7>,
+    seed: u64,
+) -> TrialOutcome<7> {
+    match tune.config.residual {
+        EstimatorName::Ekf => run_trial(trial, friction, WrenchEkf::new(tune.config.ekf), seed),
+    }
+}
+
+/// SplitMix64 of seed and stream: neighbouring trials get unrelated noise.
+pub(crate) fn noise_seed(seed: u64, stream: u64) -> u64 {
+    let mut z = seed.wrapping_add(stream.wrapping_mul(0x9E37_79B9_7F4A_7C15)).wrapping_add(0x9E37_79B9_7F4A_7C15);
+    z = (z ^ (z >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
+    z = (z ^ (z >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
+    z ^ (z >> 31)
+}
