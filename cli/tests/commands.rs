@@ -3,6 +3,8 @@
 //! Answers on standard output, everything else on standard error; documents with the keys that DESIGN §9 promises; files
 //! that the next command reads. The costs meet the figures of the closed loop (reference/closed_loop_notes.md).
 
+#![allow(clippy::unwrap_used, clippy::panic, reason = "a test fails by panicking, in its helpers too")]
+
 mod common;
 
 use std::io::{BufRead, BufReader, Read};

@@ -12,6 +12,7 @@
 //! resume says so with exit code 2, and the same `tune` begins it again.
 //! Ctrl-C and SIGTERM end a campaign between two trials, exit code 0, and tell how to go on.
 
+#![allow(clippy::unwrap_used, clippy::panic, reason = "a test fails by panicking, in its helpers too")]
 #![cfg(unix)]
 
 mod common;

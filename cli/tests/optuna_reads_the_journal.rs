@@ -7,6 +7,8 @@
 //! 0 create study | 4 create trial | 5 (k, p, value, FloatDistribution{low, high}) | 8 (k, attribute) | 6 end (k, [J])
 //! ```
 
+#![allow(clippy::unwrap_used, clippy::panic, reason = "a test fails by panicking, in its helpers too")]
+
 mod common;
 
 use std::io::Write;

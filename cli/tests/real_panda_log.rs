@@ -4,6 +4,8 @@
 //! the same low-pass filter of 10 Hz. Reference: an independent prototype on the same data (reference/closed_loop_notes.md §1).
 //! Runs where `$TRIBO_DATA/panda_gaz2019` (default: ../shared/data beside the workspace) exists and says so where not.
 
+#![allow(clippy::unwrap_used, clippy::panic, reason = "a test fails by panicking, in its helpers too")]
+
 mod common;
 
 use std::path::PathBuf;

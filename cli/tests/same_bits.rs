@@ -4,6 +4,8 @@
 //! whose trials run side by side, one whose trials wait for each other, and one that is both; another seed gives others.
 //! Only the order of the lines of trials that ran side by side, and the times of day, may differ.
 
+#![allow(clippy::unwrap_used, clippy::panic, reason = "a test fails by panicking, in its helpers too")]
+
 mod common;
 
 use std::path::Path;

@@ -75,6 +75,7 @@ pub fn scratch() -> TempDir {
 }
 
 /// Says that a story was not told, past the capture of the test harness.
+#[allow(clippy::explicit_write, reason = "eprintln! is captured, this is not")]
 pub fn skipped(why: &str) {
     writeln!(std::io::stderr(), "SKIPPED: {why}").unwrap();
 }
