@@ -16,7 +16,7 @@ use tribo_sim::{BoxFrictionPlant, DEFAULT_SUB_STEPS, Sensors, Truth, WrenchPulse
 /// A 7-vector, one entry per joint of the Panda.
 pub type Joints = SVector<f64, 7>;
 
-/// Control period of every story [s].
+/// Control period of every story (s).
 pub const DT_S: f64 = 1e-3;
 
 /// Flange pose at the ready configuration, `base_from_flange`.

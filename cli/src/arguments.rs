@@ -149,10 +149,10 @@ pub struct Simulate {
     /// Hold a fixed set-point instead of moving.
     #[arg(long)]
     pub fixed: bool,
-    /// Push the tool along each axis in turn with this force [N] and --pulse-moment [Nm].
+    /// Push the tool along each axis in turn with this force (N) and --pulse-moment (Nm).
     #[arg(long, value_name = "N", default_value_t = 0.0, allow_negative_numbers = true)]
     pub pulse_force: f64,
-    /// Moment of the pulses [Nm].
+    /// Moment of the pulses (Nm).
     #[arg(long, value_name = "NM", default_value_t = 0.0, allow_negative_numbers = true)]
     pub pulse_moment: f64,
 }
@@ -171,10 +171,10 @@ pub struct Estimate {
     /// Which estimators to run.
     #[arg(long, default_value = "all", value_parser = PossibleValuesParser::new(["all", "ekf", "torque"]))]
     pub residual: String,
-    /// Band of the torque residual [Hz].
+    /// Band of the torque residual (Hz).
     #[arg(long, default_value_t = 10.0, value_name = "HZ", allow_negative_numbers = true)]
     pub band_hz: f64,
-    /// Length of the alternating train and test blocks of the friction fit [s].
+    /// Length of the alternating train and test blocks of the friction fit (s).
     #[arg(long, default_value_t = 2.0, value_name = "S", allow_negative_numbers = true)]
     pub block_s: f64,
     /// Write the wrench along the log, with its standard deviation, to this Parquet file.

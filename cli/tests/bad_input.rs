@@ -446,7 +446,7 @@ fn tuned_parameters() {
 #[test]
 fn a_campaign_that_is_running() {
     let at = scratch();
-    let mut first = start(at.path(), "tune --trials 1000 --strategy zero --quiet --out c");
+    let mut first = start(at.path(), "tune --trials 100 --strategy zero --quiet --out c");
     wait_until("the campaign has begun", || !journal_lines(&at.path().join("c")).is_empty());
     let resumed = run(at.path(), "tune --resume --out c");
     let created = run(at.path(), "tune --trials 1 --out c");

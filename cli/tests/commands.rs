@@ -13,7 +13,7 @@ use std::process::Stdio;
 use common::{run, scratch, start, tribo};
 use serde_json::Value;
 
-/// Motor-side friction of the default truth, as its documentation prints it: Fc [Nm], Fv [Nm s/rad].
+/// Motor-side friction of the default truth, as its documentation prints it: Fc (Nm), Fv [Nm s/rad].
 const COULOMB_NM: [f64; 7] = [0.60, 0.90, 0.55, 0.80, 0.40, 0.30, 0.35];
 const VISCOUS_NM_S_PER_RAD: [f64; 7] = [1.0, 1.4, 0.8, 1.1, 0.5, 0.4, 0.3];
 
@@ -232,9 +232,9 @@ fn a_full_disk_is_no_panic() {
     }
 }
 
-/// What `simulate` writes, `estimate` reads: a link-side log of free motion.
+/// What `simulate` writes, `estimate` reads: free motion, seen from both sides of the gears.
 #[test]
-fn a_link_side_log_has_a_small_residual() {
+fn only_motors_feel_the_friction() {
     let at = scratch();
     let simulated = run(at.path(), "simulate --log x.csv.gz --torque-side link --seed 43 --json").ok().json();
     assert_eq!(keys(&simulated), ["schema", "seed", "cost", "cost_parts", "penalty", "reason", "aborted_at_s", "log"]);
@@ -274,6 +274,12 @@ fn a_link_side_log_has_a_small_residual() {
         assert_eq!(keys(entry), joint);
         // Behind the gears there is no friction: what is left is sensor noise, 0.05 Nm at 1 kHz, in 10 Hz.
         assert!(number(&entry["rms_rigid_nm"]) < 0.05, "{entry}");
+    }
+    // Before the gears there is: seen from the motors the same motion costs the friction, most of the time.
+    run(at.path(), "simulate --log m.csv --torque-side motor --seed 43 --quiet").ok();
+    let motor = run(at.path(), "estimate m.csv --residual torque --json").ok().json();
+    for (entry, coulomb_nm) in motor["torque_residual"]["joints"].as_array().unwrap().iter().zip(COULOMB_NM) {
+        assert!(number(&entry["rms_rigid_nm"]) > 0.5 * coulomb_nm, "{entry}");
     }
     // Only one of the two, where only one is asked for.
     let one = run(at.path(), "estimate x.csv.gz --torque-side link --residual torque --json").ok().json();

@@ -13,7 +13,7 @@ use std::path::PathBuf;
 use common::{run, scratch, skipped};
 use serde_json::Value;
 
-/// Standard deviation of the residual of the prototype without friction, and with the published friction [Nm].
+/// Standard deviation of the residual of the prototype without friction, and with the published friction (Nm).
 const SD_RIGID_NM: [f64; 7] = [0.38, 0.45, 0.41, 0.61, 0.33, 0.18, 0.28];
 const SD_GAZ_NM: [f64; 7] = [0.27, 0.46, 0.31, 0.32, 0.15, 0.09, 0.07];
 

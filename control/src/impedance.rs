@@ -10,7 +10,7 @@ use crate::{DampedPseudoInverse, reference_model::pose_error};
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct ImpedanceSettings {
-    /// Desired mass [kg]. Paper: 10.
+    /// Desired mass (kg). Paper: 10.
     pub mass_kg: f64,
     /// Desired rotational inertia [kg m²]. Paper: 10.
     pub inertia_kg_m2: f64,
@@ -58,7 +58,7 @@ impl ImpedanceSettings {
     }
 }
 
-/// Every term of the commanded torque [Nm], kept apart for the log.
+/// Every term of the commanded torque (Nm), kept apart for the log.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TorqueTerms<const N: usize> {
     /// `B J#(a − J̇ qd)`.
@@ -127,12 +127,12 @@ pub struct ImpedanceController<const N: usize> {
     pub settings: ImpedanceSettings,
     /// Pseudo-inverse of the Jacobian.
     pub pseudo_inverse: DampedPseudoInverse,
-    /// Posture q0 [rad] of the optional null-space spring.
+    /// Posture q0 (rad) of the optional null-space spring.
     pub posture: SVector<f64, N>,
 }
 
 impl<const N: usize> ImpedanceController<N> {
-    /// One tick: torque terms [Nm] for the measured state (q [rad], qd [rad/s]) and the reference pose.
+    /// One tick: torque terms (Nm) for the measured state (q (rad), qd [rad/s]) and the reference pose.
     ///
     /// `friction_torque` maps (measured qd, J#) to the compensation; the reference joint velocity J# ẋ_m is
     /// formed here from `twist_model`, the twist of the [`crate::ReferenceModel`].

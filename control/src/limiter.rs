@@ -17,7 +17,7 @@ impl<const N: usize> TorqueLimiter<N> {
         Self { tau_max_nm: limits.tau_max_nm, tau_rate_max_nm_s: limits.tau_rate_max_nm_s, last_nm: None }
     }
 
-    /// The permitted torque [Nm] nearest to `tau` after dt [s], and whether the magnitude limit of any joint was hit.
+    /// The permitted torque (Nm) nearest to `tau` after dt (s), and whether the magnitude limit of any joint was hit.
     #[inline]
     pub fn limit(&mut self, tau: &SVector<f64, N>, dt_s: f64) -> (SVector<f64, N>, bool) {
         let mut saturated = false;

@@ -3,7 +3,7 @@
 use nalgebra::Vector3;
 use tribo_robot::{Pose, so3};
 
-/// Phases of the reference run that all tables of the documentation use [rad], x y z then rotations.
+/// Phases of the reference run that all tables of the documentation use (rad), x y z then rotations.
 pub const PAPER_PHASES_RAD: [f64; 6] = [3.21587, 5.97194, 0.905782, 5.96054, 1.959295, 2.659839];
 
 /// Variable-frequency sinusoids about a fixed pose (roveda2022 eq. 35), behind a pre-roll:
@@ -13,7 +13,7 @@ pub const PAPER_PHASES_RAD: [f64; 6] = [3.21587, 5.97194, 0.905782, 5.96054, 1.9
 /// ```
 ///
 /// r is 0 during the hold, rises as a quintic until t = 0 and stays 1; the phase is evaluated at negative t meanwhile.
-/// Components 0–2 are the position [m] and 3–5 the rotation vector [rad] applied before R0, base axes.
+/// Components 0–2 are the position (m) and 3–5 the rotation vector (rad) applied before R0, base axes.
 /// Note: F2 is the same for all axes, so the instantaneous frequency is zero on every axis at t = 13.9 s.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SinusoidReference {
@@ -21,17 +21,17 @@ pub struct SinusoidReference {
     pub centre: Pose,
     /// Amplitudes A: three in m, three in rad.
     pub amplitude: [f64; 6],
-    /// Frequencies F1 [Hz].
+    /// Frequencies F1 (Hz).
     pub f1_hz: [f64; 6],
-    /// Modulation frequency F2 [Hz].
+    /// Modulation frequency F2 (Hz).
     pub f2_hz: f64,
-    /// Phases φ [rad].
+    /// Phases φ (rad).
     pub phase_rad: [f64; 6],
-    /// Time at rest before the ramp [s].
+    /// Time at rest before the ramp (s).
     pub hold_s: f64,
-    /// Length of the amplitude ramp [s].
+    /// Length of the amplitude ramp (s).
     pub ramp_s: f64,
-    /// Length of the trajectory after the pre-roll, T [s].
+    /// Length of the trajectory after the pre-roll, T (s).
     pub duration_s: f64,
 }
 
@@ -56,17 +56,17 @@ impl SinusoidReference {
         Self { amplitude: [0.0; 6], ..Self::paper(centre, [0.0; 6]) }
     }
 
-    /// Length of the pre-roll [s].
+    /// Length of the pre-roll (s).
     pub fn pre_roll_s(&self) -> f64 {
         self.hold_s + self.ramp_s
     }
 
-    /// Length of a whole trial [s].
+    /// Length of a whole trial (s).
     pub fn total_s(&self) -> f64 {
         self.pre_roll_s() + self.duration_s
     }
 
-    /// Reference pose at `time_s` [s] since the start of the pre-roll.
+    /// Reference pose at `time_s` (s) since the start of the pre-roll.
     #[inline]
     pub fn at(&self, time_s: f64) -> Pose {
         let t = time_s - self.pre_roll_s();

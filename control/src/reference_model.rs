@@ -26,7 +26,7 @@ impl ReferenceModel {
         Self { position: pose.translation.vector, rotation: *pose.rotation.matrix(), twist: Vector6::zeros() }
     }
 
-    /// Advances by dt [s] towards the reference pose and returns the twist ẋ_m (angular part first, base axes).
+    /// Advances by dt (s) towards the reference pose and returns the twist ẋ_m (angular part first, base axes).
     #[inline]
     pub fn step(&mut self, settings: &ImpedanceSettings, reference: &Pose, dt_s: f64) -> Vector6<f64> {
         let e = pose_error(&self.position, &self.rotation, reference);

@@ -18,13 +18,13 @@ impl<const N: usize> SafeTorque<N> {
         Self { damping_nm_s_per_rad: 5.0, q }
     }
 
-    /// Remembers a configuration that made sense (q [rad]).
+    /// Remembers a configuration that made sense (q (rad)).
     #[inline]
     pub fn remember(&mut self, q: &SVector<f64, N>) {
         self.q = *q;
     }
 
-    /// The safe torque [Nm] at the measured state (q [rad], qd [rad/s]), within the torque limits.
+    /// The safe torque (Nm) at the measured state (q (rad), qd [rad/s]), within the torque limits.
     #[inline]
     pub fn torque(&mut self, arm: &Arm<N>, q: &SVector<f64, N>, qd: &SVector<f64, N>) -> SVector<f64, N> {
         if q.iter().all(|x| x.is_finite()) {

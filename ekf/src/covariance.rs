@@ -44,7 +44,7 @@ impl AugmentedCovariance {
         }
     }
 
-    /// `P ← F P Fᵀ + Q` over dt [s] with
+    /// `P ← F P Fᵀ + Q` over dt (s) with
     ///
     /// ```text
     /// F = [ I      0  −dt Λ⁻¹    ]      Q = diag(qv, 0, qh)

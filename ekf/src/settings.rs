@@ -19,14 +19,14 @@ pub enum KnownInput {
 pub enum MeasurementNoise {
     /// The same standard deviation on all axes.
     Diagonal {
-        /// Of the position [m].
+        /// Of the position (m).
         position_m: f64,
-        /// Of the orientation [rad].
+        /// Of the orientation (rad).
         rotation_rad: f64,
     },
     /// `R = σ² J Jᵀ`: exact for independent encoder noise of standard deviation σ.
     Encoder {
-        /// Of one encoder [rad].
+        /// Of one encoder (rad).
         sd_rad: f64,
     },
 }
@@ -47,9 +47,9 @@ pub struct WrenchEkfSettings {
     pub force_walk_n: f64,
     /// Moment random walk [Nm/√s].
     pub moment_walk_nm: f64,
-    /// Standard deviation of the force at the start [N].
+    /// Standard deviation of the force at the start (N).
     pub initial_force_sd_n: f64,
-    /// Standard deviation of the moment at the start [Nm].
+    /// Standard deviation of the moment at the start (Nm).
     pub initial_moment_sd_nm: f64,
 }
 

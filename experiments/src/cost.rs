@@ -62,7 +62,7 @@ impl CostAccumulator {
         self.ticks += 1;
     }
 
-    /// The cost; `violated_at_s` is ξ [s], counted from the start of the judged part, and `duration_s` is T [s].
+    /// The cost; `violated_at_s` is ξ (s), counted from the start of the judged part, and `duration_s` is T (s).
     pub fn finish(&self, violated_at_s: Option<f64>, duration_s: f64) -> Cost {
         let ticks = self.ticks.max(1) as f64;
         Cost {

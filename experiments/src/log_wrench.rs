@@ -9,7 +9,7 @@ use tribo_robot::{Arm, ControlTerms, EstimatorInput, SensorFrame, WrenchEstimato
 /// Wrench along a log, one row per sample of the log, in file order: force then moment [N, Nm], base axes.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct LogWrench {
-    /// Time stamps of the log [s].
+    /// Time stamps of the log (s).
     pub time_s: Vec<f64>,
     /// Estimated wrench by the robot on the environment.
     pub wrench: Vec<[f64; 6]>,
@@ -19,11 +19,11 @@ pub struct LogWrench {
     pub nis: Vec<f64>,
     /// The log's reference wrench, if it has one.
     pub reference: Option<Vec<[f64; 6]>>,
-    /// Delay that the estimator states [s].
+    /// Delay that the estimator states (s).
     pub stated_delay_s: f64,
 }
 
-/// Time after the start of a burst that summaries leave out [s]: the estimator is still forgetting its start.
+/// Time after the start of a burst that summaries leave out (s): the estimator is still forgetting its start.
 const SETTLE_S: f64 = 0.5;
 
 /// Runs an estimator over the bursts of a log, starting anew at each.
@@ -116,15 +116,15 @@ pub struct WrenchSummary {
 /// Errors of an estimate against a reference wrench.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct ReferenceErrors {
-    /// RMS of the force error, mean over axes [N].
+    /// RMS of the force error, mean over axes (N).
     pub rmse_force_n: f64,
-    /// RMS of the moment error, mean over axes [Nm].
+    /// RMS of the moment error, mean over axes (Nm).
     pub rmse_moment_nm: f64,
     /// Mean error, force then moment.
     pub bias: [f64; 6],
     /// Share of samples whose reference lies within ±1.96 stated standard deviations.
     pub coverage95: [f64; 6],
-    /// Shift of the estimate that fits the reference best [s]; none where the reference never moves.
+    /// Shift of the estimate that fits the reference best (s); none where the reference never moves.
     pub delay_s: Option<f64>,
 }
 

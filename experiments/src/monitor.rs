@@ -12,15 +12,15 @@ pub struct PenaltyLimits {
     pub acceleration_m_s2: f64,
     /// Angular acceleration of the tool [rad/s²].
     pub acceleration_rad_s2: f64,
-    /// Position error of the tool [m].
+    /// Position error of the tool (m).
     pub error_m: f64,
-    /// Orientation error of the tool [rad].
+    /// Orientation error of the tool (rad).
     pub error_rad: f64,
     /// Null-space joint speed [rad/s]: the elbow runs away while the tool stays on its path.
     pub nullspace_speed_rad_s: f64,
-    /// Time a torque limit may be held [s].
+    /// Time a torque limit may be held (s).
     pub saturation_s: f64,
-    /// Cut-off of the filter on the acceleration [Hz].
+    /// Cut-off of the filter on the acceleration (Hz).
     pub acceleration_cutoff_hz: f64,
 }
 
@@ -86,7 +86,7 @@ pub struct TrialMonitor {
 }
 
 impl TrialMonitor {
-    /// A monitor for a loop of period `dt_s` [s].
+    /// A monitor for a loop of period `dt_s` (s).
     pub fn new(limits: PenaltyLimits, dt_s: f64) -> Self {
         Self { limits, dt_s, last_twist: None, acceleration: Vector6::zeros(), saturated_s: 0.0 }
     }

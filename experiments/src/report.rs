@@ -5,7 +5,7 @@ use serde_json::{Map, Value, json};
 use crate::{CampaignResult, ParameterSpace};
 
 impl CampaignResult {
-    /// The document of `tribo tune --json`; `wall_s` is the time the run took [s].
+    /// The document of `tribo tune --json`; `wall_s` is the time the run took (s).
     pub fn to_json(&self, wall_s: f64) -> Value {
         let space = ParameterSpace { law: self.config.friction, bounds: self.config.bounds, joints: 7 };
         let trials: Vec<Value> = self

@@ -11,7 +11,7 @@ use tribo_sim::{Sensors, Truth};
 
 use crate::files::{FileError, Model};
 
-/// The three configurations about which the tool moves [rad]: the ready pose and two others of the workspace.
+/// The three configurations about which the tool moves (rad): the ready pose and two others of the workspace.
 pub fn pose(index: usize) -> Option<SVector<f64, 7>> {
     match index {
         0 => Some(presets::panda_ready_pose()),
@@ -99,7 +99,7 @@ impl TruthName {
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct ModelError {
-    /// Mass at the flange that the controller does not know [kg].
+    /// Mass at the flange that the controller does not know (kg).
     pub payload_kg: f64,
     /// Standard deviation of the relative error of every link's mass and inertia [-], drawn from the seed.
     pub link_mass_error: f64,

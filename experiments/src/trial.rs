@@ -22,7 +22,7 @@ pub struct Trial<const N: usize> {
     pub pulses: WrenchPulses,
     /// The arm that the controller believes in.
     pub model: Arm<N>,
-    /// Configuration at the start [rad].
+    /// Configuration at the start (rad).
     pub start: SVector<f64, N>,
     /// Gains.
     pub impedance: ImpedanceSettings,
@@ -32,7 +32,7 @@ pub struct Trial<const N: usize> {
     pub velocity: VelocitySource,
     /// Limits that end a trial.
     pub limits: PenaltyLimits,
-    /// Control period [s].
+    /// Control period (s).
     pub dt_s: f64,
 }
 
@@ -43,7 +43,7 @@ pub struct TrialOutcome<const N: usize> {
     pub cost: Cost,
     /// Why the trial was stopped, if it was.
     pub aborted: Option<AbortReason>,
-    /// Time of the violation since the start of the judged part [s] (negative in the pre-roll).
+    /// Time of the violation since the start of the judged part (s) (negative in the pre-roll).
     pub aborted_at_s: Option<f64>,
     /// The decimated log.
     pub log: TrialLog<N>,

@@ -8,31 +8,31 @@ use tribo_runtime::TickRecord;
 /// Values have single precision, in memory as on disk, so that a resumed campaign computes with the same bits.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct TrialLog<const N: usize> {
-    /// Sample period [s].
+    /// Sample period (s).
     pub period_s: f64,
-    /// Time since the start of the judged part [s]; negative during the pre-roll.
+    /// Time since the start of the judged part (s); negative during the pre-roll.
     pub time_s: Vec<f64>,
-    /// Measured joint positions [rad].
+    /// Measured joint positions (rad).
     pub q: Vec<SVector<f64, N>>,
     /// Measured joint velocities [rad/s].
     pub qd: Vec<SVector<f64, N>>,
-    /// Motor torque sent [Nm].
+    /// Motor torque sent (Nm).
     pub tau_command: Vec<SVector<f64, N>>,
-    /// Friction compensation in it [Nm].
+    /// Friction compensation in it (Nm).
     pub tau_friction: Vec<SVector<f64, N>>,
-    /// Task torque in it [Nm].
+    /// Task torque in it (Nm).
     pub tau_task: Vec<SVector<f64, N>>,
-    /// Null-space torque in it [Nm].
+    /// Null-space torque in it (Nm).
     pub tau_nullspace: Vec<SVector<f64, N>>,
-    /// Gravity torque in it [Nm].
+    /// Gravity torque in it (Nm).
     pub tau_gravity: Vec<SVector<f64, N>>,
-    /// Coriolis torque in it [Nm].
+    /// Coriolis torque in it (Nm).
     pub tau_coriolis: Vec<SVector<f64, N>>,
     /// Estimated wrench `[moment; force]` [Nm; N], base axes.
     pub wrench: Vec<Vector6<f64>>,
     /// Standard deviation of the estimated wrench `[moment; force]` [Nm; N].
     pub wrench_sd: Vec<Vector6<f64>>,
-    /// Reference position of the flange [m], base axes.
+    /// Reference position of the flange (m), base axes.
     pub reference_position: Vec<Vector3<f64>>,
     /// Pose error `[log(R R_dᵀ); p − p_d]` [rad; m], base axes.
     pub error: Vec<Vector6<f64>>,
@@ -51,7 +51,7 @@ impl<const N: usize> TrialLog<N> {
 }
 
 impl<const N: usize> TrialLog<N> {
-    /// An empty log with room for `samples` of period `period_s` [s].
+    /// An empty log with room for `samples` of period `period_s` (s).
     pub fn with_capacity(samples: usize, period_s: f64) -> Self {
         Self {
             period_s,

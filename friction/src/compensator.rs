@@ -51,7 +51,7 @@ impl<const N: usize> Compensator<N> {
         Self { friction, source, smoothing_rad_s, hybrid_threshold_rad_s: Self::DEFAULT_HYBRID_THRESHOLD_RAD_S }
     }
 
-    /// Compensation torque [Nm] from the measured and the reference joint velocity [rad/s].
+    /// Compensation torque (Nm) from the measured and the reference joint velocity [rad/s].
     #[inline]
     pub fn torque(&self, qd_measured: &SVector<f64, N>, qd_reference: &SVector<f64, N>) -> SVector<f64, N> {
         SVector::from_fn(|j, _| {

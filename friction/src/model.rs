@@ -17,7 +17,7 @@ impl<const N: usize> FrictionModel<N> {
         Self { joints: [joint; N] }
     }
 
-    /// Steady-sliding friction torque [Nm] at qd [rad/s], sign smoothed over `smoothing_rad_s`.
+    /// Steady-sliding friction torque (Nm) at qd [rad/s], sign smoothed over `smoothing_rad_s`.
     #[inline]
     pub fn torque(&self, qd: &SVector<f64, N>, smoothing_rad_s: f64) -> SVector<f64, N> {
         SVector::from_fn(|j, _| self.joints[j].torque(qd[j], smoothing_rad_s))

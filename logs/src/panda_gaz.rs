@@ -1,8 +1,8 @@
 //! The Panda data of Gaz et al. 2019 as text files in a directory.
 //!
 //! ```text
-//! exciting_traj_time.txt                       n stamps [s], one per line
-//! exciting_traj_{positions,velocity,torques}.txt   7 n values [rad], [rad/s], [Nm], one per line, row-major
+//! exciting_traj_time.txt                       n stamps (s), one per line
+//! exciting_traj_{positions,velocity,torques}.txt   7 n values (rad), [rad/s], (Nm), one per line, row-major
 //! ```
 //!
 //! The recorder ran faster than the robot: about 6 % of the rows repeat q, dq and tau of the row before under a new

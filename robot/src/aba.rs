@@ -12,7 +12,7 @@ use crate::Arm;
 /// qdd = (u − Uᵀ a')/D,  a = a' + s qdd
 /// ```
 ///
-/// q [rad], qd [rad/s], tau [Nm] motor torque less friction and external wrench. The rotor inertia enters D.
+/// q (rad), qd [rad/s], tau (Nm) motor torque less friction and external wrench. The rotor inertia enters D.
 pub fn forward_dynamics<const N: usize>(
     arm: &Arm<N>,
     q: &SVector<f64, N>,

@@ -13,11 +13,11 @@ use crate::{LinkInertia, Payload};
 /// `a_m`, `d_m` in metres, `alpha_rad` in radians.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ModifiedDh {
-    /// Link length a [m], along the previous x axis.
+    /// Link length a (m), along the previous x axis.
     pub a_m: f64,
-    /// Link offset d [m], along the joint axis.
+    /// Link offset d (m), along the joint axis.
     pub d_m: f64,
-    /// Link twist alpha [rad], about the previous x axis.
+    /// Link twist alpha (rad), about the previous x axis.
     pub alpha_rad: f64,
 }
 
@@ -28,12 +28,12 @@ pub struct ModifiedDh {
 pub struct JointPlacement {
     /// Rotation of the joint frame at q = 0, expressed in the parent link frame.
     pub rotation: Matrix3<f64>,
-    /// Origin of the joint frame [m], expressed in the parent link frame.
+    /// Origin of the joint frame (m), expressed in the parent link frame.
     pub translation: Vector3<f64>,
 }
 
 impl JointPlacement {
-    /// Rotation `parent_from_link` at joint angle q [rad]: `rotation · RotZ(q)`.
+    /// Rotation `parent_from_link` at joint angle q (rad): `rotation · RotZ(q)`.
     #[inline]
     pub fn parent_from_link(&self, q: f64) -> Matrix3<f64> {
         let (s, c) = q.sin_cos();
@@ -61,13 +61,13 @@ impl From<ModifiedDh> for JointPlacement {
 /// Limits of the joints, each an N-vector in SI units.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Limits<const N: usize> {
-    /// Lower joint limits [rad].
+    /// Lower joint limits (rad).
     pub q_min_rad: SVector<f64, N>,
-    /// Upper joint limits [rad].
+    /// Upper joint limits (rad).
     pub q_max_rad: SVector<f64, N>,
     /// Joint speed limits [rad/s].
     pub qd_max_rad_s: SVector<f64, N>,
-    /// Joint torque limits [Nm].
+    /// Joint torque limits (Nm).
     pub tau_max_nm: SVector<f64, N>,
     /// Joint torque-rate limits [Nm/s].
     pub tau_rate_max_nm_s: SVector<f64, N>,
@@ -86,7 +86,7 @@ pub struct Arm<const N: usize> {
     pub links: [LinkInertia; N],
     /// Rotation of the flange in the last link frame.
     pub link_from_flange_rotation: Matrix3<f64>,
-    /// Origin of the flange [m] in the last link frame.
+    /// Origin of the flange (m) in the last link frame.
     pub link_from_flange_translation: Vector3<f64>,
     /// Rotor inertia reflected through the gears [kg m²]; zero describes the link side of the gears.
     pub rotor_inertia_kg_m2: SVector<f64, N>,

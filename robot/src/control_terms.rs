@@ -15,14 +15,14 @@ pub struct ControlTerms<const N: usize> {
     pub jdot_qd: Vector6<f64>,
     /// Mass matrix with rotor inertia [kg m²].
     pub mass_matrix: SMatrix<f64, N, N>,
-    /// Coriolis and centrifugal torque C(q, qd) qd [Nm].
+    /// Coriolis and centrifugal torque C(q, qd) qd (Nm).
     pub coriolis_nm: SVector<f64, N>,
-    /// Gravity torque g(q) [Nm].
+    /// Gravity torque g(q) (Nm).
     pub gravity_nm: SVector<f64, N>,
 }
 
 impl<const N: usize> ControlTerms<N> {
-    /// Evaluates all terms at q [rad], qd [rad/s].
+    /// Evaluates all terms at q (rad), qd [rad/s].
     #[inline]
     pub fn at(arm: &Arm<N>, q: &SVector<f64, N>, qd: &SVector<f64, N>) -> Self {
         let kinematics = Kinematics::at(arm, q);
@@ -37,7 +37,7 @@ impl<const N: usize> ControlTerms<N> {
         }
     }
 
-    /// Bias torque C qd + g [Nm].
+    /// Bias torque C qd + g (Nm).
     #[inline]
     pub fn bias_nm(&self) -> SVector<f64, N> {
         self.coriolis_nm + self.gravity_nm

@@ -11,13 +11,13 @@ pub struct EstimatorInput<'a, const N: usize> {
     pub frame: &'a SensorFrame<N>,
     /// Model terms at the measured state.
     pub terms: &'a ControlTerms<N>,
-    /// Motor torque [Nm] that acted during the period which ends at this sample.
+    /// Motor torque (Nm) that acted during the period which ends at this sample.
     pub tau_motor: &'a SVector<f64, N>,
-    /// Friction torque [Nm] believed to act (what the compensator added).
+    /// Friction torque (Nm) believed to act (what the compensator added).
     pub tau_friction: &'a SVector<f64, N>,
     /// Acceleration [rad/s²; m/s²] that the controller asked of the tool during that period, base axes.
     pub acceleration_command: &'a Vector6<f64>,
-    /// Length of that period [s].
+    /// Length of that period (s).
     pub dt_s: f64,
 }
 
@@ -40,6 +40,6 @@ pub trait WrenchEstimator<const N: usize> {
     /// Takes one sample and returns the new estimate. Input that is not finite leaves the state as it was.
     fn step(&mut self, input: &EstimatorInput<'_, N>) -> WrenchEstimate;
 
-    /// Delay [s] of the estimate behind the true wrench at low frequency.
+    /// Delay (s) of the estimate behind the true wrench at low frequency.
     fn delay_s(&self) -> f64;
 }

@@ -5,9 +5,9 @@ use nalgebra::{Matrix3, SVector, Vector3};
 /// Rigid-body inertia of one link: mass, centre of mass in the link frame, rotational inertia about the centre of mass.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LinkInertia {
-    /// Mass [kg].
+    /// Mass (kg).
     pub mass_kg: f64,
-    /// Centre of mass [m], in the link frame.
+    /// Centre of mass (m), in the link frame.
     pub com_m: Vector3<f64>,
     /// Inertia about the centre of mass [kg m²], in the axes of the link frame.
     pub inertia_kg_m2: Matrix3<f64>,
@@ -16,9 +16,9 @@ pub struct LinkInertia {
 /// A rigid body bolted to the flange, in the flange frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Payload {
-    /// Mass [kg].
+    /// Mass (kg).
     pub mass_kg: f64,
-    /// Centre of mass [m], in the flange frame.
+    /// Centre of mass (m), in the flange frame.
     pub com_m: Vector3<f64>,
     /// Inertia about the centre of mass [kg m²], in the axes of the flange frame.
     pub inertia_kg_m2: Matrix3<f64>,

@@ -9,16 +9,16 @@ use crate::{Arm, Pose};
 pub struct Kinematics<const N: usize> {
     /// Rotation `base_from_link` of each link.
     pub rotations: [Matrix3<f64>; N],
-    /// Origin of each link frame [m], in base axes.
+    /// Origin of each link frame (m), in base axes.
     pub origins: [Vector3<f64>; N],
     /// Rotation `base_from_flange`.
     pub flange_rotation: Matrix3<f64>,
-    /// Origin of the flange [m], in base axes.
+    /// Origin of the flange (m), in base axes.
     pub flange_origin: Vector3<f64>,
 }
 
 impl<const N: usize> Kinematics<N> {
-    /// Forward kinematics: `base_from_k = base_from_{k−1} · placement_k · RotZ(q_k)`. q [rad].
+    /// Forward kinematics: `base_from_k = base_from_{k−1} · placement_k · RotZ(q_k)`. q (rad).
     #[inline]
     pub fn at(arm: &Arm<N>, q: &SVector<f64, N>) -> Self {
         let mut rotations = [Matrix3::identity(); N];
@@ -84,7 +84,7 @@ impl<const N: usize> Kinematics<N> {
         Vector6::new(dw.x, dw.y, dw.z, a.x, a.y, a.z)
     }
 
-    /// Gravity torque [Nm]: `g_k = −z_k · Σ_{i≥k} m_i (c_i − o_k) × gravity`.
+    /// Gravity torque (Nm): `g_k = −z_k · Σ_{i≥k} m_i (c_i − o_k) × gravity`.
     #[inline]
     pub fn gravity_torque(&self, arm: &Arm<N>) -> SVector<f64, N> {
         let mut tau = SVector::zeros();

@@ -5,13 +5,13 @@ use nalgebra::SVector;
 /// One sample of the joint sensors.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SensorFrame<const N: usize> {
-    /// Time of the sample since the start of the trial [s].
+    /// Time of the sample since the start of the trial (s).
     pub time_s: f64,
-    /// Measured joint positions [rad].
+    /// Measured joint positions (rad).
     pub q: SVector<f64, N>,
     /// Measured (filtered) joint velocities [rad/s].
     pub qd: SVector<f64, N>,
-    /// Measured joint torques [Nm] on the side of the gears that the model's `torque_side` states.
+    /// Measured joint torques (Nm) on the side of the gears that the model's `torque_side` states.
     pub tau: SVector<f64, N>,
 }
 
@@ -20,6 +20,6 @@ pub trait Plant<const N: usize> {
     /// Reads the joint sensors.
     fn sense(&mut self) -> SensorFrame<N>;
 
-    /// Applies the motor torque `tau_nm` [Nm] until the next call, one control period later.
+    /// Applies the motor torque `tau_nm` (Nm) until the next call, one control period later.
     fn actuate(&mut self, tau_nm: &SVector<f64, N>);
 }

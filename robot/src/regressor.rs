@@ -10,8 +10,8 @@ use crate::Arm;
 /// rnea(q, qd, qdd) = Σ_k Y_k(q, qd, qdd) π_k + Ir qdd,   π_k = [m, m c, I_o: xx xy xz yy yz zz]
 /// ```
 ///
-/// Returns one N×10 block per link, in the order of [`crate::LinkInertia::parameters`]. q [rad], qd [rad/s],
-/// qdd [rad/s²]; rows are joint torques [Nm]. The rotor inertia is not among the parameters: its column is qdd.
+/// Returns one N×10 block per link, in the order of [`crate::LinkInertia::parameters`]. q (rad), qd [rad/s],
+/// qdd [rad/s²]; rows are joint torques (Nm). The rotor inertia is not among the parameters: its column is qdd.
 pub fn inverse_dynamics_regressor<const N: usize>(
     arm: &Arm<N>,
     q: &SVector<f64, N>,

@@ -13,7 +13,7 @@ use crate::Arm;
 /// tau_k = z · n_k + Ir_k qdd_k
 /// ```
 ///
-/// q [rad], qd [rad/s], qdd [rad/s²]; returns joint torque [Nm] without friction and without external wrench.
+/// q (rad), qd [rad/s], qdd [rad/s²]; returns joint torque (Nm) without friction and without external wrench.
 #[inline]
 pub fn rnea<const N: usize>(
     arm: &Arm<N>,
@@ -24,13 +24,13 @@ pub fn rnea<const N: usize>(
     newton_euler(arm, q, qd, qdd, &arm.gravity_m_s2) + arm.rotor_inertia_kg_m2.component_mul(qdd)
 }
 
-/// Bias torque `C(q, qd) qd + g(q)` [Nm]: inverse dynamics at qdd = 0.
+/// Bias torque `C(q, qd) qd + g(q)` (Nm): inverse dynamics at qdd = 0.
 #[inline]
 pub fn bias_torque<const N: usize>(arm: &Arm<N>, q: &SVector<f64, N>, qd: &SVector<f64, N>) -> SVector<f64, N> {
     newton_euler(arm, q, qd, &SVector::zeros(), &arm.gravity_m_s2)
 }
 
-/// Gravity torque g(q) [Nm]: inverse dynamics at rest.
+/// Gravity torque g(q) (Nm): inverse dynamics at rest.
 #[inline]
 pub fn gravity_torque<const N: usize>(arm: &Arm<N>, q: &SVector<f64, N>) -> SVector<f64, N> {
     newton_euler(arm, q, &SVector::zeros(), &SVector::zeros(), &arm.gravity_m_s2)

@@ -2,7 +2,7 @@
 
 use nalgebra::{Matrix3, Vector3};
 
-/// Rodrigues' formula `exp([w]×) = I + (sin θ/θ)[w]× + ((1 − cos θ)/θ²)[w]×²`, θ = |w| [rad].
+/// Rodrigues' formula `exp([w]×) = I + (sin θ/θ)[w]× + ((1 − cos θ)/θ²)[w]×²`, θ = |w| (rad).
 #[inline]
 pub fn exp(w: &Vector3<f64>) -> Matrix3<f64> {
     let theta2 = w.norm_squared();
@@ -18,7 +18,7 @@ pub fn exp(w: &Vector3<f64>) -> Matrix3<f64> {
     Matrix3::identity() + k * a + k * k * b
 }
 
-/// Inverse of [`exp`]: the rotation vector [rad] of R, |w| ≤ π. Exact to rounding near 0 and near π.
+/// Inverse of [`exp`]: the rotation vector (rad) of R, |w| ≤ π. Exact to rounding near 0 and near π.
 #[inline]
 pub fn log(r: &Matrix3<f64>) -> Vector3<f64> {
     // vee(R − Rᵀ)/2 = sin θ · axis; (tr R − 1)/2 = cos θ.

@@ -2,7 +2,7 @@
 
 use nalgebra::{IsometryMatrix3, Vector3, Vector6};
 
-/// A rigid transform `a_from_b`, rotation matrix and translation [m].
+/// A rigid transform `a_from_b`, rotation matrix and translation (m).
 pub type Pose = IsometryMatrix3<f64>;
 
 /// Velocity of a rigid body at a stated point, in stated axes; angular part first.
@@ -21,9 +21,9 @@ pub struct Twist {
 /// place where the sign turns.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Wrench {
-    /// Moment [Nm].
+    /// Moment (Nm).
     pub moment_nm: Vector3<f64>,
-    /// Force [N].
+    /// Force (N).
     pub force_n: Vector3<f64>,
 }
 

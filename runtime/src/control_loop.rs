@@ -19,7 +19,7 @@ pub struct LoopSettings<const N: usize> {
     pub reference: SinusoidReference,
     /// Friction compensator.
     pub compensator: Compensator<N>,
-    /// Control period [s].
+    /// Control period (s).
     pub dt_s: f64,
 }
 
@@ -47,7 +47,7 @@ struct Applied<const N: usize> {
 }
 
 impl<const N: usize, E: WrenchEstimator<N>> ControlLoop<N, E> {
-    /// A loop for an arm at rest at q [rad], which also becomes the posture of the null-space spring.
+    /// A loop for an arm at rest at q (rad), which also becomes the posture of the null-space spring.
     pub fn new(arm: Arm<N>, q: SVector<f64, N>, settings: LoopSettings<N>, estimator: E) -> Self {
         let start = settings.reference.at(0.0);
         Self {

@@ -17,9 +17,9 @@ pub struct TickRecord<const N: usize> {
     pub reference: Pose,
     /// Task state seen by the controller; zero under a fault.
     pub task: TaskState,
-    /// Torque terms before limits [Nm]; zero under a fault.
+    /// Torque terms before limits (Nm); zero under a fault.
     pub torque: TorqueTerms<N>,
-    /// Torque sent [Nm].
+    /// Torque sent (Nm).
     pub command: SVector<f64, N>,
     /// Whether a torque limit was hit.
     pub saturated: bool,

@@ -7,11 +7,11 @@ use tribo_robot::Wrench;
 pub struct Pulse {
     /// Wrench on the plateau.
     pub wrench_base: Wrench,
-    /// Start of the rising ramp [s].
+    /// Start of the rising ramp (s).
     pub start_s: f64,
-    /// End of the falling ramp [s].
+    /// End of the falling ramp (s).
     pub end_s: f64,
-    /// Length of each ramp [s].
+    /// Length of each ramp (s).
     pub ramp_s: f64,
 }
 
@@ -23,7 +23,7 @@ pub struct WrenchPulses {
 }
 
 impl WrenchPulses {
-    /// One plateau per axis: six pulses of `force_n` [N] and `moment_nm` [Nm], each `width_s` long, evenly from `start_s`.
+    /// One plateau per axis: six pulses of `force_n` (N) and `moment_nm` (Nm), each `width_s` long, evenly from `start_s`.
     pub fn each_axis(force_n: f64, moment_nm: f64, start_s: f64, width_s: f64, pause_s: f64) -> Self {
         let pulses = (0..6)
             .map(|axis| {
@@ -41,7 +41,7 @@ impl WrenchPulses {
         Self { pulses }
     }
 
-    /// Wrench by the robot on the environment at `time_s` [s].
+    /// Wrench by the robot on the environment at `time_s` (s).
     #[inline]
     pub fn at(&self, time_s: f64) -> Wrench {
         let mut total = Wrench::default();

@@ -41,7 +41,7 @@ pub struct BoxFrictionPlant<const N: usize> {
 }
 
 impl<const N: usize> BoxFrictionPlant<N> {
-    /// Plant at rest at q [rad], 1 kHz with [`DEFAULT_SUB_STEPS`]; `seed` feeds the sensor noise.
+    /// Plant at rest at q (rad), 1 kHz with [`DEFAULT_SUB_STEPS`]; `seed` feeds the sensor noise.
     pub fn new(truth: Truth<N>, sensors: Sensors, q: SVector<f64, N>, seed: u64) -> Self {
         Self {
             truth,
@@ -67,7 +67,7 @@ impl<const N: usize> BoxFrictionPlant<N> {
         self
     }
 
-    /// The same plant with another control period [s].
+    /// The same plant with another control period (s).
     pub fn with_period(mut self, dt_s: f64) -> Self {
         self.dt_s = dt_s;
         self
@@ -85,7 +85,7 @@ impl<const N: usize> BoxFrictionPlant<N> {
         self
     }
 
-    /// True joint positions [rad].
+    /// True joint positions (rad).
     pub fn q(&self) -> &SVector<f64, N> {
         &self.q
     }
@@ -100,12 +100,12 @@ impl<const N: usize> BoxFrictionPlant<N> {
         self.wrench
     }
 
-    /// True friction torque [Nm], averaged over the last period.
+    /// True friction torque (Nm), averaged over the last period.
     pub fn friction_torque(&self) -> &SVector<f64, N> {
         &self.friction_torque
     }
 
-    /// Time since the start [s].
+    /// Time since the start (s).
     pub fn time_s(&self) -> f64 {
         self.ticks as f64 * self.dt_s
     }

@@ -11,13 +11,13 @@ use crate::TorqueSide;
 /// Noise and filters of the joint sensors.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Sensors {
-    /// Standard deviation of the encoder noise [rad].
+    /// Standard deviation of the encoder noise (rad).
     pub encoder_sd_rad: f64,
-    /// Encoder resolution [rad]; 0 is infinitely fine.
+    /// Encoder resolution (rad); 0 is infinitely fine.
     pub encoder_resolution_rad: f64,
-    /// Cut-off of the first-order filter on the differentiated position [Hz].
+    /// Cut-off of the first-order filter on the differentiated position (Hz).
     pub velocity_cutoff_hz: f64,
-    /// Standard deviation of the torque signal [Nm].
+    /// Standard deviation of the torque signal (Nm).
     pub torque_sd_nm: f64,
     /// Side of the gears of the torque signal.
     pub torque_side: TorqueSide,

@@ -29,11 +29,11 @@ pub struct Truth<const N: usize> {
     pub warm_up: Option<WarmUp>,
 }
 
-/// Motor-side Coulomb friction of the examples [Nm].
+/// Motor-side Coulomb friction of the examples (Nm).
 const COULOMB_NM: [f64; 7] = [0.60, 0.90, 0.55, 0.80, 0.40, 0.30, 0.35];
 /// Motor-side viscous friction of the examples [Nm s/rad].
 const VISCOUS_NM_S: [f64; 7] = [1.0, 1.4, 0.8, 1.1, 0.5, 0.4, 0.3];
-/// Presliding distance of the LuGre example [rad].
+/// Presliding distance of the LuGre example (rad).
 const PRESLIDING_RAD: f64 = 5e-4;
 
 impl Truth<7> {

@@ -27,13 +27,13 @@ fn asymmetric_truth() -> Truth<7> {
     Truth { friction: FrictionModel::uniform(law.into()), ..Truth::panda_frictionless() }
 }
 
-/// The set of torques [Nm] that a joint at rest balances.
+/// The set of torques (Nm) that a joint at rest balances.
 fn stick_interval(law: &JointFriction) -> (f64, f64) {
     let at_rest = law.set_valued(0.0);
     (at_rest.lower_nm, at_rest.upper_nm)
 }
 
-/// Largest joint speed [rad/s] over 200 periods under gravity compensation plus `extra` [Nm].
+/// Largest joint speed [rad/s] over 200 periods under gravity compensation plus `extra` (Nm).
 fn fastest_under(truth: &Truth<7>, extra: &Joints, sub_steps: usize) -> f64 {
     let q = presets::panda_ready_pose();
     let mut plant = BoxFrictionPlant::new(truth.clone(), Sensors::noise_free(), q, 1).with_sub_steps(sub_steps);

@@ -26,7 +26,7 @@ const TICKS: usize = 4000;
 const BURN_IN: usize = 500;
 /// Ticks between two samples of the NEES.
 const STRIDE: usize = 50;
-/// Deviation of the true encoders [rad].
+/// Deviation of the true encoders (rad).
 const ENCODER_SD_RAD: f64 = 1e-5;
 
 /// The arm's motion: ±0.25 rad at 0.4 Hz on every joint, phases apart.

@@ -96,7 +96,7 @@ fn a_steady_wrench_is_reported_as_it_is() {
     }
 }
 
-/// Frequency [Hz] at which the gain has fallen to 1/√2, by bisection between 5 and 60 Hz.
+/// Frequency (Hz) at which the gain has fallen to 1/√2, by bisection between 5 and 60 Hz.
 fn cutoff_hz(gain: impl Fn(f64) -> f64) -> f64 {
     let (mut low, mut high) = (5.0, 60.0);
     for _ in 0..12 {

@@ -10,7 +10,7 @@ use tribo_friction::{FrictionModel, VelocitySource};
 use tribo_sim::{Truth, WrenchPulses};
 use tribo_tests::{DT_S, default_ekf, no_friction, ready_flange, tuning_trial};
 
-/// RMSE (force [N], moment [Nm]) during the pulses.
+/// RMSE (force (N), moment (Nm)) during the pulses.
 fn rmse(truth: &Truth<7>, friction: &FrictionModel<7>, moving: bool) -> (f64, f64) {
     let mut trial = tuning_trial(truth.clone(), VelocitySource::Hybrid);
     trial.pulses = WrenchPulses::each_axis(15.0, 2.5, 5.0, 2.5, 1.5);

@@ -61,11 +61,11 @@ macro_rules! joint_parameters {
 }
 
 joint_parameters! {
-    /// Coulomb friction Fc [Nm].
+    /// Coulomb friction Fc (Nm).
     coulomb_nm,
     /// Viscous friction Fv [Nm s/rad].
     viscous_nm_s_per_rad,
-    /// Breakaway torque less Coulomb friction [Nm].
+    /// Breakaway torque less Coulomb friction (Nm).
     breakaway_minus_coulomb_nm,
     /// Inverse Stribeck velocity [s/rad].
     inverse_stribeck_velocity_s_per_rad,
@@ -73,21 +73,21 @@ joint_parameters! {
     stribeck_velocity_rad_s,
     /// Shape exponent of the Stribeck curve [-].
     shape,
-    /// Height of the sigmoid [Nm].
+    /// Height of the sigmoid (Nm).
     phi1_nm,
     /// Steepness of the sigmoid [s/rad].
     phi2_s_per_rad,
     /// Shift of the sigmoid [rad/s].
     phi3_rad_s,
-    /// Coulomb friction forwards [Nm].
+    /// Coulomb friction forwards (Nm).
     coulomb_positive_nm,
-    /// Coulomb friction backwards [Nm].
+    /// Coulomb friction backwards (Nm).
     coulomb_negative_nm,
     /// Viscous friction forwards [Nm s/rad].
     viscous_positive_nm_s_per_rad,
     /// Viscous friction backwards [Nm s/rad].
     viscous_negative_nm_s_per_rad,
-    /// Presliding distance [rad].
+    /// Presliding distance (rad).
     presliding_distance_rad,
 }
 

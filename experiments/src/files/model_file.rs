@@ -46,9 +46,9 @@ pub struct ModelFile {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct PayloadSection {
-    /// Mass [kg].
+    /// Mass (kg).
     pub mass_kg: f64,
-    /// Centre of mass [m].
+    /// Centre of mass (m).
     #[serde(default)]
     pub com_m: [f64; 3],
     /// Inertia about the centre of mass [kg m²]: xx xy xz yy yz zz.

@@ -152,7 +152,7 @@ fn estimator_delay_s(tune: &ValidTune) -> f64 {
     tribo_robot::WrenchEstimator::<7>::delay_s(&ekf)
 }
 
-/// Time the estimator is given to forget its start [s].
+/// Time the estimator is given to forget its start (s).
 const SETTLE_S: f64 = 0.5;
 /// Half-width of the Savitzky–Golay window, in samples of 10 ms.
 const DERIVATIVE_HALF_WIDTH: usize = 10;

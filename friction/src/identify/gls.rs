@@ -14,7 +14,7 @@ pub struct GlsSample<const N: usize> {
     pub wrench_from_torque: SMatrix<f64, 6, N>,
     /// Zero-phase joint velocity [rad/s], taken earlier by the delay of the estimator.
     pub qd: SVector<f64, N>,
-    /// Friction compensation torque [Nm], taken earlier by the same delay.
+    /// Friction compensation torque (Nm), taken earlier by the same delay.
     pub tau_compensation: SVector<f64, N>,
 }
 
@@ -23,13 +23,13 @@ pub struct GlsSample<const N: usize> {
 pub struct GlsSettings {
     /// Columns per joint.
     pub basis: Basis,
-    /// Standard deviation of an estimated force [N].
+    /// Standard deviation of an estimated force (N).
     pub force_sd_n: f64,
-    /// Standard deviation of an estimated moment [Nm].
+    /// Standard deviation of an estimated moment (Nm).
     pub moment_sd_nm: f64,
     /// Below this speed a joint counts as stuck [rad/s].
     pub stuck_rad_s: f64,
-    /// Coulomb friction a stuck joint may hide [Nm]; its torque is uniform within ± this.
+    /// Coulomb friction a stuck joint may hide (Nm); its torque is uniform within ± this.
     pub stuck_coulomb_nm: f64,
     /// Number of samples that carry the information of one, because neighbours are correlated.
     pub correlated_samples: f64,
@@ -39,9 +39,9 @@ pub struct GlsSettings {
     pub lower: [f64; 3],
     /// Upper bounds of the coefficients, in the order of [`Basis`].
     pub upper: [f64; 3],
-    /// Prior standard deviation of a constant torque offset per joint [Nm]; none leaves offsets out.
+    /// Prior standard deviation of a constant torque offset per joint (Nm); none leaves offsets out.
     pub offset_sd_nm: Option<f64>,
-    /// Prior standard deviation of an unmodelled mass at the flange [kg]; none leaves it out.
+    /// Prior standard deviation of an unmodelled mass at the flange (kg); none leaves it out.
     pub payload_sd_kg: Option<f64>,
 }
 
@@ -80,9 +80,9 @@ pub struct GlsFit<const N: usize> {
     pub coefficients: [[f64; 3]; N],
     /// Standard deviation of the coefficients, bounds ignored (unused entries 0).
     pub sd: [[f64; 3]; N],
-    /// Torque offset per joint [Nm] (0 if left out).
+    /// Torque offset per joint (Nm) (0 if left out).
     pub offset_nm: SVector<f64, N>,
-    /// Unmodelled mass at the flange [kg] (0 if left out).
+    /// Unmodelled mass at the flange (kg) (0 if left out).
     pub payload_kg: f64,
     /// Weighted mean square of the residual [-]: near 1 / (correlation) when the law explains the log.
     pub mean_square: f64,

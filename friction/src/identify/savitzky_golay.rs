@@ -15,7 +15,7 @@ pub struct SavitzkyGolay {
 }
 
 impl SavitzkyGolay {
-    /// First derivative of x, sampled every `dt_s` [s]. Same length as x; empty or single samples give zeros.
+    /// First derivative of x, sampled every `dt_s` (s). Same length as x; empty or single samples give zeros.
     pub fn derivative(&self, x: &[f64], dt_s: f64) -> Vec<f64> {
         let n = x.len();
         if n < 2 {

@@ -6,11 +6,11 @@ use crate::law::smooth_sign;
 /// `residual = Fc tanh(qd/ε) + Fv qd + offset`, fitted by least squares.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct JointTorqueFit {
-    /// Coulomb friction [Nm].
+    /// Coulomb friction (Nm).
     pub coulomb_nm: f64,
     /// Viscous friction [Nm s/rad].
     pub viscous_nm_s_per_rad: f64,
-    /// Constant torque [Nm].
+    /// Constant torque (Nm).
     pub offset_nm: f64,
     /// Condition number of the normal matrix with unit columns: large when, e.g., the joint moved in one direction only.
     pub condition: f64,
@@ -38,13 +38,13 @@ pub enum TorqueFitError {
 }
 
 impl JointTorqueFit {
-    /// Torque [Nm] of the fit at qd [rad/s], sign smoothed over `smoothing_rad_s`.
+    /// Torque (Nm) of the fit at qd [rad/s], sign smoothed over `smoothing_rad_s`.
     pub fn torque(&self, qd: f64, smoothing_rad_s: f64) -> f64 {
         self.coulomb_nm * smooth_sign(qd, smoothing_rad_s) + self.viscous_nm_s_per_rad * qd + self.offset_nm
     }
 }
 
-/// Least squares of `residual_nm` [Nm] on `[tanh(qd/ε), qd, 1]`; qd [rad/s], both of the same length.
+/// Least squares of `residual_nm` (Nm) on `[tanh(qd/ε), qd, 1]`; qd [rad/s], both of the same length.
 pub fn fit_joint_torque(
     qd: &[f64],
     residual_nm: &[f64],

@@ -5,9 +5,9 @@ use super::{JointFriction, SetValued};
 /// `tau_f = Fv± qd + Fc± sign(qd)`, the values chosen by the direction of motion.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Asymmetric {
-    /// Coulomb friction moving forwards [Nm].
+    /// Coulomb friction moving forwards (Nm).
     pub coulomb_positive_nm: f64,
-    /// Coulomb friction moving backwards [Nm], a positive number.
+    /// Coulomb friction moving backwards (Nm), a positive number.
     pub coulomb_negative_nm: f64,
     /// Viscous friction moving forwards [Nm s/rad].
     pub viscous_positive_nm_s_per_rad: f64,
@@ -16,7 +16,7 @@ pub struct Asymmetric {
 }
 
 impl Asymmetric {
-    /// Torque [Nm] at qd [rad/s], given the (smoothed) sign of qd.
+    /// Torque (Nm) at qd [rad/s], given the (smoothed) sign of qd.
     ///
     /// With a smooth sign s the Coulomb part is `(Fc+ + Fc−)/2 s + (Fc+ − Fc−)/2 |s|`, continuous through zero.
     #[inline]

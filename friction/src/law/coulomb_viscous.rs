@@ -5,14 +5,14 @@ use super::{JointFriction, SetValued};
 /// `tau_f = Fv qd + Fc sign(qd)` (roveda2022 eq. 27, with f1 = Fv and f2 = Fc).
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct CoulombViscous {
-    /// Coulomb friction Fc [Nm].
+    /// Coulomb friction Fc (Nm).
     pub coulomb_nm: f64,
     /// Viscous friction Fv [Nm s/rad].
     pub viscous_nm_s_per_rad: f64,
 }
 
 impl CoulombViscous {
-    /// Torque [Nm] at qd [rad/s], given the (smoothed) sign of qd.
+    /// Torque (Nm) at qd [rad/s], given the (smoothed) sign of qd.
     #[inline]
     pub fn torque(&self, qd: f64, sign: f64) -> f64 {
         self.viscous_nm_s_per_rad * qd + self.coulomb_nm * sign

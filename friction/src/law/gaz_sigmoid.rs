@@ -7,7 +7,7 @@ use super::{JointFriction, SetValued};
 /// Smooth and zero at rest; the two branches differ by direction through φ3.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct GazSigmoid {
-    /// Height of the sigmoid φ1 [Nm].
+    /// Height of the sigmoid φ1 (Nm).
     pub phi1_nm: f64,
     /// Steepness φ2 [s/rad].
     pub phi2_s_per_rad: f64,
@@ -16,7 +16,7 @@ pub struct GazSigmoid {
 }
 
 impl GazSigmoid {
-    /// Torque [Nm] at qd [rad/s].
+    /// Torque (Nm) at qd [rad/s].
     #[inline]
     pub fn torque(&self, qd: f64) -> f64 {
         self.phi1_nm * (self.logistic(qd) - self.logistic(0.0))

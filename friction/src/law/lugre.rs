@@ -12,18 +12,18 @@ use super::{JointFriction, SetValued};
 /// dz is the presliding distance; σ1 damps the bristle against the joint inertia B and fades when sliding.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Lugre {
-    /// Coulomb friction Fc [Nm].
+    /// Coulomb friction Fc (Nm).
     pub coulomb_nm: f64,
     /// Viscous friction Fv [Nm s/rad].
     pub viscous_nm_s_per_rad: f64,
-    /// Presliding distance dz = Fc/σ0 [rad].
+    /// Presliding distance dz = Fc/σ0 (rad).
     pub presliding_distance_rad: f64,
 }
 
-/// Deflection z [rad] of the bristle of one joint.
+/// Deflection z (rad) of the bristle of one joint.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Bristle {
-    /// Deflection z [rad], within ± the presliding distance.
+    /// Deflection z (rad), within ± the presliding distance.
     pub deflection_rad: f64,
 }
 
@@ -33,13 +33,13 @@ const BRISTLE_DAMPING_RATIO: f64 = 0.4;
 const DAMPING_FADE_RAD_S: f64 = 0.05;
 
 impl Lugre {
-    /// Torque [Nm] of steady sliding at qd [rad/s], given the (smoothed) sign of qd.
+    /// Torque (Nm) of steady sliding at qd [rad/s], given the (smoothed) sign of qd.
     #[inline]
     pub fn steady_torque(&self, qd: f64, sign: f64) -> f64 {
         self.viscous_nm_s_per_rad * qd + self.coulomb_nm * sign
     }
 
-    /// Friction over one step of length h [s], implicit in the bristle and linear in the new velocity:
+    /// Friction over one step of length h (s), implicit in the bristle and linear in the new velocity:
     ///
     /// ```text
     /// z⁺ = (z + h v⁺)/d,  d = 1 + h |qd|/dz;   tau_f = σ0 z⁺ + σ1 (z⁺ − z)/h + Fv v⁺

@@ -21,11 +21,11 @@ pub use stribeck::Stribeck;
 pub struct SetValued {
     /// Slope [Nm s/rad], taken implicitly by the plant.
     pub viscous_nm_s_per_rad: f64,
-    /// Part that does not depend on the new velocity [Nm].
+    /// Part that does not depend on the new velocity (Nm).
     pub offset_nm: f64,
-    /// Dry-friction torque when sliding backwards [Nm], ≤ 0.
+    /// Dry-friction torque when sliding backwards (Nm), ≤ 0.
     pub lower_nm: f64,
-    /// Dry-friction torque when sliding forwards [Nm], ≥ 0.
+    /// Dry-friction torque when sliding forwards (Nm), ≥ 0.
     pub upper_nm: f64,
 }
 
@@ -45,7 +45,7 @@ pub enum JointFriction {
 }
 
 impl JointFriction {
-    /// Steady-sliding friction torque [Nm] at qd [rad/s], with sign(qd) replaced by tanh(qd/smoothing).
+    /// Steady-sliding friction torque (Nm) at qd [rad/s], with sign(qd) replaced by tanh(qd/smoothing).
     ///
     /// `smoothing_rad_s = 0` is the hard sign with sign(0) = 0. The Gaz law is smooth already and ignores it.
     #[inline]

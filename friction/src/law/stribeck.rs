@@ -6,11 +6,11 @@ use super::{JointFriction, SetValued};
 /// f5 = shape).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Stribeck {
-    /// Coulomb friction Fc [Nm], what is left at high speed.
+    /// Coulomb friction Fc (Nm), what is left at high speed.
     pub coulomb_nm: f64,
     /// Viscous friction Fv [Nm s/rad].
     pub viscous_nm_s_per_rad: f64,
-    /// Breakaway torque less Coulomb friction, dF [Nm].
+    /// Breakaway torque less Coulomb friction, dF (Nm).
     pub breakaway_minus_coulomb_nm: f64,
     /// Inverse of the Stribeck velocity, 1/vs [s/rad].
     pub inverse_stribeck_velocity_s_per_rad: f64,
@@ -19,14 +19,14 @@ pub struct Stribeck {
 }
 
 impl Stribeck {
-    /// Dry-friction limit `Fc + dF exp(−|qd/vs|^shape)` [Nm].
+    /// Dry-friction limit `Fc + dF exp(−|qd/vs|^shape)` (Nm).
     #[inline]
     pub fn dry_limit(&self, qd: f64) -> f64 {
         let x = (self.inverse_stribeck_velocity_s_per_rad * qd).abs();
         self.coulomb_nm + self.breakaway_minus_coulomb_nm * (-x.powf(self.shape)).exp()
     }
 
-    /// Torque [Nm] at qd [rad/s], given the (smoothed) sign of qd.
+    /// Torque (Nm) at qd [rad/s], given the (smoothed) sign of qd.
     #[inline]
     pub fn torque(&self, qd: f64, sign: f64) -> f64 {
         self.viscous_nm_s_per_rad * qd + self.dry_limit(qd) * sign

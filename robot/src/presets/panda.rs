@@ -5,7 +5,7 @@ use std::f64::consts::{FRAC_PI_2, FRAC_PI_4};
 
 use crate::{Arm, JointPlacement, Limits, LinkInertia, ModifiedDh};
 
-/// Modified DH rows (a [m], d [m], alpha [rad]). Source: vendor kinematics (franka_description).
+/// Modified DH rows (a (m), d (m), alpha (rad)). Source: vendor kinematics (franka_description).
 const DH: [(f64, f64, f64); 7] = [
     (0.0, 0.333, 0.0),
     (0.0, 0.0, -FRAC_PI_2),
@@ -16,7 +16,7 @@ const DH: [(f64, f64, f64); 7] = [
     (0.088, 0.0, FRAC_PI_2),
 ];
 
-/// Distance of the flange from joint 7 along its axis [m].
+/// Distance of the flange from joint 7 along its axis (m).
 const FLANGE_D_M: f64 = 0.107;
 
 /// (mass, CoM, inertia about the CoM as xx xy xz yy yz zz). Source: Gaz et al., RA-L 2019, feasible parameter set.
@@ -59,7 +59,7 @@ pub fn panda() -> Arm<7> {
     }
 }
 
-/// The vendor's ready pose [rad].
+/// The vendor's ready pose (rad).
 pub fn panda_ready_pose() -> SVector<f64, 7> {
     SVector::from([0.0, -FRAC_PI_4, 0.0, -3.0 * FRAC_PI_4, 0.0, FRAC_PI_2, FRAC_PI_4])
 }
