@@ -20,7 +20,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let root = SVGBackend::new(&path, (900, 420)).into_drawing_area();
     root.fill(&WHITE)?;
     let panels = root.split_evenly((2, 1));
-    let rows: [(&str, usize, f64); 2] = [("force z [N]", 5, 7.5), ("moment y [Nm]", 1, 1.2)];
+    let rows: [(&str, usize, f64); 2] = [("force z [N]", 5, 10.0), ("moment y [Nm]", 1, 1.2)];
     for (panel, (name, component, range)) in panels.iter().zip(rows) {
         let mut chart = ChartBuilder::on(panel)
             .margin(8)
