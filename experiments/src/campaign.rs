@@ -90,8 +90,7 @@ pub struct Campaign {
 
 impl Campaign {
     /// Starts a campaign in a directory that has none yet.
-    pub fn create(directory: &Path, config: TuneConfig, clock: Clock) -> Result<Self, CampaignError> {
-        let tune = config.validate()?;
+    pub fn create(directory: &Path, tune: ValidTune, clock: Clock) -> Result<Self, CampaignError> {
         let settings = directory.join("campaign.yaml");
         if settings.exists() || directory.join("journal.log").exists() {
             return Err(FileError::Campaign {

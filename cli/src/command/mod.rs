@@ -44,15 +44,15 @@ impl Scenario {
 fn configured(
     path: Option<&Path>,
     overrides: impl FnOnce(&mut TuneConfig) -> anyhow::Result<()>,
-) -> anyhow::Result<(TuneConfig, ValidTune)> {
+) -> anyhow::Result<ValidTune> {
     let document = path.map(YamlDocument::read).transpose()?;
     let mut config = document.as_ref().map(YamlDocument::parse::<TuneConfig>).transpose()?.unwrap_or_default();
     overrides(&mut config)?;
-    let valid = config.clone().validate().map_err(|error| match (error, &document) {
+    let valid = config.validate().map_err(|error| match (error, &document) {
         (ConfigError::Field(field), Some(document)) if document.line_of(&field.field).is_some() => {
             ConfigError::File(document.explain(field))
         }
         (error, _) => error,
     })?;
-    Ok((config, valid))
+    Ok(valid)
 }

@@ -22,7 +22,8 @@ pub fn run(arguments: &Simulate, common: &Common) -> anyhow::Result<()> {
     if let Some(log) = &arguments.log {
         check_extension(log)?;
     }
-    let (config, mut tune) = configured(arguments.config.as_deref(), |config| arguments.scenario.apply(config))?;
+    let mut tune = configured(arguments.config.as_deref(), |config| arguments.scenario.apply(config))?;
+    let config = &tune.config;
     let trial = &mut tune.trial;
     trial.sensors.torque_side = named(&arguments.torque_side)?;
     if arguments.fixed {

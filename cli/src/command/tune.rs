@@ -56,7 +56,7 @@ pub fn run(arguments: &Tune, common: &Common) -> anyhow::Result<()> {
 }
 
 fn create(arguments: &Tune) -> anyhow::Result<(PathBuf, Campaign)> {
-    let (config, _) = configured(arguments.config.as_deref(), |config| {
+    let tune = configured(arguments.config.as_deref(), |config| {
         set(&mut config.strategy, arguments.strategy.as_ref())?;
         set(&mut config.friction, arguments.friction.as_ref())?;
         set(&mut config.bounds, arguments.bounds.as_ref())?;
@@ -73,7 +73,7 @@ fn create(arguments: &Tune) -> anyhow::Result<(PathBuf, Campaign)> {
             Path::new(CAMPAIGNS).join(format!("{next:04}"))
         }
     };
-    let campaign = Campaign::create(&directory, config, now)?;
+    let campaign = Campaign::create(&directory, tune, now)?;
     Ok((directory, campaign))
 }
 
