@@ -29,12 +29,21 @@
 //! Leaves out, so far: named causes other than friction, their selection and their tests.
 
 mod blocks;
+mod diagnosis;
 pub mod filter;
 mod friction_report;
+mod next_experiment;
+mod nominal;
 mod signal_chain;
 mod torque_residual;
 
 pub use blocks::{BlockSettings, Blocks, BlocksError, Split};
+pub use diagnosis::{
+    Alternative, CauseLabel, CrossJointPattern, Diagnosis, Finding, JointMisfit, Location, Parameter, Plot, Rejected,
+    Series, Validation, Verdict,
+};
 pub use friction_report::{FrictionReport, FrictionSettings, HeldOut, HeldOutError, JointFitError, JointReport};
+pub use next_experiment::NextExperiment;
+pub use nominal::Nominal;
 pub use signal_chain::{ResidualSettings, SignalChain};
 pub use torque_residual::{MotionSample, ResidualError, TorqueResidual};

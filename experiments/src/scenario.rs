@@ -89,7 +89,7 @@ impl TruthName {
                 if arm.rotor_inertia_kg_m2.amax() == 0.0 {
                     arm.rotor_inertia_kg_m2 = presets::panda().rotor_inertia_kg_m2;
                 }
-                Truth { arm, friction: model.friction, warm_up: None }
+                Truth { arm, friction: model.friction, warm_up: None, effects: Vec::new() }
             }
         })
     }

@@ -24,10 +24,12 @@
 //! Leaves out: hysteresis with non-local memory (generalised Maxwell slip).
 
 mod compensator;
+mod effects;
 pub mod identify;
 pub mod law;
 mod model;
 
 pub use compensator::{Compensator, VelocitySource};
+pub use effects::{JointEffects, MAX_RIPPLES, Ripple};
 pub use law::{JointFriction, SetValued};
 pub use model::FrictionModel;

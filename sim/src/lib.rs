@@ -20,6 +20,7 @@
 //! ```
 
 mod contact;
+mod effect;
 mod plant;
 mod projected_gauss_seidel;
 mod sensors;
@@ -27,6 +28,7 @@ mod truth;
 mod warm_up;
 
 pub use contact::{Pulse, WrenchPulses};
+pub use effect::Effect;
 pub use plant::{BoxFrictionPlant, DEFAULT_SUB_STEPS};
 pub use sensors::Sensors;
 pub use truth::{TorqueSide, Truth, panda_gaz_joints};

@@ -5,7 +5,7 @@ use tribo_friction::FrictionModel;
 use tribo_friction::law::{CoulombViscous, GazSigmoid, Lugre, Stribeck};
 use tribo_robot::{Arm, presets};
 
-use crate::WarmUp;
+use crate::{Effect, WarmUp};
 
 /// Side of the gears on which the torque sensors sit.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
@@ -27,6 +27,8 @@ pub struct Truth<const N: usize> {
     pub friction: FrictionModel<N>,
     /// Loss of friction by warming up.
     pub warm_up: Option<WarmUp>,
+    /// Further causes, on top of arm and friction.
+    pub effects: Vec<Effect>,
 }
 
 /// Motor-side Coulomb friction of the examples (Nm).
@@ -40,7 +42,7 @@ impl Truth<7> {
     /// Panda without friction.
     pub fn panda_frictionless() -> Self {
         let none = CoulombViscous::default().into();
-        Self { arm: presets::panda(), friction: FrictionModel::uniform(none), warm_up: None }
+        Self { arm: presets::panda(), friction: FrictionModel::uniform(none), warm_up: None, effects: Vec::new() }
     }
 
     /// Panda with motor-side Coulomb and viscous friction: Fc .60 .90 .55 .80 .40 .30 .35 Nm.

@@ -1,0 +1,362 @@
+//! What a diagnosis says.
+
+use std::fmt;
+
+use tribo_sim::Effect;
+
+use crate::next_experiment::NextExperiment;
+
+/// The fixed vocabulary of causes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub enum CauseLabel {
+    /// Dry friction unlike the model's.
+    Coulomb,
+    /// Viscous friction unlike the model's.
+    Viscous,
+    /// More dry friction at low speed.
+    Stribeck,
+    /// Dry friction that differs by direction.
+    CoulombAsymmetry,
+    /// A constant torque.
+    TorqueOffset,
+    /// A torque sensor of the wrong scale.
+    TorqueGain,
+    /// Friction that fades as the joint warms up.
+    ThermalFriction,
+    /// Dry friction that grows with the load.
+    LoadFriction,
+    /// A body at the flange.
+    Payload,
+    /// A base that is not level.
+    BaseTilt,
+    /// A link of another mass or first moment.
+    LinkInertial,
+    /// Rotor inertia unlike the model's.
+    RotorInertia,
+    /// Torque periodic in the joint angle.
+    TorqueRipple,
+    /// Dry friction that builds up over a distance after reversals.
+    Presliding,
+    /// A spring between motor and link.
+    JointElasticity,
+    /// A gap between motor and link.
+    Backlash,
+    /// Torques stamped late.
+    TimeDelay,
+    /// Somebody pushed the arm.
+    ExternalContact,
+    /// A spring across the joint.
+    PositionSpring,
+    /// None of these.
+    Unknown,
+}
+
+impl CauseLabel {
+    /// All labels, `unknown` last.
+    pub const ALL: [Self; 20] = [
+        Self::Coulomb,
+        Self::Viscous,
+        Self::Stribeck,
+        Self::CoulombAsymmetry,
+        Self::TorqueOffset,
+        Self::TorqueGain,
+        Self::ThermalFriction,
+        Self::LoadFriction,
+        Self::Payload,
+        Self::BaseTilt,
+        Self::LinkInertial,
+        Self::RotorInertia,
+        Self::TorqueRipple,
+        Self::Presliding,
+        Self::JointElasticity,
+        Self::Backlash,
+        Self::TimeDelay,
+        Self::ExternalContact,
+        Self::PositionSpring,
+        Self::Unknown,
+    ];
+
+    /// Name in files: `coulomb_asymmetry`.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Coulomb => "coulomb",
+            Self::Viscous => "viscous",
+            Self::Stribeck => "stribeck",
+            Self::CoulombAsymmetry => "coulomb_asymmetry",
+            Self::TorqueOffset => "torque_offset",
+            Self::TorqueGain => "torque_gain",
+            Self::ThermalFriction => "thermal_friction",
+            Self::LoadFriction => "load_friction",
+            Self::Payload => "payload",
+            Self::BaseTilt => "base_tilt",
+            Self::LinkInertial => "link_inertial",
+            Self::RotorInertia => "rotor_inertia",
+            Self::TorqueRipple => "torque_ripple",
+            Self::Presliding => "presliding",
+            Self::JointElasticity => "joint_elasticity",
+            Self::Backlash => "backlash",
+            Self::TimeDelay => "time_delay",
+            Self::ExternalContact => "external_contact",
+            Self::PositionSpring => "position_spring",
+            Self::Unknown => "unknown",
+        }
+    }
+
+    /// The label of an effect.
+    pub fn of(effect: &Effect) -> Self {
+        match effect {
+            Effect::Coulomb { .. } => Self::Coulomb,
+            Effect::Viscous { .. } => Self::Viscous,
+            Effect::Stribeck { .. } => Self::Stribeck,
+            Effect::CoulombAsymmetry { .. } => Self::CoulombAsymmetry,
+            Effect::TorqueOffset { .. } => Self::TorqueOffset,
+            Effect::TorqueGain { .. } => Self::TorqueGain,
+            Effect::ThermalFriction { .. } => Self::ThermalFriction,
+            Effect::LoadFriction { .. } => Self::LoadFriction,
+            Effect::Payload { .. } => Self::Payload,
+            Effect::BaseTilt { .. } => Self::BaseTilt,
+            Effect::LinkInertial { .. } => Self::LinkInertial,
+            Effect::RotorInertia { .. } => Self::RotorInertia,
+            Effect::TorqueRipple { .. } => Self::TorqueRipple,
+            Effect::Presliding { .. } => Self::Presliding,
+            Effect::JointElasticity { .. } => Self::JointElasticity,
+            Effect::Backlash { .. } => Self::Backlash,
+            Effect::TimeDelay { .. } => Self::TimeDelay,
+            Effect::ExternalContact { .. } => Self::ExternalContact,
+            Effect::PositionSpring { .. } => Self::PositionSpring,
+        }
+    }
+}
+
+impl fmt::Display for CauseLabel {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(self.name())
+    }
+}
+
+/// Where a cause sits; joints and links count from 0.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub enum Location {
+    /// One joint.
+    Joint(usize),
+    /// One link.
+    Link(usize),
+    /// The whole arm.
+    Arm,
+}
+
+impl fmt::Display for Location {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Joint(joint) => write!(f, "joint {joint}"),
+            Self::Link(link) => write!(f, "link {link}"),
+            Self::Arm => f.write_str("arm"),
+        }
+    }
+}
+
+/// The answer in one word.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Verdict {
+    /// The model explains the log down to its noise, as far as these candidates can tell.
+    NothingMissing,
+    /// Every finding has one name.
+    Named,
+    /// At least one finding has a rival that this log cannot exclude.
+    Ambiguous,
+    /// Something is there that no named cause describes.
+    Unknown,
+}
+
+impl Verdict {
+    /// Name in files: `nothing_missing`.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::NothingMissing => "nothing_missing",
+            Self::Named => "named",
+            Self::Ambiguous => "ambiguous",
+            Self::Unknown => "unknown",
+        }
+    }
+}
+
+/// A parameter of a finding with its 95 % interval, component by component (one for a scalar, three for a vector).
+#[derive(Clone, Debug, PartialEq)]
+pub struct Parameter {
+    /// Name with unit suffix, as in [`Effect`]: `delta_coulomb_nm`.
+    pub name: &'static str,
+    /// Estimate.
+    pub value: Vec<f64>,
+    /// Lower and upper end of the 95 % interval of each component.
+    pub ci95: Vec<[f64; 2]>,
+}
+
+/// A rival explanation of a finding.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Alternative {
+    /// What else it could be.
+    pub label: CauseLabel,
+    /// Where.
+    pub location: Location,
+    /// Penalised log evidence behind the finding [nat·2]; small is close.
+    pub evidence_gap: f64,
+    /// Why physics confuses the two, and what would separate them.
+    pub why: String,
+}
+
+/// A curve or cloud of the evidence plots.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Series {
+    /// Legend.
+    pub name: String,
+    /// Abscissa.
+    pub x: Vec<f64>,
+    /// Ordinate.
+    pub y: Vec<f64>,
+    /// Whether the points are joined.
+    pub joined: bool,
+}
+
+/// One plot: "why this verdict".
+#[derive(Clone, Debug, PartialEq)]
+pub struct Plot {
+    /// What it shows.
+    pub title: String,
+    /// Abscissa with unit.
+    pub x_label: String,
+    /// Ordinate with unit.
+    pub y_label: String,
+    /// Curves.
+    pub series: Vec<Series>,
+}
+
+/// One cause that the log shows.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Finding {
+    /// What.
+    pub label: CauseLabel,
+    /// Where.
+    pub location: Location,
+    /// The effect, ready for a model; `None` for `unknown`.
+    pub effect: Option<Effect>,
+    /// Parameters with intervals; for `unknown` none.
+    pub parameters: Vec<Parameter>,
+    /// For `unknown`: what the torque goes with (velocity, position order, time, load).
+    pub signature: Option<String>,
+    /// Family-wise probability of so much evidence by chance.
+    pub p_value: f64,
+    /// Part of the held-out residual RMS of the affected joints that this finding removes, given the others [-].
+    pub held_out_gain: f64,
+    /// Its 95 % interval.
+    pub held_out_gain_ci95: [f64; 2],
+    /// RMS of the torque it explains on its joint (on the worst joint, for the arm) (Nm), in the band.
+    pub explained_rms_nm: f64,
+    /// Evidence: twice the log likelihood gained, less the price of its parameters.
+    pub evidence: f64,
+    /// Rivals that this log cannot exclude, closest first.
+    pub alternatives: Vec<Alternative>,
+    /// The evidence as plots.
+    pub plots: Vec<Plot>,
+}
+
+/// A candidate that was considered and not reported.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Rejected {
+    /// What.
+    pub label: CauseLabel,
+    /// Where.
+    pub location: Location,
+    /// Its evidence given the findings (negative: it does not pay for its parameters); `None` if it was not testable.
+    pub evidence: Option<f64>,
+    /// Why it is out.
+    pub reason: String,
+}
+
+/// What is wrong with the model at one joint, before any cause is named.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct JointMisfit {
+    /// RMS of the residual (Nm).
+    pub rms_nm: f64,
+    /// Mean of the residual (Nm).
+    pub bias_nm: f64,
+    /// Part of the variance of the measured torque that the model leaves over [-].
+    pub unexplained: f64,
+    /// RMS of the white torque noise in the band, from the log itself (Nm).
+    pub noise_floor_nm: f64,
+    /// Part of the residual's variance that goes with velocity, position, load, time and reversals, each alone [-].
+    pub goes_with: [(&'static str, f64); 5],
+    /// RMS of the residual after the findings (Nm).
+    pub rms_after_nm: f64,
+    /// RMS on held-out blocks before and after (Nm).
+    pub held_out_nm: [f64; 2],
+}
+
+/// Part of the residual's energy across all joints that lies in the range of a rigid-body map [-].
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct CrossJointPattern {
+    /// Of Jᵀ with one constant wrench: a push or a weight at the tool.
+    pub wrench: f64,
+    /// Of the derivative by gravity: a tilted base.
+    pub gravity: f64,
+    /// Of the inertial regressor: masses.
+    pub inertial: f64,
+}
+
+/// The extended model on a log that no parameter was fitted to.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Validation {
+    /// Name of the log.
+    pub log: String,
+    /// RMS per joint with the nominal model (Nm).
+    pub before_nm: Vec<f64>,
+    /// RMS per joint with the extended model (Nm).
+    pub after_nm: Vec<f64>,
+    /// Part of the residual RMS over all joints that the findings remove [-].
+    pub gain: f64,
+    /// Its 95 % interval, over blocks.
+    pub gain_ci95: [f64; 2],
+}
+
+/// Everything a diagnosis found.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Diagnosis {
+    /// The answer.
+    pub verdict: Verdict,
+    /// What was found, strongest first.
+    pub findings: Vec<Finding>,
+    /// The misfit of each joint.
+    pub joints: Vec<JointMisfit>,
+    /// Whether the residual looks like a push, a tilt or a mass.
+    pub pattern: CrossJointPattern,
+    /// Part of the held-out residual RMS over all joints that the findings remove [-].
+    pub gain_heldout: f64,
+    /// Its 95 % interval, over blocks.
+    pub gain_heldout_ci95: [f64; 2],
+    /// The extended model on other logs.
+    pub validation: Vec<Validation>,
+    /// What was considered and rejected.
+    pub rejected: Vec<Rejected>,
+    /// What the result rests on.
+    pub assumptions: Vec<String>,
+    /// What the reader should know (short log, joints that never moved, …).
+    pub notes: Vec<String>,
+    /// The experiment that would separate the closest rivals.
+    pub next_experiment: Option<NextExperiment>,
+    /// Residual against velocity, position, load, time, and its spectra, per joint.
+    pub overview: Vec<Plot>,
+    /// Band of the residual (Hz).
+    pub band_hz: f64,
+    /// Rate of the samples after averaging (Hz).
+    pub rate_hz: f64,
+    /// Number of samples.
+    pub samples: usize,
+    /// Number of bursts.
+    pub bursts: usize,
+}
+
+impl Diagnosis {
+    /// The findings' effects, ready for a model file.
+    pub fn effects(&self) -> Vec<Effect> {
+        self.findings.iter().filter_map(|finding| finding.effect.clone()).collect()
+    }
+}

@@ -1,0 +1,94 @@
+//! What a joint does beyond its friction law.
+
+use crate::law::smooth_sign;
+
+/// Ripples kept per joint.
+pub const MAX_RIPPLES: usize = 4;
+
+/// Torque ripple of gear or motor over the joint angle: `amplitude sin(n q + phase)`, n cycles per revolution.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Ripple {
+    /// Cycles per revolution of the joint [1/rev]; equally, radians of phase per radian of the joint.
+    pub cycles_per_rev: f64,
+    /// Amplitude (Nm); 0 is none.
+    pub amplitude_nm: f64,
+    /// Phase at q = 0 (rad).
+    pub phase_rad: f64,
+}
+
+/// Torques of one joint that add to its friction law; all zero by default.
+///
+/// ```text
+/// tau = dFc s + dFv qd + dF exp(−(qd/vs)²) s + a |s| + offset + γ |tau_link| s + Σ A sin(n q + φ) + k (q − rest)
+/// ```
+///
+/// s is the sign of qd, smoothed. With a presliding distance the dry part follows a bristle instead of s (see
+/// [`crate::law::Lugre`]); that needs a state, so [`Self::torque`] takes s from the caller.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct JointEffects {
+    /// Added Coulomb friction (Nm).
+    pub coulomb_nm: f64,
+    /// Added viscous friction [Nm s/rad].
+    pub viscous_nm_s_per_rad: f64,
+    /// Added Stribeck bump: breakaway torque less Coulomb friction (Nm).
+    pub breakaway_minus_coulomb_nm: f64,
+    /// Stribeck velocity of the bump [rad/s]; matters only with a bump.
+    pub stribeck_velocity_rad_s: f64,
+    /// Torque that is positive whichever way the joint moves (Nm): Coulomb friction forwards less backwards, halved.
+    pub asymmetry_nm: f64,
+    /// Constant torque (Nm).
+    pub offset_nm: f64,
+    /// Coulomb friction per link-side torque [-].
+    pub load_coefficient: f64,
+    /// Torque ripples; unused ones have amplitude zero.
+    pub ripples: [Ripple; MAX_RIPPLES],
+    /// Stiffness of a spring across the joint, such as a hose [Nm/rad].
+    pub spring_nm_per_rad: f64,
+    /// Joint angle at which that spring is slack (rad).
+    pub spring_rest_rad: f64,
+    /// Travel over which dry friction builds up after a reversal (rad); 0 is at once.
+    pub presliding_distance_rad: f64,
+}
+
+impl JointEffects {
+    /// Whether nothing is added.
+    pub fn is_none(&self) -> bool {
+        *self == Self::default()
+    }
+
+    /// Dry friction that is added at qd [rad/s] under the link-side torque `load_nm` (Nm), per unit of s.
+    #[inline]
+    pub fn dry_limit_nm(&self, qd: f64, load_nm: f64) -> f64 {
+        let bump = if self.breakaway_minus_coulomb_nm == 0.0 {
+            0.0
+        } else {
+            let x = qd / self.stribeck_velocity_rad_s;
+            self.breakaway_minus_coulomb_nm * (-x * x).exp()
+        };
+        self.coulomb_nm + bump + self.load_coefficient * load_nm.abs()
+    }
+
+    /// Torque that depends on the joint angle alone, offset included (Nm).
+    #[inline]
+    pub fn position_torque_nm(&self, q: f64) -> f64 {
+        let ripple: f64 =
+            self.ripples.iter().map(|r| r.amplitude_nm * (r.cycles_per_rev * q + r.phase_rad).sin()).sum();
+        self.offset_nm + ripple + self.spring_nm_per_rad * (q - self.spring_rest_rad)
+    }
+
+    /// The whole added torque (Nm) at q (rad), qd [rad/s] and link-side torque `load_nm` (Nm), given the (smoothed)
+    /// sign of qd.
+    #[inline]
+    pub fn torque_nm(&self, q: f64, qd: f64, sign: f64, load_nm: f64) -> f64 {
+        self.dry_limit_nm(qd, load_nm) * sign
+            + self.viscous_nm_s_per_rad * qd
+            + self.asymmetry_nm * sign.abs()
+            + self.position_torque_nm(q)
+    }
+
+    /// [`Self::torque_nm`] with sign(qd) replaced by tanh(qd/smoothing).
+    #[inline]
+    pub fn steady_torque_nm(&self, q: f64, qd: f64, load_nm: f64, smoothing_rad_s: f64) -> f64 {
+        self.torque_nm(q, qd, smooth_sign(qd, smoothing_rad_s), load_nm)
+    }
+}
