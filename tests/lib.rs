@@ -8,7 +8,7 @@ use tribo_control::{ImpedanceSettings, PAPER_PHASES_RAD, SinusoidReference};
 use tribo_ekf::{WrenchEkf, WrenchEkfSettings};
 use tribo_experiments::{PenaltyLimits, Trial};
 use tribo_friction::law::CoulombViscous;
-use tribo_friction::{Compensator, FrictionModel, VelocitySource};
+use tribo_friction::{Compensator, FrictionModel, JointEffects, Ripple, VelocitySource};
 use tribo_robot::{Kinematics, Plant, Pose, SensorFrame, presets};
 use tribo_runtime::{ControlLoop, LoopSettings};
 use tribo_sim::{BoxFrictionPlant, DEFAULT_SUB_STEPS, Sensors, Truth, WrenchPulses};
@@ -34,6 +34,25 @@ pub fn default_ekf() -> WrenchEkf {
     WrenchEkf::new(WrenchEkfSettings::default())
 }
 
+/// Every torque that a compensator knows beyond its law, on every joint; small enough for a loop that is not told.
+pub fn all_effects() -> [JointEffects; 7] {
+    let ripple = |cycles_per_rev| Ripple { cycles_per_rev, amplitude_nm: 0.05, phase_rad: 0.4 };
+    let effects = JointEffects {
+        coulomb_nm: 0.05,
+        viscous_nm_s_per_rad: 0.1,
+        breakaway_minus_coulomb_nm: 0.05,
+        stribeck_velocity_rad_s: 0.05,
+        asymmetry_nm: 0.02,
+        offset_nm: 0.05,
+        load_coefficient: 0.002,
+        ripples: [10.0, 20.0, 40.0, 160.0].map(ripple),
+        spring_nm_per_rad: 0.3,
+        spring_rest_rad: 0.1,
+        presliding_distance_rad: 1e-3,
+    };
+    [effects; 7]
+}
+
 /// The five truths of the tuning tables.
 pub fn five_truths() -> [(&'static str, Truth<7>); 5] {
     [
@@ -53,6 +72,7 @@ pub fn tuning_trial(truth: Truth<7>, velocity: VelocitySource) -> Trial<7> {
         sub_steps: DEFAULT_SUB_STEPS,
         pulses: WrenchPulses::default(),
         model: presets::panda(),
+        effects: Default::default(),
         start: presets::panda_ready_pose(),
         impedance: ImpedanceSettings::default(),
         reference: SinusoidReference::paper(ready_flange(), PAPER_PHASES_RAD),
@@ -68,12 +88,12 @@ pub fn panda_loop(
     friction: FrictionModel<7>,
     velocity: VelocitySource,
 ) -> ControlLoop<7, WrenchEkf> {
-    let settings = LoopSettings {
-        impedance: ImpedanceSettings::default(),
-        reference,
-        compensator: Compensator::new(friction, velocity),
-        dt_s: DT_S,
-    };
+    loop_with(reference, Compensator::new(friction, velocity))
+}
+
+/// The bare loop of [`tuning_trial`] with another reference and any compensator.
+pub fn loop_with(reference: SinusoidReference, compensator: Compensator<7>) -> ControlLoop<7, WrenchEkf> {
+    let settings = LoopSettings { impedance: ImpedanceSettings::default(), reference, compensator, dt_s: DT_S };
     ControlLoop::new(presets::panda(), presets::panda_ready_pose(), settings, default_ekf())
 }
 

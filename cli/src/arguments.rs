@@ -25,6 +25,7 @@ const EXAMPLES: &str = "Examples:
   tribo simulate --log trial.csv               one trial as a robot log
   tribo convert panda_gaz2019 panda.csv        a log of another program as canonical CSV
   tribo estimate panda.csv --torque-side link  what the joint torques and the tool say about it
+  tribo diagnose panda.csv --model panda.yaml  what the model lacks, and what that is worth
 
 Exit codes: 0 done, 1 a check asked for has failed, 2 bad input, 3 internal error.";
 
@@ -57,6 +58,10 @@ pub enum Command {
     Simulate(Simulate),
     /// Estimate the tool wrench and the joints' torque residual from a robot log.
     Estimate(Estimate),
+    /// Say what a model gets wrong about measured logs, why, and what the extended model is worth on unseen data.
+    ///
+    /// Several logs are one session. Exit code 0 whatever the verdict, unless --check is given.
+    Diagnose(Diagnose),
     /// Convert a robot log to canonical CSV (.csv, .csv.gz) or Parquet.
     Convert(Convert),
     /// Write tuned parameters for another program.
@@ -87,6 +92,9 @@ pub struct Scenario {
     /// Velocity the compensator believes near zero speed.
     #[arg(long, value_parser = PossibleValuesParser::new(["measured", "reference", "hybrid"]))]
     pub velocity: Option<String>,
+    /// Model file the controller believes in: its arm, and its effects on top of the friction law [default: the bare arm].
+    #[arg(long, value_name = "FILE")]
+    pub model: Option<PathBuf>,
 }
 
 /// Arguments of `tune`.
@@ -137,9 +145,12 @@ pub struct Simulate {
     /// Log to write (.csv, .csv.gz or .parquet).
     #[arg(long, value_name = "FILE")]
     pub log: Option<PathBuf>,
-    /// Compensator: none, oracle, or a tuned.yaml.
+    /// Compensator: none, oracle, a tuned.yaml, or a model file to believe in.
     #[arg(long, default_value = "none", value_name = "none|oracle|FILE")]
     pub compensation: String,
+    /// Follow the joint-space motion of this file (YAML, schema tribo.trajectory/1) instead of the tool's trajectory.
+    #[arg(long, value_name = "FILE", conflicts_with_all = ["fixed", "pulse_force", "pulse_moment", "pose"])]
+    pub trajectory: Option<PathBuf>,
     /// What is simulated.
     #[command(flatten)]
     pub scenario: Scenario,
@@ -180,6 +191,44 @@ pub struct Estimate {
     /// Write the wrench along the log, with its standard deviation, to this Parquet file.
     #[arg(long, value_name = "FILE")]
     pub out: Option<PathBuf>,
+}
+
+/// Arguments of `diagnose`.
+#[derive(Debug, Args)]
+pub struct Diagnose {
+    /// The logs of one session: canonical CSV (.gz), Parquet, or the text directory of the public Panda data set.
+    #[arg(required = true, value_name = "LOG")]
+    pub logs: Vec<PathBuf>,
+    /// Model that the logs are held against (YAML, schema tribo.model/1) [default: the bare Panda without friction].
+    #[arg(long, value_name = "FILE")]
+    pub model: Option<PathBuf>,
+    /// Side of the gears on which tau_J was measured, when no --model says it.
+    #[arg(long, default_value = "motor", value_parser = PossibleValuesParser::new(["motor", "link"]), conflicts_with = "model")]
+    pub torque_side: String,
+    /// Write the model with the findings added (YAML); tune, simulate and estimate read it.
+    #[arg(long, value_name = "FILE")]
+    pub extend: Option<PathBuf>,
+    /// Write a report with all evidence (one HTML file).
+    #[arg(long, value_name = "FILE")]
+    pub report: Option<PathBuf>,
+    /// Try the extended model on this log, which no parameter is fitted to; may be repeated.
+    #[arg(long, value_name = "LOG")]
+    pub validate: Vec<PathBuf>,
+    /// Write the via points of the next experiment (YAML, schema tribo.trajectory/1).
+    #[arg(long, value_name = "FILE")]
+    pub trajectory: Option<PathBuf>,
+    /// Simulate what the findings are worth to a controller.
+    #[arg(long)]
+    pub closed_loop: bool,
+    /// Band of the torque residual (Hz) [default: from the noise of the log].
+    #[arg(long, value_name = "HZ", allow_negative_numbers = true)]
+    pub band_hz: Option<f64>,
+    /// Seed of permutations, bootstrap and closed loop.
+    #[arg(long, default_value_t = 0, allow_negative_numbers = true)]
+    pub seed: u64,
+    /// Fail (exit code 1) unless nothing is missing.
+    #[arg(long)]
+    pub check: bool,
 }
 
 /// Arguments of `convert`.

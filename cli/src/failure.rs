@@ -29,8 +29,23 @@ impl std::fmt::Display for BadInput {
 
 impl std::error::Error for BadInput {}
 
-/// 1 failed check, 2 bad input, 3 internal.
+/// Somebody pressed Ctrl-C before there was a result.
+#[derive(Debug)]
+pub struct Stopped;
+
+impl std::fmt::Display for Stopped {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str("stopped; nothing is written")
+    }
+}
+
+impl std::error::Error for Stopped {}
+
+/// 1 failed check, 2 bad input, 3 internal; 130 stopped, as shells have it.
 pub fn exit_code(error: &anyhow::Error) -> u8 {
+    if error.is::<Stopped>() {
+        return 130;
+    }
     if error.is::<CheckFailed>() {
         return 1;
     }

@@ -27,6 +27,7 @@ fn main() -> ExitCode {
         Command::Tune(tune) => command::tune::run(&tune, &common),
         Command::Simulate(simulate) => command::simulate::run(&simulate, &common),
         Command::Estimate(estimate) => command::estimate::run(&estimate, &common),
+        Command::Diagnose(diagnose) => command::diagnose::run(&diagnose, &common),
         Command::Convert(convert) => command::convert::run(&convert, &common),
         Command::Export(export) => command::export::run(&export, &common),
         Command::Reproduce(reproduce) => command::reproduce::run(&reproduce, &common),

@@ -1,4 +1,4 @@
-//! Progress of a campaign on standard error.
+//! Progress on standard error, and the wish to stop.
 
 use std::sync::atomic::{AtomicBool, Ordering};
 
@@ -63,5 +63,41 @@ impl CampaignObserver for TrialProgress {
 
     fn stop_requested(&mut self) -> bool {
         STOP.load(Ordering::SeqCst)
+    }
+}
+
+/// A progress bar for one computation in stages. Hidden when standard error is not a terminal or `--quiet` is given.
+pub struct StageProgress {
+    bar: ProgressBar,
+}
+
+impl StageProgress {
+    /// Steps of the bar.
+    const STEPS: u64 = 1000;
+
+    /// A bar at its beginning.
+    pub fn new(quiet: bool) -> Self {
+        let bar = if quiet { ProgressBar::hidden() } else { ProgressBar::new(Self::STEPS) };
+        if let Ok(style) = ProgressStyle::with_template("{bar:30} {percent:>3} %  {elapsed}  {msg}") {
+            bar.set_style(style);
+        }
+        Self { bar }
+    }
+
+    /// Shows a stage and the part that is done, 0 to 1; false if the computation shall stop.
+    pub fn stage(&self, stage: &str, part: f64) -> bool {
+        self.bar.set_message(stage.to_owned());
+        self.bar.set_position((part.clamp(0.0, 1.0) * Self::STEPS as f64) as u64);
+        !self.stopped()
+    }
+
+    /// Whether Ctrl-C or SIGTERM has come.
+    pub fn stopped(&self) -> bool {
+        STOP.load(Ordering::SeqCst)
+    }
+
+    /// Takes the bar off the screen.
+    pub fn finish(&self) {
+        self.bar.finish_and_clear();
     }
 }

@@ -69,21 +69,23 @@ pub struct TorqueTerms<const N: usize> {
     pub coriolis: SVector<f64, N>,
     /// `g(q)`.
     pub gravity: SVector<f64, N>,
-    /// Friction compensation.
+    /// Friction compensation of the law.
     pub friction: SVector<f64, N>,
+    /// Compensation of effects beyond the law.
+    pub effects: SVector<f64, N>,
 }
 
 impl<const N: usize> TorqueTerms<N> {
     /// No torque at all.
     pub fn zero() -> Self {
         let zero = SVector::zeros();
-        Self { task: zero, nullspace: zero, coriolis: zero, gravity: zero, friction: zero }
+        Self { task: zero, nullspace: zero, coriolis: zero, gravity: zero, friction: zero, effects: zero }
     }
 
     /// The commanded torque before limits (roveda2022 eq. 34).
     #[inline]
     pub fn total(&self) -> SVector<f64, N> {
-        self.task + self.nullspace + self.coriolis + self.gravity + self.friction
+        self.task + self.nullspace + self.coriolis + self.gravity + self.friction + self.effects
     }
 }
 
@@ -129,13 +131,16 @@ pub struct ImpedanceController<const N: usize> {
     pub pseudo_inverse: DampedPseudoInverse,
     /// Posture q0 (rad) of the optional null-space spring.
     pub posture: SVector<f64, N>,
+    /// Rotor inertia Ir of the arm [kg m²], which the gears do not bear.
+    pub rotor_inertia_kg_m2: SVector<f64, N>,
 }
 
 impl<const N: usize> ImpedanceController<N> {
     /// One tick: torque terms (Nm) for the measured state (q (rad), qd [rad/s]) and the reference pose.
     ///
-    /// `friction_torque` maps (measured qd, J#) to the compensation; the reference joint velocity J# ẋ_m is
-    /// formed here from `twist_model`, the twist of the [`crate::ReferenceModel`].
+    /// `compensation` maps (measured qd, reference qd, load) to the torques (Nm) of friction law and effects; the reference joint velocity
+    /// J# ẋ_m is formed here from `twist_model`, the twist of the [`crate::ReferenceModel`], and the load is what this tick
+    /// asks the links to bear, `(B − Ir) qdd + C qd + g` without rotor inertia (Nm).
     #[inline]
     pub fn tick(
         &self,
@@ -144,7 +149,11 @@ impl<const N: usize> ImpedanceController<N> {
         qd: &SVector<f64, N>,
         reference: &Pose,
         twist_model: &Vector6<f64>,
-        compensation: impl FnOnce(&SVector<f64, N>, &SVector<f64, N>) -> SVector<f64, N>,
+        compensation: impl FnOnce(
+            &SVector<f64, N>,
+            &SVector<f64, N>,
+            &SVector<f64, N>,
+        ) -> (SVector<f64, N>, SVector<f64, N>),
     ) -> Result<(TorqueTerms<N>, TaskState), ControlFault> {
         let inverse = self.pseudo_inverse.factor(&terms.jacobian).ok_or(ControlFault::NotFinite)?;
         let pose = &terms.base_from_flange;
@@ -159,13 +168,12 @@ impl<const N: usize> ImpedanceController<N> {
             settle -= displaced * self.settings.posture_stiffness_per_s2;
         }
         let qd_reference = inverse.apply(twist_model);
-        let torque = TorqueTerms {
-            task: terms.mass_matrix * gamma,
-            nullspace: terms.mass_matrix * settle,
-            coriolis: terms.coriolis_nm,
-            gravity: terms.gravity_nm,
-            friction: compensation(qd, &qd_reference),
-        };
+        let (task, nullspace) = (terms.mass_matrix * gamma, terms.mass_matrix * settle);
+        let rotor = self.rotor_inertia_kg_m2.component_mul(&(gamma + settle));
+        let load = task + nullspace - rotor + terms.bias_nm();
+        let (friction, effects) = compensation(qd, &qd_reference, &load);
+        let torque =
+            TorqueTerms { task, nullspace, coriolis: terms.coriolis_nm, gravity: terms.gravity_nm, friction, effects };
         if torque.total().iter().all(|tau| tau.is_finite()) {
             let nullspace_speed_rad_s = nullspace_qd.norm();
             Ok((torque, TaskState { twist, error, acceleration_command, nullspace_speed_rad_s }))
@@ -193,9 +201,11 @@ mod tests {
             settings: ImpedanceSettings::default(),
             pseudo_inverse: DampedPseudoInverse::default(),
             posture: q,
+            rotor_inertia_kg_m2: arm.rotor_inertia_kg_m2,
         };
-        let (torque, task) =
-            controller.tick(&terms, &q, &qd, &reference, &Vector6::zeros(), |_, _| SVector::zeros()).unwrap();
+        let (torque, task) = controller
+            .tick(&terms, &q, &qd, &reference, &Vector6::zeros(), |_, _, _| (SVector::zeros(), SVector::zeros()))
+            .unwrap();
         let qdd = forward_dynamics(&arm, &q, &qd, &torque.total());
         let acceleration = terms.jacobian * qdd + terms.jdot_qd;
         assert!((acceleration - task.acceleration_command).amax() < 1e-9);
@@ -204,6 +214,28 @@ mod tests {
         let null = inverse.project_to_null_space(&qdd) + inverse.project_to_null_space(&qd) * 50.0;
         assert!(null.amax() < 1e-9);
         assert!(task.error[3] < 0.0 && task.acceleration_command[3] - 0.01 * 250.0 < 5.0);
+    }
+
+    /// Witness: the load handed to the compensation is inverse dynamics of the link-side arm at the acceleration made.
+    #[test]
+    fn the_load_is_what_the_links_bear() {
+        let arm = presets::panda();
+        let q = presets::panda_ready_pose();
+        let qd = SVector::<f64, 7>::from_fn(|i, _| 0.2 * (i as f64 + 1.0).sin());
+        let terms = ControlTerms::at(&arm, &q, &qd);
+        let controller = ImpedanceController {
+            settings: ImpedanceSettings::default(),
+            pseudo_inverse: DampedPseudoInverse::default(),
+            posture: q,
+            rotor_inertia_kg_m2: arm.rotor_inertia_kg_m2,
+        };
+        let mut load = SVector::zeros();
+        let answer = controller.tick(&terms, &q, &qd, &terms.base_from_flange, &Vector6::zeros(), |_, _, given| {
+            load = *given;
+            (SVector::zeros(), SVector::zeros())
+        });
+        let qdd = forward_dynamics(&arm, &q, &qd, &answer.unwrap().0.total());
+        assert!((load - tribo_robot::rnea(&arm.link_side(), &q, &qd, &qdd)).amax() < 1e-9);
     }
 
     #[test]
@@ -215,9 +247,11 @@ mod tests {
             settings: ImpedanceSettings::default(),
             pseudo_inverse: DampedPseudoInverse::default(),
             posture: q,
+            rotor_inertia_kg_m2: arm.rotor_inertia_kg_m2,
         };
-        let answer =
-            controller.tick(&terms, &q, &qd, &terms.base_from_flange, &Vector6::zeros(), |_, _| SVector::zeros());
+        let answer = controller.tick(&terms, &q, &qd, &terms.base_from_flange, &Vector6::zeros(), |_, _, _| {
+            (SVector::zeros(), SVector::zeros())
+        });
         assert_eq!(answer.unwrap_err(), ControlFault::NotFinite);
     }
 }

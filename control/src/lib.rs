@@ -4,8 +4,8 @@
 //! tau = B(q)(γ − Dn (I − J#J) qd) + C qd + g + tau_f_hat,     γ = J#(a − J̇ qd),     M a = −(D v + K e)
 //! ```
 //!
-//! [`SinusoidReference`] is the exciting trajectory, [`ImpedanceController`] the law, [`TorqueLimiter`] what the drives
-//! accept, [`SafeTorque`] what is sent when something is wrong. Each tick returns every torque term, for the log.
+//! [`SinusoidReference`] is the exciting trajectory, [`ImpedanceController`] the law, [`JointTracking`] a stiff one in joint
+//! space for recording logs, [`TorqueLimiter`] what the drives accept, [`SafeTorque`] what is sent when something is wrong. Each tick returns every torque term, for the log.
 //!
 //! # What the paper says, what we do, why
 //!
@@ -22,6 +22,7 @@
 //! Leaves out: force control, inertia shaping, singularity crossing.
 
 mod impedance;
+mod joint_tracking;
 mod limiter;
 mod pseudo_inverse;
 mod reference;
@@ -29,6 +30,7 @@ mod reference_model;
 mod safe_torque;
 
 pub use impedance::{ControlFault, ImpedanceController, ImpedanceSettings, TaskState, TorqueTerms};
+pub use joint_tracking::{JointTarget, JointTracking};
 pub use limiter::TorqueLimiter;
 pub use pseudo_inverse::DampedPseudoInverse;
 pub use reference::{PAPER_PHASES_RAD, SinusoidReference};

@@ -26,6 +26,11 @@ impl ReferenceModel {
         Self { position: pose.translation.vector, rotation: *pose.rotation.matrix(), twist: Vector6::zeros() }
     }
 
+    /// Pose it has reached, `base_from_flange`.
+    pub fn pose(&self) -> Pose {
+        Pose::from_parts(self.position.into(), nalgebra::Rotation3::from_matrix_unchecked(self.rotation))
+    }
+
     /// Advances by dt (s) towards the reference pose and returns the twist ẋ_m (angular part first, base axes).
     #[inline]
     pub fn step(&mut self, settings: &ImpedanceSettings, reference: &Pose, dt_s: f64) -> Vector6<f64> {

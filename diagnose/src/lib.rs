@@ -29,20 +29,41 @@
 //! Leaves out, so far: named causes other than friction, their selection and their tests.
 
 mod blocks;
+mod cause;
+mod conclusion;
+mod confusable;
+mod contact_window;
+mod deflection;
 mod diagnosis;
+mod engine;
+mod evidence;
 pub mod filter;
 mod friction_report;
+mod held_out;
 mod next_experiment;
+mod noise_level;
 mod nominal;
+mod parameters;
+mod plots;
+mod ripple;
+mod scene;
+mod search;
+pub mod report;
 mod signal_chain;
+mod significance;
+mod system;
 mod torque_residual;
+mod validation;
+mod whitening;
 
 pub use blocks::{BlockSettings, Blocks, BlocksError, Split};
 pub use diagnosis::{
     Alternative, CauseLabel, CrossJointPattern, Diagnosis, Finding, JointMisfit, Location, Parameter, Plot, Rejected,
     Series, Validation, Verdict,
 };
+pub use engine::{DiagnoseError, DiagnoseSettings, diagnose};
 pub use friction_report::{FrictionReport, FrictionSettings, HeldOut, HeldOutError, JointFitError, JointReport};
+pub use noise_level::white_noise_sd;
 pub use next_experiment::NextExperiment;
 pub use nominal::Nominal;
 pub use signal_chain::{ResidualSettings, SignalChain};

@@ -119,6 +119,11 @@ impl SignalChain {
         self.smoother.gain(frequency_hz) * self.band.gain(frequency_hz)
     }
 
+    /// Gain of the smoother alone, which velocities pass, at `frequency_hz`.
+    pub fn smoothing_gain(&self, frequency_hz: f64) -> f64 {
+        self.smoother.gain(frequency_hz)
+    }
+
     /// Shortest burst that leaves something (s): what both ends lose, and one period of the band or one average.
     pub fn shortest_burst_s(&self) -> f64 {
         2.0 * (self.settle_s + self.trim_s) + f64::max(self.band_hz.recip(), self.average_samples as f64 / self.rate_hz)

@@ -107,6 +107,10 @@ pub struct TorqueResidual<const N: usize> {
     pub chain: SignalChain,
     /// Motion of each burst before band filter and trimming.
     motion: Vec<Vec<MotionSample<N>>>,
+    /// Measured torque of each burst at the same stamps as the motion, unfiltered (Nm).
+    raw_torque_nm: Vec<Vec<SVector<f64, N>>>,
+    /// Motor position through the gear less joint position of each burst, smoothed like the motion (rad).
+    deflection_rad: Option<Vec<Vec<SVector<f64, N>>>>,
 }
 
 impl<const N: usize> TorqueResidual<N> {
@@ -138,6 +142,8 @@ impl<const N: usize> TorqueResidual<N> {
 
         // Motion from positions; measured torque through the same smoother.
         let motion: Vec<_> = kept.iter().map(|burst| motion_of(burst, &chain)).collect();
+        let raw_torque_nm = kept.iter().map(|burst| rows(&burst.tau_j_nm, &chain)).collect();
+        let deflection_rad = kept.iter().map(|burst| deflection_of(burst, &chain)).collect();
         let mut residual = Self {
             time_s: Vec::new(),
             qd_rad_s: std::array::from_fn(|_| Vec::new()),
@@ -148,6 +154,8 @@ impl<const N: usize> TorqueResidual<N> {
             skipped_bursts: count - kept.len(),
             chain,
             motion,
+            raw_torque_nm,
+            deflection_rad,
         };
         for burst in kept {
             let start = residual.time_s.len();
@@ -177,6 +185,21 @@ impl<const N: usize> TorqueResidual<N> {
         self.time_s.len()
     }
 
+    /// Motion of each burst before band filter and trimming.
+    pub fn motion(&self) -> &[Vec<MotionSample<N>>] {
+        &self.motion
+    }
+
+    /// Measured torque of each burst at the stamps of [`Self::motion`], unfiltered (Nm).
+    pub fn raw_torque_nm(&self) -> &[Vec<SVector<f64, N>>] {
+        &self.raw_torque_nm
+    }
+
+    /// Motor position through the gear less joint position at the stamps of [`Self::motion`] (rad), with two encoders.
+    pub fn deflection_rad(&self) -> Option<&[Vec<SVector<f64, N>>]> {
+        self.deflection_rad.as_deref()
+    }
+
     /// A regressor φ(q, qd, qdd) for each joint, filtered, trimmed and averaged exactly as the torques are.
     pub fn joint_columns(&self, regressor: impl Fn(&MotionSample<N>) -> SVector<f64, N>) -> [Vec<f64>; N] {
         let mut columns = std::array::from_fn(|_| Vec::with_capacity(self.samples()));
@@ -195,6 +218,21 @@ impl<const N: usize> TorqueResidual<N> {
         let finished = |burst: &Vec<_>| self.chain.finish(&burst.iter().map(&regressor).collect::<Vec<f64>>());
         self.motion.iter().flat_map(finished).collect()
     }
+}
+
+/// Settled rows of one quantity.
+fn rows<const N: usize>(columns: &[Vec<f64>], chain: &SignalChain) -> Vec<SVector<f64, N>> {
+    let settled: Vec<&[f64]> = columns.iter().map(|column| chain.settled(column)).collect();
+    let count = settled.first().map_or(0, |column| column.len());
+    (0..count).map(|k| SVector::from_fn(|j, _| settled[j][k])).collect()
+}
+
+/// Smoothed, settled `theta − q` where the log has two encoders.
+fn deflection_of<const N: usize>(burst: &RobotLog, chain: &SignalChain) -> Option<Vec<SVector<f64, N>>> {
+    let theta = burst.theta_rad.as_ref()?;
+    let difference = |j: usize| theta[j].iter().zip(&burst.q_rad[j]).map(|(theta, q)| theta - q).collect::<Vec<f64>>();
+    let smoothed: Vec<Vec<f64>> = (0..N).map(|j| chain.smooth(&difference(j))).collect();
+    Some(rows(&smoothed, chain))
 }
 
 /// Smoothed positions and their derivatives, away from the ends of the burst.

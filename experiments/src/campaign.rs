@@ -269,8 +269,9 @@ fn write_tuned(directory: &Path, tune: &ValidTune, result: &CampaignResult) -> R
     };
     let theta = &result.trials[best.0].theta;
     let compensator: Compensator<7> = Compensator::new(tune.space.friction(theta), tune.config.velocity);
-    let file =
+    let mut file =
         TunedFile::new(&compensator, &tune.trial.model.name, tune.config.seed, best, result.references.uncompensated);
+    file.model.clone_from(&tune.config.model_content);
     let path = directory.join("tuned.yaml");
     let text = to_yaml(&file).map_err(FileError::io(&path))?;
     Ok(write_atomic(&path, |file| file.write_all(text.as_bytes()))?)

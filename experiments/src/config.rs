@@ -1,16 +1,18 @@
 //! Settings of a campaign: as written, and as validated.
 
+use std::path::PathBuf;
+
 use serde::{Deserialize, Serialize};
 use tribo_control::{ImpedanceSettings, PAPER_PHASES_RAD, SinusoidReference};
 use tribo_ekf::{MeasurementNoise, WrenchEkfSettings};
-use tribo_friction::VelocitySource;
+use tribo_friction::{JointEffects, VelocitySource};
 use tribo_robot::{Kinematics, presets};
-use tribo_sim::{DEFAULT_SUB_STEPS, Truth, WrenchPulses};
+use tribo_sim::{DEFAULT_SUB_STEPS, WrenchPulses};
 
-use crate::files::{FieldError, FileError};
-use crate::scenario::{ModelError, POSES, TruthName, pose, random_phases};
+use crate::files::{FieldError, FileError, ModelFile};
+use crate::scenario::{LoadedTruth, ModelError, POSES, TruthName, frozen_model, pose, random_phases};
 use crate::strategy::StrategyName;
-use crate::{Bounds, ParameterSpace, PenaltyLimits, Trial, TunedLaw};
+use crate::{Believed, Bounds, ParameterSpace, PenaltyLimits, Trial, TunedLaw};
 
 /// Schema name of campaign settings.
 const SCHEMA: &str = "tribo.tune/1";
@@ -61,6 +63,16 @@ pub struct TuneConfig {
     pub init: usize,
     /// What the simulated arm is like: a name, or the path of a model file.
     pub truth: TruthName,
+    /// Content of the file that `truth` names, as it was when the campaign began.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub truth_content: Option<ModelFile>,
+    /// Model file that the controller believes in: its arm, and its effects on top of the tuned law; none is the bare
+    /// arm of the preset.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub model: Option<PathBuf>,
+    /// Content of the file that `model` names, as it was when the campaign began.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub model_content: Option<ModelFile>,
     /// What the controller's model gets wrong.
     pub model_error: ModelError,
     /// Configuration about which the tool moves: 0, 1, 2.
@@ -92,6 +104,9 @@ impl Default for TuneConfig {
             trials: 50,
             init: 10,
             truth: TruthName::CoulombViscous,
+            truth_content: None,
+            model: None,
+            model_content: None,
             model_error: ModelError::default(),
             pose: 0,
             phases: Phases::Documented,
@@ -123,6 +138,10 @@ pub struct ValidTune {
     pub space: ParameterSpace,
     /// The trial that is repeated.
     pub trial: Trial<7>,
+    /// What an oracle believes of the truth.
+    pub oracle: Believed,
+    /// What the controller believes, where a model file says it; its friction law is not in the trial.
+    pub believed: Option<Believed>,
 }
 
 impl TuneConfig {
@@ -186,7 +205,15 @@ impl TuneConfig {
         if self.strategy == StrategyName::Gaz {
             self.friction = TunedLaw::GazSigmoid;
         }
-        let truth: Truth<7> = self.model_error.apply(self.truth.load()?, self.seed);
+        let LoadedTruth { truth, oracle } = self.truth.load(&mut self.truth_content)?;
+        let truth = self.model_error.apply(truth, self.seed);
+        let believed = match &self.model {
+            Some(path) => Some(Believed::by_controller(&frozen_model(path, &mut self.model_content, "model_content")?)),
+            None => {
+                self.model_content = None;
+                None
+            }
+        };
         let start = pose(self.pose).ok_or_else(|| FieldError::new("pose", self.pose, "0 to 2"))?;
         let model = presets::panda();
         let phase_rad = match self.phases {
@@ -200,6 +227,7 @@ impl TuneConfig {
             sub_steps: self.sub_steps,
             pulses: WrenchPulses::default(),
             model,
+            effects: [JointEffects::default(); 7],
             start,
             impedance: self.impedance,
             reference: SinusoidReference::paper(centre, phase_rad),
@@ -207,8 +235,9 @@ impl TuneConfig {
             limits: self.limits,
             dt_s: 1e-3,
         };
+        let trial = believed.as_ref().map_or(trial.clone(), |believed| trial.believing(believed));
         let space = ParameterSpace { law: self.friction, bounds: self.bounds, joints: 7 };
         self.tribo_version = env!("CARGO_PKG_VERSION").to_owned();
-        Ok(ValidTune { config: self, space, trial })
+        Ok(ValidTune { config: self, space, trial, oracle, believed })
     }
 }

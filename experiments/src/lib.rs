@@ -18,13 +18,18 @@
 //! # Ok::<(), tribo_experiments::ConfigError>(())
 //! ```
 
+mod believed;
 mod campaign;
+mod closed_loop_gain;
 mod config;
 mod cost;
 pub mod files;
+mod follow;
 mod in_memory;
+pub mod hidden_effects;
 pub mod journal;
 mod leftovers;
+mod log_recorder;
 mod log_wrench;
 mod monitor;
 mod numbered_trial;
@@ -40,11 +45,14 @@ mod trial;
 mod trial_log;
 mod trial_store;
 
+pub use believed::{Believed, NotCancelled, joint_effects};
 pub use campaign::{Campaign, CampaignError, CampaignObserver, CampaignResult};
+pub use closed_loop_gain::{ClosedLoopGain, closed_loop_gain};
 pub use config::{ConfigError, EstimatorName, Phases, TuneConfig, ValidTune};
 pub use cost::{Cost, CostAccumulator};
+pub use follow::{Followed, follow};
 pub use in_memory::run_in_memory;
-pub use log_wrench::{LogWrench, ReferenceErrors, WrenchSummary, wrench_on_log};
+pub use log_wrench::{LogWrench, ReferenceErrors, WrenchSummary, without_effects, wrench_on_log};
 pub use monitor::{AbortReason, PenaltyLimits, TrialMonitor};
 pub use numbered_trial::run_numbered;
 pub use parameters::{Bounds, ParameterSpace, TunedLaw};

@@ -2,9 +2,11 @@
 
 use nalgebra::{SVector, Vector6};
 use serde_json::{Value, json};
-use tribo_friction::FrictionModel;
-use tribo_logs::{GAP_TOLERANCE, RobotLog, bursts};
-use tribo_robot::{Arm, ControlTerms, EstimatorInput, SensorFrame, WrenchEstimator};
+use tribo_friction::{Bristles, Compensator, CompensatorInput, VelocitySource};
+use tribo_logs::{GAP_TOLERANCE, LogError, RobotLog, bursts};
+use tribo_robot::{ControlTerms, EstimatorInput, SensorFrame, WrenchEstimator, bias_torque};
+
+use crate::Believed;
 
 /// Wrench along a log, one row per sample of the log, in file order: force then moment [N, Nm], base axes.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -28,24 +30,30 @@ const SETTLE_S: f64 = 0.5;
 
 /// Runs an estimator over the bursts of a log, starting anew at each.
 ///
-/// The torque given to it is `tau_J` less the friction believed at the logged velocity; `arm` must be the arm on the
-/// same side of the gears as that torque. The torque that acted over a period is taken as the mean of its two ends.
+/// The torque given to it is `tau_J` less the friction and the effects believed at the logged velocity; `believed` must
+/// be [`Believed::on_log`], the arm on the same side of the gears as that torque. The torque that acted over a period is
+/// taken as the mean of its two ends. Friction that grows with the load takes gravity and Coriolis torque as the load.
 pub fn wrench_on_log<E: WrenchEstimator<7>>(
     log: &RobotLog,
-    arm: &Arm<7>,
-    friction: &FrictionModel<7>,
+    believed: &Believed,
     smoothing_rad_s: f64,
     estimator: &mut E,
 ) -> LogWrench {
+    let arm = &believed.arm;
+    let compensator = Compensator {
+        smoothing_rad_s,
+        effects: believed.effects,
+        ..Compensator::new(believed.friction, VelocitySource::Measured)
+    };
     let mut result = LogWrench { stated_delay_s: estimator.delay_s(), ..LogWrench::default() };
     if let Some(columns) = &log.o_f_ext {
         let rows = 0..log.rows();
         result.reference = Some(rows.map(|k| std::array::from_fn(|i| columns[i][k])).collect());
     }
     let no_command = Vector6::zeros();
-    let at = |columns: &[Vec<f64>], k: usize| SVector::<f64, 7>::from_fn(|j, _| columns[j][k]);
     for burst in bursts(&log.time_s, GAP_TOLERANCE.max(LONGEST_GAP_PERIODS)) {
         let first = burst.start;
+        let mut bristles = Bristles::default();
         for k in burst {
             let frame = SensorFrame {
                 time_s: log.time_s[k],
@@ -59,14 +67,17 @@ pub fn wrench_on_log<E: WrenchEstimator<7>>(
                 None
             } else {
                 let tau_motor = (frame.tau + at(&log.tau_j_nm, k - 1)) * 0.5;
-                let tau_friction = friction.torque(&frame.qd, smoothing_rad_s);
+                let dt_s = log.time_s[k] - log.time_s[k - 1];
+                let (q, qd_measured, qd_reference, load_nm) = (frame.q, frame.qd, frame.qd, terms.bias_nm());
+                let input = CompensatorInput { q, qd_measured, qd_reference, load_nm, dt_s };
+                let tau_friction = compensator.tick(&mut bristles, &input).total();
                 Some(estimator.step(&EstimatorInput {
                     frame: &frame,
                     terms: &terms,
                     tau_motor: &tau_motor,
                     tau_friction: &tau_friction,
                     acceleration_command: &no_command,
-                    dt_s: log.time_s[k] - log.time_s[k - 1],
+                    dt_s,
                 }))
             };
             let settled = log.time_s[k] - log.time_s[first] >= SETTLE_S;
@@ -89,6 +100,36 @@ pub fn wrench_on_log<E: WrenchEstimator<7>>(
         }
     }
     result
+}
+
+/// The log with the torques of the believed effects taken off tau_J; the friction law stays in it.
+pub fn without_effects(log: &RobotLog, believed: &Believed, smoothing_rad_s: f64) -> Result<RobotLog, LogError> {
+    let law = Compensator { smoothing_rad_s, ..Compensator::new(believed.friction, VelocitySource::Measured) };
+    let with = law.with_effects(believed.effects);
+    if with == law {
+        return Ok(log.clone());
+    }
+    let mut columns = log.clone().into_columns();
+    for burst in bursts(&log.time_s, GAP_TOLERANCE.max(LONGEST_GAP_PERIODS)) {
+        let mut bristles = Bristles::default();
+        let first = burst.start;
+        for k in burst {
+            let (q, qd) = (at(&log.q_rad, k), at(&log.dq_rad_s, k));
+            let load_nm = bias_torque(&believed.arm, &q, &qd);
+            let dt_s = if k == first { 0.0 } else { log.time_s[k] - log.time_s[k - 1] };
+            let input = CompensatorInput { q, qd_measured: qd, qd_reference: qd, load_nm, dt_s };
+            let effects = with.tick(&mut bristles, &input).effects_nm;
+            for j in 0..7 {
+                columns.tau_j_nm[j][k] -= effects[j];
+            }
+        }
+    }
+    columns.validate()
+}
+
+/// Row k of seven columns.
+fn at(columns: &[Vec<f64>], k: usize) -> SVector<f64, 7> {
+    SVector::from_fn(|j, _| columns[j][k])
 }
 
 /// Gaps up to this many periods are bridged: a real-time logger on a busy computer skips a few rows at a time.

@@ -1,30 +1,34 @@
 //! Costs that put a result into proportion.
 
 use rayon::prelude::*;
-use tribo_friction::FrictionModel;
 use tribo_friction::law::CoulombViscous;
+use tribo_friction::{FrictionModel, JointEffects};
+use tribo_sim::Effect;
 
 use crate::numbered_trial::{noise_seed, run_estimated};
-use crate::{Trial, ValidTune};
+use crate::{Trial, ValidTune, joint_effects};
 
 /// Costs that put a campaign's result into proportion; known only in simulation.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct References {
     /// J without compensation.
     pub uncompensated: f64,
-    /// J with the true steady friction, cold, as compensator.
+    /// J of a controller that believes the truth: its arm, its steady friction, cold, and all effects it can cancel.
     pub oracle: f64,
-    /// J of the same arm without friction.
+    /// J of the same arm, known to the controller, without friction and without what a compensator could cancel.
     pub frictionless: f64,
 }
 
 /// The three reference costs, on noise of their own.
 pub fn references(tune: &ValidTune) -> References {
     let none = FrictionModel::uniform(CoulombViscous::default().into());
-    let mut smooth = tune.trial.clone();
+    let no_effects = [JointEffects::default(); 7];
+    let uncompensated = Trial { effects: no_effects, ..tune.trial.clone() };
+    let oracle = tune.trial.clone().believing(&tune.oracle);
+    let mut smooth = Trial { effects: no_effects, ..oracle.clone() };
     smooth.truth.friction = none;
-    let runs: [(&Trial<7>, FrictionModel<7>); 3] =
-        [(&tune.trial, none), (&tune.trial, tune.trial.truth.friction), (&smooth, none)];
+    smooth.truth.effects.retain(stays_without_friction);
+    let runs = [(&uncompensated, none), (&oracle, tune.oracle.friction), (&smooth, none)];
     let costs: Vec<f64> = runs
         .par_iter()
         .enumerate()
@@ -34,4 +38,10 @@ pub fn references(tune: &ValidTune) -> References {
         })
         .collect();
     References { uncompensated: costs[0], oracle: costs[1], frictionless: costs[2] }
+}
+
+/// Whether an effect belongs to the arm even when nothing acts in its joints.
+fn stays_without_friction(effect: &Effect) -> bool {
+    !matches!(effect, Effect::ThermalFriction { .. })
+        && joint_effects(std::slice::from_ref(effect)).0 == [JointEffects::default(); 7]
 }

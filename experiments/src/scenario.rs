@@ -1,6 +1,6 @@
 //! Poses, truths and model errors a campaign can be run on.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use nalgebra::{Matrix3, SVector, Vector3};
 use rand::{RngExt, SeedableRng};
@@ -9,7 +9,8 @@ use serde::{Deserialize, Serialize};
 use tribo_robot::{Payload, presets};
 use tribo_sim::{Sensors, Truth};
 
-use crate::files::{FileError, Model};
+use crate::files::{FieldError, Model, ModelFile, YamlDocument};
+use crate::{Believed, ConfigError};
 
 /// The three configurations about which the tool moves (rad): the ready pose and two others of the workspace.
 pub fn pose(index: usize) -> Option<SVector<f64, 7>> {
@@ -72,10 +73,19 @@ impl From<TruthName> for String {
     }
 }
 
+/// A truth, and the model of it that leaves nothing to wish for.
+#[derive(Clone, Debug, PartialEq)]
+pub struct LoadedTruth {
+    /// What the plant obeys.
+    pub truth: Truth<7>,
+    /// What an oracle knows of it.
+    pub oracle: Believed,
+}
+
 impl TruthName {
-    /// The truth; a file is read and validated.
-    pub fn load(&self) -> Result<Truth<7>, FileError> {
-        Ok(match self {
+    /// The truth. A file is read, unless its `content` is given already, validated, and left in `content`.
+    pub fn load(&self, content: &mut Option<ModelFile>) -> Result<LoadedTruth, ConfigError> {
+        let truth = match self {
             Self::CoulombViscous => Truth::panda_coulomb_viscous(),
             Self::Stribeck => Truth::panda_stribeck(),
             Self::Lugre => Truth::panda_lugre(),
@@ -83,16 +93,27 @@ impl TruthName {
             Self::Thermal => Truth::panda_thermal(),
             Self::Frictionless => Truth::panda_frictionless(),
             Self::File(path) => {
-                let model = Model::read(path)?;
-                // The plant is always driven by its motors: link-side files lack rotor inertia, the preset has it.
-                let mut arm = model.arm;
-                if arm.rotor_inertia_kg_m2.amax() == 0.0 {
-                    arm.rotor_inertia_kg_m2 = presets::panda().rotor_inertia_kg_m2;
-                }
-                Truth { arm, friction: model.friction, warm_up: None, effects: Vec::new() }
+                let model = frozen_model(path, content, "truth_content")?;
+                return Ok(LoadedTruth { truth: model.to_truth(), oracle: Believed::by_controller(&model) });
             }
-        })
+        };
+        *content = None;
+        let oracle = Believed::of(truth.clone());
+        Ok(LoadedTruth { truth, oracle })
     }
+}
+
+/// The model of a file. What `content` holds goes before what the disk holds: a campaign keeps the file it began with.
+pub fn frozen_model(path: &Path, content: &mut Option<ModelFile>, field: &str) -> Result<Model<7>, ConfigError> {
+    if let Some(file) = content {
+        let within = |error: FieldError| FieldError { field: format!("{field}.{}", error.field), ..error };
+        return Ok(file.validate().map_err(within)?);
+    }
+    let document = YamlDocument::read(path)?;
+    let file: ModelFile = document.parse()?;
+    let model = file.validate().map_err(|error| document.explain(error))?;
+    *content = Some(file);
+    Ok(model)
 }
 
 /// What the controller's model gets wrong, and how noisy the sensors are.

@@ -2,12 +2,12 @@
 
 use nalgebra::SVector;
 use tribo_control::{ImpedanceSettings, SinusoidReference};
-use tribo_friction::{Compensator, FrictionModel, VelocitySource};
+use tribo_friction::{Compensator, FrictionModel, JointEffects, VelocitySource};
 use tribo_robot::{Arm, WrenchEstimator};
 use tribo_runtime::{ControlLoop, LoopSettings, TickRecord};
 use tribo_sim::{BoxFrictionPlant, Sensors, Truth, WrenchPulses};
 
-use crate::{AbortReason, Cost, CostAccumulator, PenaltyLimits, TrialLog, TrialMonitor};
+use crate::{AbortReason, Believed, Cost, CostAccumulator, PenaltyLimits, TrialLog, TrialMonitor};
 
 /// Everything that defines a trial but the compensator's parameters and the noise.
 #[derive(Clone, Debug)]
@@ -22,6 +22,8 @@ pub struct Trial<const N: usize> {
     pub pulses: WrenchPulses,
     /// The arm that the controller believes in.
     pub model: Arm<N>,
+    /// Torques that the compensator believes in on top of the friction law of the trial.
+    pub effects: [JointEffects; N],
     /// Configuration at the start (rad).
     pub start: SVector<f64, N>,
     /// Gains.
@@ -52,6 +54,15 @@ pub struct TrialOutcome<const N: usize> {
 /// Ticks between two samples of the trial log.
 const LOG_DECIMATION: u64 = 10;
 
+impl Trial<7> {
+    /// The same trial with a controller that believes in another arm and other effects.
+    pub fn believing(mut self, believed: &Believed) -> Self {
+        self.model = believed.arm.clone();
+        self.effects = believed.effects;
+        self
+    }
+}
+
 /// Runs one trial with the friction that the compensator believes; `seed` feeds the sensor noise.
 pub fn run_trial<const N: usize, E: WrenchEstimator<N>>(
     trial: &Trial<N>,
@@ -77,7 +88,7 @@ pub fn run_trial_observed<const N: usize, E: WrenchEstimator<N>>(
     let settings = LoopSettings {
         impedance: trial.impedance,
         reference: trial.reference,
-        compensator: Compensator::new(*friction, trial.velocity),
+        compensator: Compensator::new(*friction, trial.velocity).with_effects(trial.effects),
         dt_s: trial.dt_s,
     };
     let mut control = ControlLoop::new(trial.model.clone(), trial.start, settings, estimator);

@@ -18,7 +18,7 @@ pub struct TrialLog<const N: usize> {
     pub qd: Vec<SVector<f64, N>>,
     /// Motor torque sent (Nm).
     pub tau_command: Vec<SVector<f64, N>>,
-    /// Friction compensation in it (Nm).
+    /// Compensation of the friction law in it (Nm); what is believed beyond the law is not to be identified, and left out.
     pub tau_friction: Vec<SVector<f64, N>>,
     /// Task torque in it (Nm).
     pub tau_task: Vec<SVector<f64, N>>,

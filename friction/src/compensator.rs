@@ -3,7 +3,8 @@
 use nalgebra::SVector;
 use serde::{Deserialize, Serialize};
 
-use crate::FrictionModel;
+use crate::law::smooth_sign;
+use crate::{FrictionModel, JointEffects, JointFriction};
 
 /// Which velocity the compensator believes near zero speed. This matters more than the parameters.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
@@ -19,17 +20,22 @@ pub enum VelocitySource {
     Hybrid,
 }
 
-/// Friction compensation torque `tau_f_hat = law(qd_believed)`.
+/// Friction compensation torque `tau_f_hat = law(qd_believed) + effects(q, qd_believed, load)`.
 ///
 /// ```text
 /// measured:  qd_believed = qd_measured,                                   sign smoothed over 0.005 rad/s
 /// reference: qd_believed = qd_reference,                                  sign smoothed over 0.001 rad/s
 /// hybrid:    qd_measured where |qd_measured| > threshold, else qd_reference,  smoothed over 0.001 rad/s
 /// ```
+///
+/// A joint with a presliding distance d has `Fc z` in place of `Fc s`, in its law too: z is the deflection of a bristle,
+/// `dz/dt = (qd_believed − |qd_believed| z)/d`, integrated exactly over each period ([`Bristles`]).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Compensator<const N: usize> {
     /// The friction believed to act.
     pub friction: FrictionModel<N>,
+    /// Torques believed to act beyond the friction law.
+    pub effects: [JointEffects; N],
     /// The velocity believed near zero.
     pub source: VelocitySource,
     /// Width of the smooth sign [rad/s].
@@ -38,26 +44,104 @@ pub struct Compensator<const N: usize> {
     pub hybrid_threshold_rad_s: f64,
 }
 
+/// What a compensator must be told at every tick.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct CompensatorInput<const N: usize> {
+    /// Measured joint positions (rad).
+    pub q: SVector<f64, N>,
+    /// Measured joint velocities [rad/s].
+    pub qd_measured: SVector<f64, N>,
+    /// Joint velocities that the motion is meant to have [rad/s].
+    pub qd_reference: SVector<f64, N>,
+    /// Torque believed to pass through each gear to the links (Nm): gravity, Coriolis and link inertia.
+    pub load_nm: SVector<f64, N>,
+    /// Control period (s).
+    pub dt_s: f64,
+}
+
+/// What a compensator adds (Nm), its two parts kept apart: whoever identifies the law must not be shown the effects.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Compensation<const N: usize> {
+    /// Torque of the friction law.
+    pub law_nm: SVector<f64, N>,
+    /// Torque of the effects on top, presliding's change of the law included.
+    pub effects_nm: SVector<f64, N>,
+}
+
+impl<const N: usize> Compensation<N> {
+    /// Both parts (Nm).
+    #[inline]
+    pub fn total(&self) -> SVector<f64, N> {
+        self.law_nm + self.effects_nm
+    }
+}
+
+/// The only memory of a compensator: the deflection of each joint's bristle over its largest, within ±1; at rest 0.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Bristles<const N: usize>(pub SVector<f64, N>);
+
+impl<const N: usize> Default for Bristles<N> {
+    fn default() -> Self {
+        Self(SVector::zeros())
+    }
+}
+
 impl<const N: usize> Compensator<N> {
     /// Four standard deviations of the 50 Hz velocity signal of a 1e-5 rad encoder (2.9e-3 rad/s).
     pub const DEFAULT_HYBRID_THRESHOLD_RAD_S: f64 = 0.012;
 
-    /// Compensator with the smoothing that suits the source.
+    /// Compensator of a friction law alone, with the smoothing that suits the source.
     pub fn new(friction: FrictionModel<N>, source: VelocitySource) -> Self {
         let smoothing_rad_s = match source {
             VelocitySource::Measured => 0.005,
             VelocitySource::Reference | VelocitySource::Hybrid => 0.001,
         };
-        Self { friction, source, smoothing_rad_s, hybrid_threshold_rad_s: Self::DEFAULT_HYBRID_THRESHOLD_RAD_S }
+        Self {
+            friction,
+            effects: [JointEffects::default(); N],
+            source,
+            smoothing_rad_s,
+            hybrid_threshold_rad_s: Self::DEFAULT_HYBRID_THRESHOLD_RAD_S,
+        }
     }
 
-    /// Compensation torque (Nm) from the measured and the reference joint velocity [rad/s].
+    /// The same compensator that believes `effects` on top of its law.
+    pub fn with_effects(mut self, effects: [JointEffects; N]) -> Self {
+        self.effects = effects;
+        self
+    }
+
+    /// Compensation torque (Nm) of the friction law alone, from the measured and the reference joint velocity [rad/s].
     #[inline]
     pub fn torque(&self, qd_measured: &SVector<f64, N>, qd_reference: &SVector<f64, N>) -> SVector<f64, N> {
         SVector::from_fn(|j, _| {
             let qd = self.believed(qd_measured[j], qd_reference[j]);
             self.friction.joints[j].torque(qd, self.smoothing_rad_s)
         })
+    }
+
+    /// Compensation torque (Nm) of law and effects for one tick; moves the bristles by one period.
+    #[inline]
+    pub fn tick(&self, bristles: &mut Bristles<N>, input: &CompensatorInput<N>) -> Compensation<N> {
+        let law_nm = self.torque(&input.qd_measured, &input.qd_reference);
+        let effects_nm = SVector::from_fn(|j, _| {
+            let effects = &self.effects[j];
+            if effects.is_none() {
+                return 0.0;
+            }
+            let qd = self.believed(input.qd_measured[j], input.qd_reference[j]);
+            let steady = effects.steady_torque_nm(input.q[j], qd, input.load_nm[j], self.smoothing_rad_s);
+            // A velocity that is not finite must not stay in the memory; the torque shows it.
+            let distance_rad = effects.presliding_distance_rad;
+            if distance_rad <= 0.0 || !qd.is_finite() {
+                return steady;
+            }
+            let z = bristle_after(bristles.0[j], qd, input.dt_s, distance_rad);
+            bristles.0[j] = z;
+            let coulomb_nm = coulomb_nm(&self.friction.joints[j], qd) + effects.coulomb_nm;
+            steady + coulomb_nm * (z - smooth_sign(qd, self.smoothing_rad_s))
+        });
+        Compensation { law_nm, effects_nm }
     }
 
     #[inline]
@@ -71,10 +155,40 @@ impl<const N: usize> Compensator<N> {
     }
 }
 
+/// Coulomb friction of a law at speed (Nm), which a bristle takes over. The sigmoid of Gaz has none.
+#[inline]
+fn coulomb_nm(law: &JointFriction, qd: f64) -> f64 {
+    match law {
+        JointFriction::CoulombViscous(law) => law.coulomb_nm,
+        JointFriction::Stribeck(law) => law.coulomb_nm,
+        JointFriction::GazSigmoid(_) => 0.0,
+        JointFriction::Asymmetric(law) if qd < 0.0 => law.coulomb_negative_nm,
+        JointFriction::Asymmetric(law) => law.coulomb_positive_nm,
+        JointFriction::Lugre(law) => law.coulomb_nm,
+    }
+}
+
+/// Solution of `dz/dt = (qd − |qd| z)/d` after dt (s) at constant qd [rad/s]; never beyond ±1, at any step length.
+#[inline]
+fn bristle_after(z: f64, qd: f64, dt_s: f64, distance_rad: f64) -> f64 {
+    let target = smooth_sign(qd, 0.0);
+    target + (z - target) * (-qd.abs() * dt_s / distance_rad).exp()
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::Ripple;
     use crate::law::CoulombViscous;
+
+    fn coulomb(coulomb_nm: f64) -> FrictionModel<1> {
+        FrictionModel::uniform(CoulombViscous { coulomb_nm, viscous_nm_s_per_rad: 0.3 }.into())
+    }
+
+    fn input(q: f64, qd: f64, load: f64) -> CompensatorInput<1> {
+        let one = SVector::<f64, 1>::from_element;
+        CompensatorInput { q: one(q), qd_measured: one(qd), qd_reference: one(qd), load_nm: one(load), dt_s: 1e-3 }
+    }
 
     #[test]
     fn hybrid_believes_the_measurement_only_above_its_noise() {
@@ -87,5 +201,66 @@ mod tests {
         assert!(torque(VelocitySource::Hybrid, 0.013, -0.05) > 0.99);
         assert!(torque(VelocitySource::Reference, 1.0, -0.05) < -0.99);
         assert!((torque(VelocitySource::Measured, 0.005, -1.0) - 1.0f64.tanh()).abs() < 1e-12);
+    }
+
+    #[test]
+    fn without_effects_a_tick_is_the_law_bit_for_bit() {
+        let compensator = Compensator::new(coulomb(0.7), VelocitySource::Hybrid);
+        let mut bristles = Bristles::default();
+        for k in -50..50 {
+            let input = input(0.1, 1.7e-3 * f64::from(k), 20.0);
+            let law = compensator.torque(&input.qd_measured, &input.qd_reference);
+            assert_eq!(compensator.tick(&mut bristles, &input).total(), law);
+        }
+        assert_eq!(bristles, Bristles::default());
+    }
+
+    /// Closed form of every term, joint sliding forwards and backwards.
+    #[test]
+    fn every_effect_adds_its_torque() {
+        let ripple = Ripple { cycles_per_rev: 3.0, amplitude_nm: 0.2, phase_rad: 0.4 };
+        let effects = JointEffects {
+            coulomb_nm: 0.1,
+            viscous_nm_s_per_rad: 0.5,
+            breakaway_minus_coulomb_nm: 0.3,
+            stribeck_velocity_rad_s: 0.2,
+            asymmetry_nm: 0.05,
+            offset_nm: -0.02,
+            load_coefficient: 0.01,
+            ripples: [ripple, Ripple::default(), Ripple::default(), Ripple::default()],
+            spring_nm_per_rad: 4.0,
+            spring_rest_rad: 0.25,
+            presliding_distance_rad: 0.0,
+        };
+        let compensator = Compensator::new(coulomb(0.7), VelocitySource::Measured).with_effects([effects]);
+        for qd in [-0.2_f64, 0.2] {
+            let s = qd.signum();
+            let dry = 0.7 + 0.1 + 0.3 * (-1.0_f64).exp() + 0.01 * 30.0;
+            let position = -0.02 + 0.2 * (3.0 * 1.1_f64 + 0.4).sin() + 4.0 * (1.1 - 0.25);
+            let expected = dry * s + 0.8 * qd + 0.05 + position;
+            let torque = compensator.tick(&mut Bristles::default(), &input(1.1, qd, -30.0)).total()[0];
+            assert!((torque - expected).abs() < 1e-12, "{qd}: {torque} {expected}");
+        }
+    }
+
+    /// Closed form: from rest, after a travel x at constant speed, z = 1 − exp(−x/d); and the law's dry part follows it.
+    #[test]
+    fn presliding_builds_up_over_its_distance() {
+        let effects = JointEffects { presliding_distance_rad: 0.01, ..JointEffects::default() };
+        let compensator = Compensator::new(coulomb(0.7), VelocitySource::Measured).with_effects([effects]);
+        let mut bristles = Bristles::default();
+        let mut torque = 0.0;
+        for _ in 0..200 {
+            torque = compensator.tick(&mut bristles, &input(0.0, 0.05, 0.0)).total()[0];
+        }
+        let z = 1.0 - (-1.0_f64).exp();
+        assert!((bristles.0[0] - z).abs() < 1e-12);
+        assert!((torque - (0.7 * z + 0.3 * 0.05)).abs() < 1e-12);
+        // Any step length keeps it within ±1, standing keeps it where it is, and a broken signal leaves no trace.
+        compensator.tick(&mut bristles, &input(0.0, -1e9, 0.0));
+        assert_eq!(bristles.0[0], -1.0);
+        compensator.tick(&mut bristles, &input(0.0, 0.0, 0.0));
+        assert!(compensator.tick(&mut bristles, &input(0.0, f64::NAN, 0.0)).total()[0].is_nan());
+        assert_eq!(bristles.0[0], -1.0);
     }
 }

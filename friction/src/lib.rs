@@ -29,7 +29,7 @@ pub mod identify;
 pub mod law;
 mod model;
 
-pub use compensator::{Compensator, VelocitySource};
+pub use compensator::{Bristles, Compensation, Compensator, CompensatorInput, VelocitySource};
 pub use effects::{JointEffects, MAX_RIPPLES, Ripple};
 pub use law::{JointFriction, SetValued};
 pub use model::FrictionModel;

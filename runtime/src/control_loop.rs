@@ -5,7 +5,7 @@ use tribo_control::{
     DampedPseudoInverse, ImpedanceController, ImpedanceSettings, ReferenceModel, SafeTorque, SinusoidReference,
     TaskState, TorqueLimiter, TorqueTerms,
 };
-use tribo_friction::Compensator;
+use tribo_friction::{Bristles, Compensator, CompensatorInput};
 use tribo_robot::{Arm, ControlTerms, EstimatorInput, Plant, SensorFrame, WrenchEstimate, WrenchEstimator};
 
 use crate::{TickFault, TickRecord};
@@ -32,6 +32,7 @@ pub struct ControlLoop<const N: usize, E> {
     controller: ImpedanceController<N>,
     model: ReferenceModel,
     limiter: TorqueLimiter<N>,
+    bristles: Bristles<N>,
     safe: SafeTorque<N>,
     applied: Option<Applied<N>>,
     estimate: WrenchEstimate,
@@ -55,9 +56,11 @@ impl<const N: usize, E: WrenchEstimator<N>> ControlLoop<N, E> {
                 settings: settings.impedance,
                 pseudo_inverse: DampedPseudoInverse::default(),
                 posture: q,
+                rotor_inertia_kg_m2: arm.rotor_inertia_kg_m2,
             },
             model: ReferenceModel::at_rest(&start),
             limiter: TorqueLimiter::new(&arm.limits),
+            bristles: Bristles::default(),
             safe: SafeTorque::new(q),
             applied: None,
             estimate: WrenchEstimate {
@@ -105,8 +108,11 @@ impl<const N: usize, E: WrenchEstimator<N>> ControlLoop<N, E> {
         };
         let (command, saturated) = self.limiter.limit(&wanted, self.settings.dt_s);
         plant.actuate(&command);
-        self.applied =
-            Some(Applied { tau: command, friction: torque.friction, acceleration: task.acceleration_command });
+        self.applied = Some(Applied {
+            tau: command,
+            friction: torque.friction + torque.effects,
+            acceleration: task.acceleration_command,
+        });
         TickRecord { frame, estimate: self.estimate, reference, task, torque, command, saturated, fault: self.fault }
     }
 
@@ -137,10 +143,13 @@ impl<const N: usize, E: WrenchEstimator<N>> ControlLoop<N, E> {
             None => self.estimator.reset(frame, &terms),
         }
         let twist_model = self.model.step(&self.settings.impedance, reference, self.settings.dt_s);
-        let compensator = &self.settings.compensator;
+        let (compensator, bristles, dt_s) = (&self.settings.compensator, &mut self.bristles, self.settings.dt_s);
         self.controller
-            .tick(&terms, &frame.q, &frame.qd, reference, &twist_model, |measured, modelled| {
-                compensator.torque(measured, modelled)
+            .tick(&terms, &frame.q, &frame.qd, reference, &twist_model, |measured, modelled, load| {
+                let (q, qd_measured, qd_reference, load_nm) = (frame.q, *measured, *modelled, *load);
+                let input = CompensatorInput { q, qd_measured, qd_reference, load_nm, dt_s };
+                let compensation = compensator.tick(bristles, &input);
+                (compensation.law_nm, compensation.effects_nm)
             })
             .map_err(|_| TickFault::TorqueNotFinite)
     }

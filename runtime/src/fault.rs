@@ -32,7 +32,7 @@ pub enum TickFault {
 impl TickFault {
     /// The first thing wrong with a sensor frame, if any.
     #[inline]
-    pub(crate) fn of_frame<const N: usize>(arm: &Arm<N>, frame: &SensorFrame<N>) -> Option<Self> {
+    pub fn of_frame<const N: usize>(arm: &Arm<N>, frame: &SensorFrame<N>) -> Option<Self> {
         let not_finite = |x: &SVector<f64, N>| x.iter().position(|value| !value.is_finite());
         if let Some(joint) = not_finite(&frame.q).or_else(|| not_finite(&frame.qd)) {
             return Some(Self::SensorNotFinite { joint });

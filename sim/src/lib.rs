@@ -6,7 +6,10 @@
 //!
 //! [`BoxFrictionPlant`] steps this at velocity level with true stick (Moreau's scheme): no regularised sign, stable at any
 //! step length. [`Truth`] says which arm and which friction; [`Sensors`] what a controller gets to see of it;
-//! [`WrenchPulses`] who pushes the tool.
+//! [`WrenchPulses`] who pushes the tool. [`Effect`] lists every cause that can be hidden in a truth.
+//!
+//! The other way round, [`record`] takes a motion of [`excitation`] as given and returns the log that a real arm would
+//! leave, by inverse dynamics: logs for diagnosis, without a controller.
 //!
 //! ```
 //! use tribo_robot::{Plant, presets};
@@ -20,16 +23,26 @@
 //! ```
 
 mod contact;
+mod delay_line;
 mod effect;
+mod effect_check;
+pub mod excitation;
+mod flexible_joints;
+mod gap;
+mod hidden;
 mod plant;
+mod plant_effects;
 mod projected_gauss_seidel;
+mod recording;
 mod sensors;
 mod truth;
 mod warm_up;
 
 pub use contact::{Pulse, WrenchPulses};
 pub use effect::Effect;
+pub use effect_check::EffectError;
 pub use plant::{BoxFrictionPlant, DEFAULT_SUB_STEPS};
+pub use recording::{ExtraTorque, Recorder, Recording, RecordingError, Session, record};
 pub use sensors::Sensors;
 pub use truth::{TorqueSide, Truth, panda_gaz_joints};
 pub use warm_up::WarmUp;

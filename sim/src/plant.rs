@@ -1,10 +1,12 @@
 //! Time-stepping plant with set-valued friction.
 
 use nalgebra::{SMatrix, SVector};
-use tribo_friction::law::Bristle;
+use tribo_friction::law::{Bristle, Lugre};
 use tribo_friction::{JointFriction, SetValued};
 use tribo_robot::{Kinematics, Plant, SensorFrame, Wrench, bias_torque, mass_matrix};
 
+use crate::hidden::Hidden;
+use crate::plant_effects::PlantEffects;
 use crate::projected_gauss_seidel::solve_friction;
 use crate::sensors::SensorState;
 use crate::{Sensors, TorqueSide, Truth, WrenchPulses};
@@ -22,6 +24,20 @@ pub const DEFAULT_SUB_STEPS: usize = 5;
 /// The dry-friction impulse p is set-valued: true stick, no regularised sign. M, bias and J are held over one control
 /// period. A joint at its hard stop gets an unbounded impulse on that side (inelastic stop).
 /// Motor torque is clipped to the arm's torque limits, as the drive would.
+///
+/// Hidden effects of the truth, which [`Truth::validate`] checks beforehand:
+///
+/// | effect | where it acts |
+/// |---|---|
+/// | payload, link_inertial, rotor_inertia, base_tilt | the arm, once |
+/// | coulomb, viscous, stribeck, coulomb_asymmetry, load_friction | the set-valued map; the load is that of the last period, contact included |
+/// | torque_offset, torque_ripple, position_spring | the map's offset, explicitly in q |
+/// | thermal_friction | scales dry and viscous friction by the time since the start (or [`crate::WarmUp::operated_s`]), as if at work throughout |
+/// | presliding | the whole Coulomb friction becomes a LuGre bristle |
+/// | joint_elasticity | motors on implicit springs (Spong): friction and encoders sit at the motors, contact and gravity at the links |
+/// | backlash | the encoders only: they lead by the half gap on the side of the load; the free flight inside the gap is left out |
+/// | torque_gain, time_delay | the torque sensor only; a negative delay is none |
+/// | external_contact | added to the pulses, rising and falling within 20 ms |
 #[derive(Clone, Debug)]
 pub struct BoxFrictionPlant<const N: usize> {
     truth: Truth<N>,
@@ -38,12 +54,19 @@ pub struct BoxFrictionPlant<const N: usize> {
     torque_at_sensor: SVector<f64, N>,
     friction_torque: SVector<f64, N>,
     wrench: Wrench,
+    effects: Option<Box<PlantEffects<N>>>,
 }
 
 impl<const N: usize> BoxFrictionPlant<N> {
     /// Plant at rest at q (rad), 1 kHz with [`DEFAULT_SUB_STEPS`]; `seed` feeds the sensor noise.
-    pub fn new(truth: Truth<N>, sensors: Sensors, q: SVector<f64, N>, seed: u64) -> Self {
+    pub fn new(mut truth: Truth<N>, sensors: Sensors, q: SVector<f64, N>, seed: u64) -> Self {
+        let effects = (!truth.effects.is_empty()).then(|| {
+            let hidden = Hidden::of(&truth);
+            truth.arm = hidden.arm.clone();
+            Box::new(PlantEffects::new(hidden, &q, 1e-3))
+        });
         Self {
+            effects,
             truth,
             pulses: WrenchPulses::default(),
             sensors: SensorState::new(sensors, seed),
@@ -70,6 +93,9 @@ impl<const N: usize> BoxFrictionPlant<N> {
     /// The same plant with another control period (s).
     pub fn with_period(mut self, dt_s: f64) -> Self {
         self.dt_s = dt_s;
+        if let Some(effects) = &mut self.effects {
+            effects.set_period(dt_s);
+        }
         self
     }
 
@@ -82,17 +108,25 @@ impl<const N: usize> BoxFrictionPlant<N> {
     /// The same plant starting with joint velocity qd [rad/s].
     pub fn with_velocity(mut self, qd: SVector<f64, N>) -> Self {
         self.qd = qd;
+        if let Some(flexible) = self.effects.as_mut().and_then(|effects| effects.flexible.as_mut()) {
+            flexible.set_velocity(qd);
+        }
         self
     }
 
-    /// True joint positions (rad).
+    /// True joint positions (rad), of the links.
     pub fn q(&self) -> &SVector<f64, N> {
         &self.q
     }
 
-    /// True joint velocities [rad/s].
+    /// True joint velocities [rad/s], of the links.
     pub fn qd(&self) -> &SVector<f64, N> {
         &self.qd
+    }
+
+    /// True motor positions (rad): those of the links, but for joints with a spring or a gap. The encoders sit here.
+    pub fn motor_position(&self) -> SVector<f64, N> {
+        self.effects.as_ref().map_or(self.q, |effects| self.q + effects.motor_lead_rad())
     }
 
     /// True wrench by the robot on the environment during the last period.
@@ -100,7 +134,7 @@ impl<const N: usize> BoxFrictionPlant<N> {
         self.wrench
     }
 
-    /// True friction torque (Nm), averaged over the last period.
+    /// True friction torque (Nm), averaged over the last period; with what effects of single joints add.
     pub fn friction_torque(&self) -> &SVector<f64, N> {
         &self.friction_torque
     }
@@ -110,12 +144,19 @@ impl<const N: usize> BoxFrictionPlant<N> {
         self.ticks as f64 * self.dt_s
     }
 
-    /// Friction of every joint as the set-valued map of this sub-step, scaled by the warm-up.
+    /// Friction of every joint as the set-valued map of this sub-step, scaled by the warm-up; motor velocity qd [rad/s].
     #[inline]
-    fn set_valued(&self, j: usize, inertia: f64, h: f64, scale: f64) -> SetValued {
-        let s = match &self.truth.friction.joints[j] {
-            JointFriction::Lugre(law) => law.set_valued(self.bristles[j], self.qd[j], inertia, h),
-            law => law.set_valued(self.qd[j]),
+    fn set_valued(&self, j: usize, qd: f64, inertia: f64, h: f64, scale: f64) -> SetValued {
+        let law = &self.truth.friction.joints[j];
+        if let Some(effects) = &self.effects {
+            let worked_s = self.time_s() + self.truth.warm_up.map_or(0.0, |warm_up| warm_up.operated_s);
+            let lead = effects.flexible.as_ref().map_or(0.0, |flexible| flexible.deflection_rad()[j]);
+            let motor = [self.q[j] + lead, qd];
+            return effects.set_valued(j, law, self.bristles[j], motor, inertia, h, [scale, worked_s]);
+        }
+        let s = match law {
+            JointFriction::Lugre(law) => law.set_valued(self.bristles[j], qd, inertia, h),
+            law => law.set_valued(qd),
         };
         SetValued {
             viscous_nm_s_per_rad: scale * s.viscous_nm_s_per_rad,
@@ -124,11 +165,43 @@ impl<const N: usize> BoxFrictionPlant<N> {
             upper_nm: scale * s.upper_nm,
         }
     }
+
+    /// Bristles at the end of a sub-step of h (s) that took the motors from `qd` to `qd_new` [rad/s].
+    #[inline]
+    fn advance_bristles(&mut self, qd: &SVector<f64, N>, qd_new: &SVector<f64, N>, h: f64) {
+        for j in 0..N {
+            let law = &self.truth.friction.joints[j];
+            let presliding_distance_rad = match (&self.effects, law) {
+                (Some(effects), law) => effects.presliding_rad(j, law),
+                (None, JointFriction::Lugre(law)) => law.presliding_distance_rad,
+                (None, _) => 0.0,
+            };
+            if presliding_distance_rad > 0.0 {
+                // The travel of a bristle does not depend on its strength.
+                let law = Lugre { coulomb_nm: 0.0, viscous_nm_s_per_rad: 0.0, presliding_distance_rad };
+                self.bristles[j] = law.advanced(self.bristles[j], qd[j], qd_new[j], h);
+            }
+        }
+    }
+
+    /// Motor velocities [rad/s].
+    #[inline]
+    fn motor_qd(&self) -> SVector<f64, N> {
+        let flexible = self.effects.as_ref().and_then(|effects| effects.flexible.as_ref());
+        flexible.map_or(self.qd, |flexible| *flexible.motor_qd())
+    }
 }
 
 impl<const N: usize> Plant<N> for BoxFrictionPlant<N> {
     fn sense(&mut self) -> SensorFrame<N> {
-        self.sensors.sample(self.time_s(), &self.q, &self.torque_at_sensor, self.dt_s)
+        let time_s = self.time_s();
+        match &self.effects {
+            None => self.sensors.sample(time_s, &self.q, &self.torque_at_sensor, self.dt_s),
+            Some(effects) => {
+                let motor = self.q + effects.motor_lead_rad();
+                self.sensors.sample(time_s, &motor, &effects.sensed_torque(), self.dt_s)
+            }
+        }
     }
 
     fn actuate(&mut self, tau_nm: &SVector<f64, N>) {
@@ -140,20 +213,28 @@ impl<const N: usize> Plant<N> for BoxFrictionPlant<N> {
         let mass = mass_matrix(arm, &self.q);
         let bias = bias_torque(arm, &self.q, &self.qd);
         self.wrench = self.pulses.at(time_s);
+        if let Some(effects) = &self.effects {
+            let contact = effects.contact_at(time_s);
+            self.wrench.force_n += contact.force_n;
+            self.wrench.moment_nm += contact.moment_nm;
+        }
         let mut drive = tau - bias;
         if self.wrench != Wrench::default() {
             drive -= Kinematics::at(arm, &self.q).jacobian().transpose() * self.wrench.to_vector();
         }
         let scale = self.truth.warm_up.map_or(1.0, |warm_up| warm_up.scale(time_s));
-        let qd_before = self.qd;
+        let motor_qd_before = self.motor_qd();
         let mut friction_impulse = SVector::<f64, N>::zeros();
         let mut factored: Option<(SVector<f64, N>, SMatrix<f64, N, N>)> = None;
+        let flexible = self.effects.as_ref().and_then(|effects| effects.flexible.as_ref());
+        let period = flexible.map(|flexible| flexible.period(&mass, &arm.rotor_inertia_kg_m2, &(drive - tau), h));
 
         for _ in 0..self.sub_steps {
+            let motor_qd = self.motor_qd();
             let (mut viscous, mut offset) = (SVector::<f64, N>::zeros(), SVector::<f64, N>::zeros());
             let (mut lower, mut upper) = (SVector::<f64, N>::zeros(), SVector::<f64, N>::zeros());
             for j in 0..N {
-                let s = self.set_valued(j, mass[(j, j)], h, scale);
+                let s = self.set_valued(j, motor_qd[j], mass[(j, j)], h, scale);
                 viscous[j] = s.viscous_nm_s_per_rad;
                 offset[j] = s.offset_nm;
                 let limits = &self.truth.arm.limits;
@@ -165,34 +246,46 @@ impl<const N: usize> Plant<N> for BoxFrictionPlant<N> {
                 Some((slope, inverse)) if *slope == viscous => *inverse,
                 _ => {
                     let mut implicit = mass;
-                    for j in 0..N {
-                        implicit[(j, j)] += h * viscous[j];
+                    if let Some(period) = &period {
+                        implicit = period.motor_matrix(&viscous);
+                    } else {
+                        for j in 0..N {
+                            implicit[(j, j)] += h * viscous[j];
+                        }
                     }
                     let inverse = implicit.cholesky().map_or_else(SMatrix::zeros, |factor| factor.inverse());
                     factored = Some((viscous, inverse));
                     inverse
                 }
             };
-            let v_free = a * (mass * self.qd + (drive - offset) * h);
-            let qd_new = solve_friction(&a, &v_free, &lower, &upper, &mut self.impulse);
-            for j in 0..N {
-                if let JointFriction::Lugre(law) = &self.truth.friction.joints[j] {
-                    self.bristles[j] = law.advanced(self.bristles[j], self.qd[j], qd_new[j], h);
+            let flexible = self.effects.as_mut().and_then(|effects| effects.flexible.as_mut());
+            let qd_new = match (flexible, &period) {
+                (Some(flexible), Some(period)) => {
+                    flexible.step(period, &a, &self.qd, &(tau - offset), [&lower, &upper], &mut self.impulse)
                 }
-            }
-            friction_impulse += self.impulse + (offset + viscous.component_mul(&qd_new)) * h;
+                _ => {
+                    let v_free = a * (mass * self.qd + (drive - offset) * h);
+                    solve_friction(&a, &v_free, &lower, &upper, &mut self.impulse)
+                }
+            };
             self.qd = qd_new;
+            let motor_qd_new = self.motor_qd();
+            self.advance_bristles(&motor_qd, &motor_qd_new, h);
+            friction_impulse += self.impulse + (offset + viscous.component_mul(&motor_qd_new)) * h;
             self.q += self.qd * h;
         }
 
         self.friction_torque = friction_impulse / self.dt_s;
+        let motor_acceleration = (self.motor_qd() - motor_qd_before) / self.dt_s;
+        let rotor = self.truth.arm.rotor_inertia_kg_m2.component_mul(&motor_acceleration);
+        let through_gears = tau - self.friction_torque - rotor;
         self.torque_at_sensor = match self.torque_side {
             TorqueSide::Motor => tau,
-            TorqueSide::Link => {
-                let acceleration = (self.qd - qd_before) / self.dt_s;
-                tau - self.friction_torque - self.truth.arm.rotor_inertia_kg_m2.component_mul(&acceleration)
-            }
+            TorqueSide::Link => through_gears,
         };
+        if let Some(effects) = &mut self.effects {
+            effects.end_period(&self.torque_at_sensor, &through_gears, self.dt_s);
+        }
         self.ticks += 1;
     }
 }

@@ -8,13 +8,13 @@ use tribo_diagnose::{
 };
 use tribo_ekf::{WrenchEkf, WrenchEkfSettings};
 use tribo_experiments::files::Model;
-use tribo_experiments::{LogWrench, WrenchSummary, wrench_on_log};
+use tribo_experiments::{Believed, LogWrench, WrenchSummary, without_effects, wrench_on_log};
 use tribo_friction::FrictionModel;
 use tribo_friction::law::CoulombViscous;
 use tribo_logs::{LogSummary, RobotLog, Table, read_log, write_table};
 use tribo_sim::panda_gaz_joints;
 
-use super::named;
+use super::{named, warn_not_cancelled};
 use crate::arguments::{Common, Estimate};
 use crate::failure::BadInput;
 use crate::output::{print, print_json, significant, table};
@@ -31,6 +31,8 @@ pub fn run(arguments: &Estimate, common: &Common) -> anyhow::Result<()> {
         Some(path) => Model::read(path)?,
         None => Model::panda(named(&arguments.torque_side)?),
     };
+    let believed = Believed::on_log(&model);
+    warn_not_cancelled(&believed.not_cancelled, common);
     let (log, summary) = read_log(&arguments.log)?;
     if log.joints() != 7 {
         let message = format!("{}: {} joints; the model has 7", arguments.log.display(), log.joints());
@@ -41,10 +43,10 @@ pub fn run(arguments: &Estimate, common: &Common) -> anyhow::Result<()> {
         return Err(BadInput(message).into());
     }
     let wants = |name: &str| arguments.residual == "all" || arguments.residual == name;
-    let torque = wants("torque").then(|| torque_residual(arguments, &log, &model)).transpose()?;
+    let torque = wants("torque").then(|| torque_residual(arguments, &log, &model, &believed)).transpose()?;
     let wrench = wants("ekf").then(|| {
         let mut ekf = WrenchEkf::new(WrenchEkfSettings::default());
-        wrench_on_log(&log, &model.arm, &model.friction, model.smoothing_rad_s, &mut ekf)
+        wrench_on_log(&log, &believed, model.smoothing_rad_s, &mut ekf)
     });
     if let (Some(out), Some(wrench)) = (&arguments.out, &wrench) {
         write_table(out, &wrench_table(wrench))?;
@@ -55,7 +57,8 @@ pub fn run(arguments: &Estimate, common: &Common) -> anyhow::Result<()> {
     } else if !common.quiet {
         print(&summary);
         if let Some(report) = &torque {
-            show_torque(report, model_label(arguments));
+            let rigid = if model.effects.is_empty() { "rigid model" } else { "rigid model and effects" };
+            show_torque(report, rigid, model_label(arguments));
         }
         if let Some(wrench) = &wrench_summary {
             show_wrench(wrench, arguments.out.as_deref());
@@ -76,10 +79,16 @@ fn model_label(arguments: &Estimate) -> &'static str {
     if arguments.model.is_some() { "model friction" } else { "Gaz 2019 friction" }
 }
 
-fn torque_residual(arguments: &Estimate, log: &RobotLog, model: &Model<7>) -> anyhow::Result<FrictionReport> {
+fn torque_residual(
+    arguments: &Estimate,
+    log: &RobotLog,
+    model: &Model<7>,
+    believed: &Believed,
+) -> anyhow::Result<FrictionReport> {
     let settings = ResidualSettings { band_hz: arguments.band_hz, ..ResidualSettings::default() };
     let bad = |error: ResidualError| BadInput(format!("{}: {error}", arguments.log.display()));
-    let residual = TorqueResidual::of_log(log, &model.arm, &settings).map_err(bad)?;
+    let log = without_effects(log, believed, model.smoothing_rad_s)?;
+    let residual = TorqueResidual::of_log(&log, &believed.arm, &settings).map_err(bad)?;
     let settings = FrictionSettings {
         smoothing_rad_s: model.smoothing_rad_s,
         blocks: BlockSettings { length_s: arguments.block_s, ..BlockSettings::default() },
@@ -89,8 +98,8 @@ fn torque_residual(arguments: &Estimate, log: &RobotLog, model: &Model<7>) -> an
     Ok(FrictionReport::of(&residual, (friction != none).then_some(&friction), &settings))
 }
 
-fn show_torque(report: &FrictionReport, model_label: &str) {
-    print(format_args!("\nTorque residual: measured less rigid model [Nm], {}", report.chain));
+fn show_torque(report: &FrictionReport, rigid: &str, model_label: &str) {
+    print(format_args!("\nTorque residual: measured less {rigid} [Nm], {}", report.chain));
     match &report.blocks {
         Ok(blocks) => print(format_args!("friction fitted to {blocks}")),
         Err(error) => print(format_args!("no held-out figures: {error}")),

@@ -1,6 +1,7 @@
 //! One file per command.
 
 pub mod convert;
+pub mod diagnose;
 pub mod estimate;
 pub mod export;
 pub mod reproduce;
@@ -12,9 +13,9 @@ use std::path::Path;
 
 use serde::de::DeserializeOwned;
 use tribo_experiments::files::YamlDocument;
-use tribo_experiments::{ConfigError, TuneConfig, ValidTune};
+use tribo_experiments::{ConfigError, NotCancelled, TuneConfig, ValidTune};
 
-use crate::arguments::Scenario;
+use crate::arguments::{Common, Scenario};
 
 /// The value of an option whose spelling clap has checked.
 fn named<T: DeserializeOwned>(name: &str) -> anyhow::Result<T> {
@@ -32,11 +33,27 @@ fn set<T: DeserializeOwned>(field: &mut T, name: Option<&String>) -> anyhow::Res
 impl Scenario {
     /// Puts the flags that were given over the settings.
     fn apply(&self, config: &mut TuneConfig) -> anyhow::Result<()> {
-        set(&mut config.truth, self.truth.as_ref())?;
+        if self.truth.is_some() {
+            set(&mut config.truth, self.truth.as_ref())?;
+            config.truth_content = None;
+        }
+        if self.model.is_some() {
+            config.model.clone_from(&self.model);
+            config.model_content = None;
+        }
         set(&mut config.velocity, self.velocity.as_ref())?;
         config.seed = self.seed.unwrap_or(config.seed);
         config.pose = self.pose.map_or(config.pose, usize::from);
         Ok(())
+    }
+}
+
+/// Says what a believed model holds that its controller cannot act on.
+fn warn_not_cancelled(left: &[NotCancelled], common: &Common) {
+    if !common.quiet {
+        for effect in left {
+            eprintln!("tribo: {effect}");
+        }
     }
 }
 

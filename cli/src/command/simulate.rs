@@ -1,29 +1,29 @@
 //! `tribo simulate`.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
-use serde_json::{Map, json};
+use serde_json::{Map, Value, json};
 use tribo_control::SinusoidReference;
 use tribo_ekf::WrenchEkf;
-use tribo_experiments::files::TunedFile;
-use tribo_experiments::simulate_log;
+use tribo_experiments::files::{Model, TrajectoryFile, TunedFile, YamlDocument};
+use tribo_experiments::{Believed, NotCancelled, ValidTune, follow, simulate_log};
 use tribo_friction::FrictionModel;
 use tribo_friction::law::CoulombViscous;
+use tribo_logs::RobotLog;
 use tribo_sim::WrenchPulses;
 
 use super::convert::{check_extension, write_log};
-use super::{configured, named};
+use super::{configured, named, warn_not_cancelled};
 use crate::arguments::{Common, Simulate};
 use crate::failure::BadInput;
 use crate::output::{print, print_json, significant, table};
 
-/// Runs one trial and writes its log.
+/// Runs one trial, or one joint-space motion, and writes its log.
 pub fn run(arguments: &Simulate, common: &Common) -> anyhow::Result<()> {
     if let Some(log) = &arguments.log {
         check_extension(log)?;
     }
     let mut tune = configured(arguments.config.as_deref(), |config| arguments.scenario.apply(config))?;
-    let config = &tune.config;
     let trial = &mut tune.trial;
     trial.sensors.torque_side = named(&arguments.torque_side)?;
     if arguments.fixed {
@@ -38,23 +38,90 @@ pub fn run(arguments: &Simulate, common: &Common) -> anyhow::Result<()> {
         // Six pulses of 3 s, 1.5 s apart, after the pre-roll: they fill the 30 s of the trajectory.
         trial.pulses = WrenchPulses::each_axis(arguments.pulse_force, arguments.pulse_moment, 4.0, 3.0, 1.5);
     }
-    let friction: FrictionModel<7> = match arguments.compensation.as_str() {
-        "none" => FrictionModel::uniform(CoulombViscous::default().into()),
-        "oracle" => trial.truth.friction,
-        file => {
-            let tuned = TunedFile::read(Path::new(file))?;
-            trial.velocity = if arguments.scenario.velocity.is_some() { trial.velocity } else { tuned.velocity };
-            tuned.compensator().map_err(|error| BadInput(format!("{file}: {error}")))?.friction
-        }
-    };
+    let (friction, left) = belief(arguments, &mut tune)?;
+    warn_not_cancelled(&left, common);
+    match &arguments.trajectory {
+        Some(path) => run_trajectory(path, arguments, common, &tune, &friction, &left),
+        None => run_trial(arguments, common, &tune, &friction, &left),
+    }
+}
 
-    let (outcome, log) = simulate_log(trial, &friction, WrenchEkf::new(config.ekf), config.seed)?;
+/// The friction that the compensator believes and what it believes in vain; arm and effects go into the trial.
+fn belief(arguments: &Simulate, tune: &mut ValidTune) -> anyhow::Result<(FrictionModel<7>, Vec<NotCancelled>)> {
+    let name = arguments.compensation.as_str();
+    let given = tune.believed.take();
+    let whole = match name {
+        "none" => {
+            // The arm may still be that of --model.
+            tune.trial.effects = Default::default();
+            return Ok((FrictionModel::uniform(CoulombViscous::default().into()), Vec::new()));
+        }
+        "oracle" => Some(tune.oracle.clone()),
+        file if is_model(Path::new(file))? => Some(Believed::by_controller(&Model::read(Path::new(file))?)),
+        _ => None,
+    };
+    if let Some(whole) = whole {
+        if given.is_some() {
+            let message = format!("--model and --compensation {name} both say what the controller believes; give one");
+            return Err(BadInput(message).into());
+        }
+        tune.trial = tune.trial.clone().believing(&whole);
+        return Ok((whole.friction, whole.not_cancelled));
+    }
+
+    let bad = |error| BadInput(format!("{name}: {error}"));
+    let tuned = TunedFile::read(Path::new(name))?;
+    if arguments.scenario.velocity.is_none() {
+        tune.trial.velocity = tuned.velocity;
+    }
+    let believed = match given {
+        Some(believed) => Some(believed),
+        None => tuned.believed().map_err(bad)?.map(|model| Believed::by_controller(&model)),
+    };
+    if let Some(believed) = &believed {
+        tune.trial = tune.trial.clone().believing(believed);
+    }
+    let friction = tuned.compensator().map_err(bad)?.friction;
+    Ok((friction, believed.map_or_else(Vec::new, |believed| believed.not_cancelled)))
+}
+
+/// Whether a YAML file calls itself a model; what it is otherwise, its own reader says.
+fn is_model(path: &Path) -> anyhow::Result<bool> {
+    let document = YamlDocument::read(path)?;
+    let schema = document.parse::<Value>().ok().and_then(|value| Some(value.get("schema")?.as_str()?.to_owned()));
+    Ok(schema.is_some_and(|schema| schema.starts_with("tribo.model/")))
+}
+
+/// `log` and `not_cancelled` of every document; the latter only where there is something to tell.
+fn finish_document(mut document: Value, log: Option<&PathBuf>, left: &[NotCancelled]) -> Value {
+    document["log"] = json!(log);
+    if !left.is_empty() {
+        document["not_cancelled"] = left.iter().map(|effect| json!(effect.to_string())).collect();
+    }
+    document
+}
+
+fn written(path: Option<&PathBuf>, log: &RobotLog) {
+    if let Some(path) = path {
+        print(format_args!("written {} ({} rows at 1 kHz)", path.display(), log.rows()));
+    }
+}
+
+fn run_trial(
+    arguments: &Simulate,
+    common: &Common,
+    tune: &ValidTune,
+    friction: &FrictionModel<7>,
+    left: &[NotCancelled],
+) -> anyhow::Result<()> {
+    let config = &tune.config;
+    let (outcome, log) = simulate_log(&tune.trial, friction, WrenchEkf::new(config.ekf), config.seed)?;
     if let Some(path) = &arguments.log {
         write_log(path, &log)?;
     }
     let parts = outcome.cost.parts();
     if common.json {
-        print_json(&json!({
+        let document = json!({
             "schema": "tribo.simulate/1",
             "seed": config.seed,
             "cost": outcome.cost.total(),
@@ -62,8 +129,8 @@ pub fn run(arguments: &Simulate, common: &Common) -> anyhow::Result<()> {
             "penalty": outcome.cost.penalty,
             "reason": outcome.aborted,
             "aborted_at_s": outcome.aborted_at_s,
-            "log": arguments.log,
-        }));
+        });
+        print_json(&finish_document(document, arguments.log.as_ref(), left));
     } else if !common.quiet {
         let mut rows = table(&["part", "cost [N + Nm]"]);
         for (name, value) in parts {
@@ -74,9 +141,51 @@ pub fn run(arguments: &Simulate, common: &Common) -> anyhow::Result<()> {
         if let (Some(reason), Some(at)) = (outcome.aborted, outcome.aborted_at_s) {
             print(format_args!("aborted at {at:.3} s: {reason}"));
         }
-        if let Some(path) = &arguments.log {
-            print(format_args!("written {} ({} rows at 1 kHz)", path.display(), log.rows()));
+        written(arguments.log.as_ref(), &log);
+    }
+    Ok(())
+}
+
+fn run_trajectory(
+    path: &Path,
+    arguments: &Simulate,
+    common: &Common,
+    tune: &ValidTune,
+    friction: &FrictionModel<7>,
+    left: &[NotCancelled],
+) -> anyhow::Result<()> {
+    let motion = TrajectoryFile::read(path)?.path();
+    let (followed, log) = follow(&tune.trial, friction, &motion, tune.config.seed)?;
+    if let Some(path) = &arguments.log {
+        write_log(path, &log)?;
+    }
+    if common.json {
+        let document = json!({
+            "schema": "tribo.simulate/1",
+            "seed": tune.config.seed,
+            "trajectory": path,
+            "duration_s": followed.duration_s,
+            "tracking_rms_rad": followed.rms_error_rad.as_slice(),
+            "tracking_max_rad": followed.max_error_rad.as_slice(),
+            "saturated_ticks": followed.saturated_ticks,
+            "reason": followed.aborted.map(|(reason, _)| reason),
+            "aborted_at_s": followed.aborted.map(|(_, at_s)| at_s),
+        });
+        print_json(&finish_document(document, arguments.log.as_ref(), left));
+    } else if !common.quiet {
+        let mut rows = table(&["joint", "rms error [mrad]", "largest [mrad]"]);
+        for j in 0..7 {
+            let mrad = |value: f64| significant(1e3 * value, 3);
+            rows.add_row([j.to_string(), mrad(followed.rms_error_rad[j]), mrad(followed.max_error_rad[j])]);
         }
+        print(rows);
+        if followed.saturated_ticks > 0 {
+            print(format_args!("a torque limit was hit in {} of {} periods", followed.saturated_ticks, log.rows()));
+        }
+        if let Some((reason, at_s)) = followed.aborted {
+            print(format_args!("aborted at {at_s:.3} s: {reason}"));
+        }
+        written(arguments.log.as_ref(), &log);
     }
     Ok(())
 }

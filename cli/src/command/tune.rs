@@ -7,7 +7,7 @@ use anyhow::Context;
 use tribo_experiments::strategy::Origin;
 use tribo_experiments::{Campaign, CampaignError, CampaignResult, ParameterSpace};
 
-use super::{configured, set};
+use super::{configured, set, warn_not_cancelled};
 use crate::arguments::{Common, Tune};
 use crate::failure::{BadInput, CheckFailed};
 use crate::output::{print, print_json, significant, table};
@@ -24,6 +24,9 @@ pub fn run(arguments: &Tune, common: &Common) -> anyhow::Result<()> {
     let (total, finished) = (campaign.tune().config.trials, campaign.finished());
     if !common.quiet {
         eprintln!("campaign {} ({} of {total} trials done)", directory.display(), finished);
+    }
+    if let Some(believed) = &campaign.tune().believed {
+        warn_not_cancelled(&believed.not_cancelled, common);
     }
     stop_on_signal();
     let mut progress = TrialProgress::new(total, finished, common.quiet);
@@ -89,6 +92,7 @@ fn resume(arguments: &Tune) -> anyhow::Result<(PathBuf, Campaign)> {
         ("--truth", arguments.scenario.truth.is_some()),
         ("--pose", arguments.scenario.pose.is_some()),
         ("--velocity", arguments.scenario.velocity.is_some()),
+        ("--model", arguments.scenario.model.is_some()),
         ("--bounds", arguments.bounds.is_some()),
         ("--phases", arguments.phases.is_some()),
     ];

@@ -1,13 +1,18 @@
-//! The project's own YAML files: models, campaign settings, tuned parameters.
+//! The project's own YAML files: models, campaign settings, tuned parameters, trajectories.
 
+mod effects_section;
 mod error;
 mod friction_section;
+mod model;
 mod model_file;
+mod trajectory_file;
 mod tuned_file;
 mod yaml;
 
 pub use error::FileError;
 pub use friction_section::{FrictionSection, JointParameters, LawName};
-pub use model_file::{Model, ModelFile, PayloadSection};
+pub use model::Model;
+pub use model_file::{ModelFile, PayloadSection};
+pub use trajectory_file::{TrajectoryFile, ViaPoint};
 pub use tuned_file::TunedFile;
 pub use yaml::{FieldError, YamlDocument, read_text, to_yaml};

@@ -1,20 +1,17 @@
 //! A robot model on disk.
 
-use std::path::Path;
-
 use nalgebra::{Matrix3, SVector, Vector3};
 use serde::{Deserialize, Serialize};
-use tribo_friction::FrictionModel;
-use tribo_friction::law::CoulombViscous;
-use tribo_robot::{Arm, Payload, presets};
-use tribo_sim::TorqueSide;
+use tribo_robot::Payload;
+use tribo_sim::{Effect, TorqueSide};
 
-use super::{FieldError, FileError, FrictionSection, YamlDocument};
+use super::effects_section::validate_effects;
+use super::{FieldError, FrictionSection, Model};
 
 /// Schema name of model files.
 const SCHEMA: &str = "tribo.model/1";
 
-/// Model YAML, `schema: tribo.model/1`: the arm, the side of its torque sensors, friction and payload.
+/// Model YAML, `schema: tribo.model/1`: the arm, the side of its torque sensors, friction, payload and further causes.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct ModelFile {
@@ -40,6 +37,9 @@ pub struct ModelFile {
     /// Body bolted to the flange.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub payload: Option<PayloadSection>,
+    /// Causes on top of all that, as a diagnosis finds them.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub effects: Vec<Effect>,
 }
 
 /// `payload: {mass_kg, com_m, inertia_kg_m2}`, flange frame.
@@ -54,37 +54,6 @@ pub struct PayloadSection {
     /// Inertia about the centre of mass [kg m²]: xx xy xz yy yz zz.
     #[serde(default)]
     pub inertia_kg_m2: [f64; 6],
-}
-
-/// A validated model.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Model<const N: usize> {
-    /// The arm, payload included; without rotor inertia if the torques are link-side.
-    pub arm: Arm<N>,
-    /// Side of the gears on which torques are meant.
-    pub torque_side: TorqueSide,
-    /// Friction, zero if the file has none.
-    pub friction: FrictionModel<N>,
-    /// Width of the smooth sign on logs [rad/s].
-    pub smoothing_rad_s: f64,
-}
-
-impl Model<7> {
-    /// The bare Panda without friction, torques on the given side.
-    pub fn panda(torque_side: TorqueSide) -> Self {
-        let arm = match torque_side {
-            TorqueSide::Motor => presets::panda(),
-            TorqueSide::Link => presets::panda().link_side(),
-        };
-        let friction = FrictionModel::uniform(CoulombViscous::default().into());
-        Self { arm, torque_side, friction, smoothing_rad_s: 0.005 }
-    }
-
-    /// Reads and validates a model file.
-    pub fn read(path: &Path) -> Result<Self, FileError> {
-        let document = YamlDocument::read(path)?;
-        document.parse::<ModelFile>()?.validate().map_err(|error| document.explain(error))
-    }
 }
 
 impl ModelFile {
@@ -138,6 +107,8 @@ impl ModelFile {
             model.friction = friction.to_model("friction")?;
             model.smoothing_rad_s = friction.smoothing_rad_s;
         }
+        validate_effects(&self.effects, &model)?;
+        model.effects.clone_from(&self.effects);
         Ok(model)
     }
 }

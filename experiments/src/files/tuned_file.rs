@@ -5,7 +5,7 @@ use std::path::Path;
 use serde::{Deserialize, Serialize};
 use tribo_friction::{Compensator, FrictionModel, VelocitySource};
 
-use super::{FieldError, FileError, FrictionSection, YamlDocument};
+use super::{FieldError, FileError, FrictionSection, Model, ModelFile, YamlDocument};
 
 /// Schema name of tuned parameters.
 const SCHEMA: &str = "tribo.tuned/1";
@@ -34,6 +34,9 @@ pub struct TunedFile {
     pub hybrid_threshold_rad_s: f64,
     /// The compensator's friction law; `smoothing_rad_s` is the width of its smooth sign.
     pub friction: FrictionSection,
+    /// The model that the controller believed: its arm, and its effects on top of the law; none is the preset's bare arm.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub model: Option<ModelFile>,
 }
 
 impl TunedFile {
@@ -56,6 +59,7 @@ impl TunedFile {
             velocity: compensator.source,
             hybrid_threshold_rad_s: compensator.hybrid_threshold_rad_s,
             friction: FrictionSection::of(&compensator.friction, compensator.smoothing_rad_s),
+            model: None,
         }
     }
 
@@ -64,10 +68,17 @@ impl TunedFile {
         let document = YamlDocument::read(path)?;
         let tuned: Self = document.parse()?;
         tuned.compensator::<7>().map_err(|error| document.explain(error))?;
+        tuned.believed().map_err(|error| document.explain(error))?;
         Ok(tuned)
     }
 
-    /// The compensator.
+    /// The model that the controller believed, if the file has one.
+    pub fn believed(&self) -> Result<Option<Model<7>>, FieldError> {
+        let within = |error: FieldError| FieldError { field: format!("model.{}", error.field), ..error };
+        self.model.as_ref().map(ModelFile::validate).transpose().map_err(within)
+    }
+
+    /// The compensator of the friction law alone; the model's effects are not in it.
     pub fn compensator<const N: usize>(&self) -> Result<Compensator<N>, FieldError> {
         if self.schema != SCHEMA {
             return Err(FieldError::new("schema", &self.schema, SCHEMA));
@@ -75,10 +86,9 @@ impl TunedFile {
         FieldError::check("hybrid_threshold_rad_s", self.hybrid_threshold_rad_s, 0.0, 10.0)?;
         let friction: FrictionModel<N> = self.friction.to_model("friction")?;
         Ok(Compensator {
-            friction,
-            source: self.velocity,
             smoothing_rad_s: self.friction.smoothing_rad_s,
             hybrid_threshold_rad_s: self.hybrid_threshold_rad_s,
+            ..Compensator::new(friction, self.velocity)
         })
     }
 }

@@ -90,6 +90,7 @@ impl YamlDocument {
         let message = match message.strip_prefix("invalid ") {
             Some("u8" | "u16" | "u32" | "u64" | "usize") => "not a whole number",
             Some("floating point") => "not a number",
+            _ if message.starts_with("non-finite float") => "not a finite number",
             _ => message,
         };
         match self.field_at(line) {

@@ -1,0 +1,163 @@
+//! `tribo diagnose`.
+
+mod document;
+mod files;
+mod input;
+mod show;
+
+use anyhow::Context;
+use tribo_diagnose::report::{ClosedLoop, ReportContext, html};
+use tribo_diagnose::{DiagnoseError, DiagnoseSettings, Diagnosis, Verdict, diagnose};
+use tribo_experiments::files::{Model, ModelFile};
+use tribo_experiments::{Believed, ClosedLoopGain, closed_loop_gain};
+
+use crate::arguments::{Common, Diagnose};
+use crate::failure::{BadInput, CheckFailed, Stopped};
+use crate::output::print_json;
+use crate::progress::{StageProgress, stop_on_signal};
+use files::Outputs;
+
+/// What a run has to say besides the diagnosis.
+#[derive(Debug, Default)]
+struct Extras {
+    /// Cost with the old and the extended model, where asked for.
+    closed_loop: Option<ClosedLoopGain>,
+    /// What the compensator cannot cancel of the extended model, one sentence each.
+    not_cancelled: Vec<String>,
+    /// Files written: option and path.
+    written: Vec<(&'static str, String)>,
+    /// Why something that was asked for is missing.
+    remarks: Vec<String>,
+}
+
+/// Reads everything, checks every name, diagnoses, writes, prints; in that order, so that nothing is done by halves.
+pub fn run(arguments: &Diagnose, common: &Common) -> anyhow::Result<()> {
+    let (model_file, model) = input::model(arguments)?;
+    let outputs = Outputs::checked(arguments)?;
+    input::check_logs_differ(arguments)?;
+    let logs = input::logs(&arguments.logs, common)?;
+    let validate = input::logs(&arguments.validate, common)?;
+    if let Some(band_hz) = arguments.band_hz.filter(|band_hz| !(*band_hz > 0.0 && band_hz.is_finite())) {
+        return Err(BadInput(format!("--band-hz is {band_hz}; allowed: greater than 0")).into());
+    }
+
+    // The diagnosis, until it is done or somebody stops it.
+    stop_on_signal();
+    let progress = StageProgress::new(common.quiet);
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(common.threads).build().context("starting the threads")?;
+    let settings = DiagnoseSettings { seed: arguments.seed, band_hz: arguments.band_hz };
+    let session: Vec<_> = logs.into_iter().map(|(_, log)| log).collect();
+    let result = pool.install(|| {
+        diagnose(&session, &model.to_nominal(), &validate, &settings, &|stage, part| progress.stage(stage, part))
+    });
+    let diagnosis = match result {
+        Ok(diagnosis) => diagnosis,
+        Err(DiagnoseError::Cancelled) => {
+            progress.finish();
+            return Err(Stopped.into());
+        }
+        Err(error) => {
+            progress.finish();
+            return Err(BadInput(format!("{}: {error}", names(arguments).join(", "))).into());
+        }
+    };
+
+    // The extended model, what it is worth, and the files.
+    let extended = model_file.extended(&diagnosis.effects());
+    let valid = extended.validate();
+    let mut extras = Extras::default();
+    if let Some(asked) = arguments.band_hz.filter(|asked| (asked - diagnosis.band_hz).abs() > 1e-6 * asked) {
+        let used = diagnosis.band_hz;
+        extras.remarks.push(format!("--band-hz {asked} does not fit these logs; the band used is {used:.1} Hz"));
+    }
+    if let Ok(better) = &valid {
+        extras.not_cancelled = Believed::by_controller(better).not_cancelled.iter().map(ToString::to_string).collect();
+        if arguments.closed_loop {
+            progress.stage("closed loop", 0.0);
+            extras.closed_loop = pool.install(|| closed_loop(&model, better, arguments.seed, &mut extras.remarks));
+        }
+    }
+    progress.finish();
+    if progress.stopped() {
+        return Err(Stopped.into());
+    }
+    let extended =
+        valid.map(|_| extended).map_err(|error| anyhow::anyhow!("the findings make no valid model: {error}"));
+    let written = write(arguments, &outputs, &diagnosis, extended, &mut extras);
+
+    if common.json {
+        print_json(&document::document(&diagnosis, &extras));
+    } else if !common.quiet {
+        show::show(&diagnosis, &extras, common.verbose);
+    }
+    for remark in extras.remarks.iter().filter(|_| common.json && !common.quiet) {
+        eprintln!("tribo: {remark}");
+    }
+    written?;
+    if arguments.check && diagnosis.verdict != Verdict::NothingMissing {
+        let findings = diagnosis.findings.len();
+        return Err(
+            CheckFailed(format!("the verdict is {}, with {findings} findings", diagnosis.verdict.name())).into()
+        );
+    }
+    Ok(())
+}
+
+fn names(arguments: &Diagnose) -> Vec<String> {
+    arguments.logs.iter().map(|path| path.display().to_string()).collect()
+}
+
+/// Runs the closed loop where there is a difference to measure.
+fn closed_loop(old: &Model<7>, better: &Model<7>, seed: u64, remarks: &mut Vec<String>) -> Option<ClosedLoopGain> {
+    if old == better {
+        remarks.push("no closed loop: the findings do not change the model".to_owned());
+        return None;
+    }
+    Some(closed_loop_gain(old, better, seed))
+}
+
+/// Writes the files that were asked for, each whole or not at all.
+fn write(
+    arguments: &Diagnose,
+    outputs: &Outputs,
+    diagnosis: &Diagnosis,
+    extended: anyhow::Result<ModelFile>,
+    extras: &mut Extras,
+) -> anyhow::Result<()> {
+    if let Some(path) = &outputs.report {
+        let context = ReportContext {
+            logs: names(arguments),
+            model: arguments
+                .model
+                .as_ref()
+                .map_or("bare Panda without friction".to_owned(), |m| m.display().to_string()),
+            program: format!("tribo {}", env!("CARGO_PKG_VERSION")),
+            closed_loop: extras.closed_loop.as_ref().map(|gain| ClosedLoop {
+                cost: [gain.cost_before, gain.cost_after],
+                tracking_rms_mm: [gain.tracking_rms_mm_before, gain.tracking_rms_mm_after],
+            }),
+        };
+        files::write_text(path, &html(diagnosis, &context))?;
+        extras.written.push(("report", path.display().to_string()));
+    }
+    if let Some(path) = &outputs.trajectory {
+        match &diagnosis.next_experiment {
+            Some(next) => {
+                files::write_trajectory(path, next)?;
+                extras.written.push(("trajectory", path.display().to_string()));
+            }
+            None => extras.remarks.push(format!("{}: not written, there is no next experiment", path.display())),
+        }
+    }
+    if let Some(path) = &outputs.extend {
+        files::write_model(path, &extended?)?;
+        extras.written.push(("extend", path.display().to_string()));
+        if diagnosis.effects().is_empty() {
+            extras.remarks.push(format!("{}: the old model, nothing was found to add", path.display()));
+        }
+        if diagnosis.findings.iter().any(|finding| finding.effect.is_none()) {
+            extras.remarks.push(format!("{}: without the torque that no named cause describes", path.display()));
+        }
+    }
+    Ok(())
+}

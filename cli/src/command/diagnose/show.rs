@@ -1,0 +1,249 @@
+//! A diagnosis on the terminal: the verdict first, then the evidence.
+
+use comfy_table::{CellAlignment, Table};
+use tribo_diagnose::report::number::{
+    percent, percent_with_interval, probability, quantity_and_unit, significant, with_interval,
+};
+use tribo_diagnose::report::{cause_at, finding_sentence, verdict_sentence};
+use tribo_diagnose::{Diagnosis, Finding, JointMisfit, Location};
+
+use super::Extras;
+use crate::output::{print, table};
+
+/// Width of running text (columns).
+const WIDTH: usize = 110;
+/// Parts of the variance below this are not worth a word [-].
+const NOTABLE_PART: f64 = 0.05;
+
+/// Prints everything; `verbose` adds what was considered and rejected, and the assumptions.
+pub(super) fn show(diagnosis: &Diagnosis, extras: &Extras, verbose: bool) {
+    paragraph("", &verdict_sentence(diagnosis));
+    if !diagnosis.findings.is_empty() {
+        show_findings(&diagnosis.findings);
+    }
+    show_joints(diagnosis);
+    show_elsewhere(diagnosis, extras);
+    show_next(diagnosis);
+    if verbose && !diagnosis.rejected.is_empty() {
+        show_rejected(diagnosis);
+    }
+    show_list("Notes", &diagnosis.notes);
+    if verbose || diagnosis.findings.is_empty() {
+        show_list("Assumptions", &diagnosis.assumptions);
+    }
+    if !(extras.written.is_empty() && extras.remarks.is_empty()) {
+        print("");
+    }
+    for (_, path) in &extras.written {
+        print(format_args!("written {path}"));
+    }
+    for remark in &extras.remarks {
+        print(remark);
+    }
+}
+
+fn show_findings(findings: &[Finding]) {
+    if findings.len() > 1 || !findings[0].alternatives.is_empty() {
+        print("");
+        for finding in findings {
+            paragraph("- ", &format!("{}.", finding_sentence(finding)));
+        }
+    }
+    let mut rows = table(&["cause", "where", "parameter", "value [95 %]", "p", "gain on unseen [95 %]", "rivals"]);
+    align(&mut rows, CellAlignment::Left, &[1, 2, 3, 6]);
+    for finding in findings {
+        let gain = percent_with_interval(finding.held_out_gain, finding.held_out_gain_ci95);
+        let rivals: Vec<String> =
+            finding.alternatives.iter().map(|rival| cause_at(rival.label, rival.location)).collect();
+        let mut first = Some((gain, rivals.join(", ")));
+        for (name, value) in parameter_rows(finding) {
+            let (gain, rivals) = first.take().unwrap_or_default();
+            let begins = !gain.is_empty();
+            let once = |text: String| if begins { text } else { String::new() };
+            add(
+                &mut rows,
+                [
+                    once(finding.label.to_string()),
+                    once(finding.location.to_string()),
+                    name,
+                    value,
+                    once(probability(finding.p_value)),
+                    gain,
+                    rivals,
+                ],
+            );
+        }
+    }
+    print(format_args!("\n{rows}"));
+    for finding in findings {
+        for rival in &finding.alternatives {
+            let what = cause_at(finding.label, finding.location);
+            let other = cause_at(rival.label, rival.location);
+            let gap = significant(rival.evidence_gap, 2);
+            paragraph("", &format!("{what} could also be {other}, {gap} behind in evidence: {}", rival.why));
+        }
+    }
+}
+
+/// One row per component; a finding without parameters has one row all the same.
+fn parameter_rows(finding: &Finding) -> Vec<(String, String)> {
+    let mut rows = Vec::new();
+    for parameter in &finding.parameters {
+        let unit = quantity_and_unit(parameter.name).1;
+        for (k, value) in parameter.value.iter().enumerate() {
+            let index = if parameter.value.len() > 1 { format!("[{k}]") } else { String::new() };
+            let ci95 = parameter.ci95.get(k).copied().unwrap_or([f64::NAN; 2]);
+            rows.push((format!("{}{index}", parameter.name), with_interval(*value, ci95, unit)));
+        }
+    }
+    if rows.is_empty() {
+        rows.push(("signature".to_owned(), finding.signature.clone().unwrap_or_default()));
+    }
+    rows
+}
+
+fn show_joints(diagnosis: &Diagnosis) {
+    print(format_args!(
+        "\nResidual: measured less model [Nm RMS], {} samples at {} Hz in {} {}, band {} Hz",
+        diagnosis.samples,
+        significant(diagnosis.rate_hz, 3),
+        diagnosis.bursts,
+        if diagnosis.bursts == 1 { "burst" } else { "bursts" },
+        significant(diagnosis.band_hz, 3)
+    ));
+    let header = ["joint", "before", "after", "unseen: before", "after", "noise", "bias", "unexplained", "goes with"];
+    let mut rows = table(&header);
+    align(&mut rows, CellAlignment::Left, &[8]);
+    for (j, joint) in diagnosis.joints.iter().enumerate() {
+        let [unseen_before, unseen_after] = joint.held_out_nm;
+        let torques =
+            [joint.rms_nm, joint.rms_after_nm, unseen_before, unseen_after, joint.noise_floor_nm, joint.bias_nm];
+        let mut row = vec![j.to_string()];
+        row.extend(torques.map(|value| significant(value, 3)));
+        row.extend([percent(joint.unexplained), goes_with(joint)]);
+        add(&mut rows, row);
+    }
+    print(rows);
+}
+
+/// The two quantities that most of the residual goes with.
+fn goes_with(joint: &JointMisfit) -> String {
+    let mut parts: Vec<_> = joint.goes_with.iter().filter(|(_, part)| *part >= NOTABLE_PART).collect();
+    parts.sort_by(|a, b| b.1.total_cmp(&a.1));
+    let parts: Vec<String> = parts.iter().take(2).map(|(name, part)| format!("{name} {}", percent(*part))).collect();
+    if parts.is_empty() { "nothing".to_owned() } else { parts.join(", ") }
+}
+
+/// What the extended model is worth on other logs and in the loop.
+fn show_elsewhere(diagnosis: &Diagnosis, extras: &Extras) {
+    for validation in &diagnosis.validation {
+        let gain = percent_with_interval(validation.gain, validation.gain_ci95);
+        paragraph("", &format!("\non {}: the findings remove {gain} of the residual", validation.log));
+    }
+    if let Some(gain) = &extras.closed_loop {
+        let mut rows = table(&["closed loop", "cost J [N + Nm]", "tracking [mm RMS]", "[mrad RMS]", "state"]);
+        let state = |aborted: Option<tribo_experiments::AbortReason>| {
+            aborted.map_or("complete".to_owned(), |reason| format!("failed: {reason}"))
+        };
+        let lines = [
+            (
+                "old model",
+                gain.cost_before,
+                gain.tracking_rms_mm_before,
+                gain.tracking_rms_mrad_before,
+                gain.aborted_before,
+            ),
+            (
+                "extended model",
+                gain.cost_after,
+                gain.tracking_rms_mm_after,
+                gain.tracking_rms_mrad_after,
+                gain.aborted_after,
+            ),
+        ];
+        for (name, cost, mm, mrad, aborted) in lines {
+            let numbers = [significant(cost, 4), significant(mm, 3), significant(mrad, 3)];
+            add(&mut rows, [vec![name.to_owned()], numbers.to_vec(), vec![state(aborted)]].concat());
+        }
+        print(format_args!("\n{rows}"));
+    }
+    if !extras.not_cancelled.is_empty() {
+        show_list("What the compensator cannot cancel", &extras.not_cancelled);
+    }
+}
+
+fn show_next(diagnosis: &Diagnosis) {
+    let Some(next) = &diagnosis.next_experiment else { return };
+    let [a, b] = next.separates.map(|(label, location)| cause_at(label, location));
+    print("");
+    paragraph(
+        "",
+        &format!(
+            "Next experiment: {} ({}) It separates {a} from {b}: expected evidence {}, against {} from a repetition of \
+             this log. --trajectory writes its via points.",
+            next.instruction,
+            next.motion,
+            significant(next.expected_evidence, 3),
+            significant(next.evidence_of_this_log, 3)
+        ),
+    );
+}
+
+fn show_rejected(diagnosis: &Diagnosis) {
+    let mut rows = table(&["rejected", "where", "evidence", "why"]);
+    align(&mut rows, CellAlignment::Left, &[1, 3]);
+    for rejected in &diagnosis.rejected {
+        let place = match rejected.location {
+            Location::Arm => "arm".to_owned(),
+            place => place.to_string(),
+        };
+        let evidence = rejected.evidence.map_or("-".to_owned(), |evidence| significant(evidence, 3));
+        add(&mut rows, [rejected.label.to_string(), place, evidence, rejected.reason.clone()]);
+    }
+    print(format_args!("\n{rows}"));
+}
+
+fn show_list(heading: &str, items: &[String]) {
+    if !items.is_empty() {
+        print(format_args!("\n{heading}:"));
+        items.iter().for_each(|item| paragraph("- ", item));
+    }
+}
+
+/// Text wrapped at [`WIDTH`], continued under its own beginning.
+fn paragraph(bullet: &str, text: &str) {
+    let indent = " ".repeat(bullet.len());
+    let mut line = bullet.to_owned();
+    let mut width = line.chars().count();
+    for word in ascii_minus(text).split(' ') {
+        let letters = word.chars().count();
+        if width > bullet.len() && width + 1 + letters > WIDTH {
+            line += "\n";
+            line += &indent;
+            width = indent.len();
+        } else if width > bullet.len() {
+            line += " ";
+            width += 1;
+        }
+        line += word;
+        width += letters;
+    }
+    print(line);
+}
+
+/// Numbers as other programs read them.
+fn ascii_minus(text: &str) -> String {
+    text.replace('−', "-")
+}
+
+fn align(rows: &mut Table, alignment: CellAlignment, columns: &[usize]) {
+    for column in columns {
+        if let Some(column) = rows.column_mut(*column) {
+            column.set_cell_alignment(alignment);
+        }
+    }
+}
+
+fn add(rows: &mut Table, cells: impl IntoIterator<Item = String>) {
+    rows.add_row(cells.into_iter().map(|cell| ascii_minus(&cell)));
+}

@@ -1,0 +1,88 @@
+//! A base that is not level.
+
+use nalgebra::{Rotation3, Unit, Vector3};
+use tribo_robot::{Arm, gravity_torque};
+use tribo_sim::Effect;
+
+use super::Candidate;
+use crate::diagnosis::{CauseLabel, Location};
+use crate::scene::{FineColumn, Scene};
+
+/// Gravity of another direction: columns are the gravity torque per m/s² of its change.
+///
+/// ```text
+/// tau = G(q) dg,   g + dg = R(axis, angle)ᵀ g
+/// ```
+///
+/// A small tilt changes only the components across gravity (two columns); a large one all three. Needs postures in
+/// which gravity loads the first joints differently.
+pub(super) struct BaseTilt {
+    /// Whether the third component is free too.
+    pub large: bool,
+}
+
+/// Tilts beyond this are another mounting (rad).
+const LARGEST_RAD: f64 = 0.8;
+/// Gravity that a turned base has kept, relative.
+const LENGTH_TOLERANCE: f64 = 0.05;
+
+impl BaseTilt {
+    /// Directions of the columns in base axes: across gravity, then along it.
+    fn directions(gravity: &Vector3<f64>) -> [Vector3<f64>; 3] {
+        let down = gravity.normalize();
+        let least = down.iamin();
+        let across = down.cross(&Vector3::ith(least, 1.0)).normalize();
+        [across, down.cross(&across), down]
+    }
+
+    fn turned<const N: usize>(&self, arm: &Arm<N>, coefficients: &[f64]) -> Vector3<f64> {
+        let directions = Self::directions(&arm.gravity_m_s2);
+        directions.iter().zip(coefficients).fold(arm.gravity_m_s2, |g, (direction, c)| g + direction * *c)
+    }
+}
+
+impl<const N: usize> Candidate<N> for BaseTilt {
+    fn label(&self) -> CauseLabel {
+        CauseLabel::BaseTilt
+    }
+
+    fn location(&self) -> Location {
+        Location::Arm
+    }
+
+    fn columns(&self, scene: &Scene<N>, _shape: &[f64]) -> Vec<FineColumn<N>> {
+        let directions = Self::directions(&scene.nominal.arm.gravity_m_s2);
+        let count = if self.large { 3 } else { 2 };
+        directions[..count]
+            .iter()
+            .map(|direction| {
+                let arm = Arm { gravity_m_s2: *direction, ..scene.nominal.arm.clone() };
+                scene.arm_column(|at| gravity_torque(&arm, &at.q))
+            })
+            .collect()
+    }
+
+    fn admissible(&self, scene: &Scene<N>, _shape: &[f64], coefficients: &[f64]) -> bool {
+        let gravity = scene.nominal.arm.gravity_m_s2;
+        let turned = self.turned(&scene.nominal.arm, coefficients);
+        let same_length = !self.large || (turned.norm() / gravity.norm() - 1.0).abs() < LENGTH_TOLERANCE;
+        same_length && gravity.angle(&turned) < LARGEST_RAD
+    }
+
+    fn effect(&self, scene: &Scene<N>, _shape: &[f64], coefficients: &[f64]) -> Option<Effect> {
+        let gravity = scene.nominal.arm.gravity_m_s2;
+        let turned = self.turned(&scene.nominal.arm, coefficients);
+        // Rᵀ g = turned: R turns `turned` back onto g.
+        let axis = turned.cross(&gravity);
+        let axis = Unit::try_new(axis, 1e-12)?;
+        Some(Effect::BaseTilt { angle_rad: gravity.angle(&turned), axis: [axis.x, axis.y, axis.z] })
+    }
+}
+
+/// Coefficients of the three columns for a known tilt under standard gravity along −z.
+pub(super) fn gravity_change(angle_rad: f64, axis: &[f64; 3]) -> Vec<f64> {
+    let gravity = Vector3::new(0.0, 0.0, -9.81);
+    let Some(axis) = Unit::try_new(Vector3::from(*axis), 1e-12) else { return vec![0.0; 3] };
+    let change = Rotation3::from_axis_angle(&axis, angle_rad).inverse() * gravity - gravity;
+    BaseTilt::directions(&gravity).iter().map(|direction| direction.dot(&change)).collect()
+}

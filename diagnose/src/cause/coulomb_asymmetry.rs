@@ -1,0 +1,42 @@
+//! Dry friction that differs by direction.
+
+use tribo_friction::law::smooth_sign;
+use tribo_sim::Effect;
+
+use super::Candidate;
+use crate::diagnosis::{CauseLabel, Location};
+use crate::scene::{FineColumn, Scene};
+
+/// `a |tanh(qd/ε)|`. Linear. While the joint moves it is an offset; only standing still tells them apart.
+///
+/// The noise of qd would make |tanh| positive at rest: qd is shrunk, `qd max(0, 1 − (2.5 sd/qd)²)`.
+pub(super) struct CoulombAsymmetry {
+    pub joint: usize,
+}
+
+/// Standard deviations of velocity noise that are no motion.
+const NOISE_SD: f64 = 2.5;
+
+impl<const N: usize> Candidate<N> for CoulombAsymmetry {
+    fn label(&self) -> CauseLabel {
+        CauseLabel::CoulombAsymmetry
+    }
+
+    fn location(&self) -> Location {
+        Location::Joint(self.joint)
+    }
+
+    fn columns(&self, scene: &Scene<N>, _shape: &[f64]) -> Vec<FineColumn<N>> {
+        let smoothing = scene.nominal.smoothing_rad_s;
+        let noise = NOISE_SD * scene.velocity_sd_rad_s[self.joint];
+        vec![scene.joint_column(self.joint, |at| {
+            let qd = at.qd[self.joint];
+            let kept = if qd.abs() > noise { 1.0 - (noise / qd).powi(2) } else { 0.0 };
+            smooth_sign(kept * qd, smoothing).abs()
+        })]
+    }
+
+    fn effect(&self, _scene: &Scene<N>, _shape: &[f64], coefficients: &[f64]) -> Option<Effect> {
+        Some(Effect::CoulombAsymmetry { joint: self.joint, asymmetry_nm: coefficients[0] })
+    }
+}

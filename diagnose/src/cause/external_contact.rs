@@ -1,0 +1,51 @@
+//! Somebody pushed the arm.
+
+use nalgebra::SVector;
+use tribo_sim::Effect;
+
+use super::Candidate;
+use crate::diagnosis::{CauseLabel, Location};
+use crate::scene::{FineColumn, Scene};
+
+/// `−Jᵀ [force, moment]` on the robot during a window: six coefficients. Shape start and end (s), found by
+/// [`crate::contact_window`]. A push that never ends is a payload.
+pub(crate) struct ExternalContact {
+    /// The log of the window; `None` is every log.
+    pub log: Option<usize>,
+}
+
+impl<const N: usize> Candidate<N> for ExternalContact {
+    fn label(&self) -> CauseLabel {
+        CauseLabel::ExternalContact
+    }
+
+    fn location(&self) -> Location {
+        Location::Arm
+    }
+
+    fn columns(&self, scene: &Scene<N>, shape: &[f64]) -> Vec<FineColumn<N>> {
+        let mut columns = vec![vec![SVector::<f64, N>::zeros(); scene.samples.len()]; 6];
+        for burst in scene.bursts.iter().filter(|burst| self.log.is_none_or(|log| log == burst.log)) {
+            for k in burst.fine.clone() {
+                let at = &scene.samples[k];
+                if at.time_s >= shape[0] && at.time_s <= shape[1] {
+                    let jacobian = scene.jacobian(at);
+                    for (component, column) in columns.iter_mut().enumerate() {
+                        column[k] = -jacobian.row(component).transpose();
+                    }
+                }
+            }
+        }
+        columns.into_iter().map(FineColumn::Arm).collect()
+    }
+
+    fn effect(&self, _scene: &Scene<N>, shape: &[f64], coefficients: &[f64]) -> Option<Effect> {
+        let c = coefficients;
+        Some(Effect::ExternalContact {
+            force_n: [c[0], c[1], c[2]],
+            moment_nm: [c[3], c[4], c[5]],
+            start_s: shape[0],
+            end_s: shape[1],
+        })
+    }
+}

@@ -1,0 +1,110 @@
+//! A spring between motor and link, seen by an encoder on the motor.
+
+use nalgebra::SVector;
+use tribo_robot::{mass_matrix, rnea};
+use tribo_sim::Effect;
+
+use super::{Candidate, only};
+use crate::diagnosis::{CauseLabel, Location};
+use crate::scene::{FineColumn, Scene};
+
+/// The link lags the motor by δ, so its torque is that of another state:
+///
+/// ```text
+/// M_jj δ'' + D δ' + K δ = tau_link,j(q),   column = tau_link(q − δ) − tau_link(q), all joints
+/// ```
+///
+/// The column goes with 1/K: at a coefficient c the better stiffness is K/c. Shape K, D. Confusable with a delay: both
+/// go with the rate of the torque. With two encoders theta − q answers instead.
+pub(crate) struct JointElasticity {
+    pub joint: usize,
+}
+
+/// Stiffness of joints of arms of this size [Nm/rad].
+const STIFFNESS_NM_RAD: [f64; 2] = [500.0, 2e5];
+/// Damping ratio assumed where the log cannot tell.
+const DAMPING_RATIO: f64 = 0.05;
+/// Steps of the integration per radian of its fastest oscillation.
+const STEPS_PER_RADIAN: f64 = 8.0;
+
+impl<const N: usize> Candidate<N> for JointElasticity {
+    fn label(&self) -> CauseLabel {
+        CauseLabel::JointElasticity
+    }
+
+    fn location(&self) -> Location {
+        Location::Joint(self.joint)
+    }
+
+    fn unavailable(&self, scene: &Scene<N>) -> Option<String> {
+        scene.deflection_rad.is_some().then(|| "theta − q shows it directly".to_owned())
+    }
+
+    fn shapes(&self, scene: &Scene<N>) -> Vec<Vec<f64>> {
+        let inertia = typical_inertia(scene, self.joint);
+        [3e3, 1.5e4].map(|k: f64| vec![k, 2.0 * DAMPING_RATIO * (k * inertia).sqrt()]).to_vec()
+    }
+
+    fn fixed_point(&self, shape: &[f64], coefficients: &[f64]) -> Option<Vec<f64>> {
+        let ratio = coefficients[0].clamp(0.2, 5.0);
+        let stiffness = (shape[0] / ratio).clamp(STIFFNESS_NM_RAD[0], STIFFNESS_NM_RAD[1]);
+        Some(vec![stiffness, shape[1] * (stiffness / shape[0]).sqrt()])
+    }
+
+    fn columns(&self, scene: &Scene<N>, shape: &[f64]) -> Vec<FineColumn<N>> {
+        let (j, [stiffness, damping]) = (self.joint, [shape[0], shape[1]]);
+        let link_arm = scene.nominal.arm.clone().link_side();
+        let mut column = Vec::with_capacity(scene.samples.len());
+        for burst in &scene.bursts {
+            let samples = &scene.samples[burst.fine.clone()];
+            let dt_s = scene.period_s(burst);
+            let Some(first) = samples.first() else { continue };
+            let (mut deflection, mut rate) = (first.link_nm[j] / stiffness, 0.0);
+            let mut inertia = mass_matrix(&link_arm, &first.q)[(j, j)];
+            for (k, at) in samples.iter().enumerate() {
+                if k % INERTIA_EVERY == 0 {
+                    inertia = mass_matrix(&link_arm, &at.q)[(j, j)].max(1e-4);
+                }
+                let steps = (dt_s * (stiffness / inertia).sqrt() * STEPS_PER_RADIAN).ceil().clamp(1.0, 500.0);
+                let h = dt_s / steps;
+                for _ in 0..steps as usize {
+                    // Implicit in stiffness and damping: stable at any step.
+                    let denominator = inertia + h * damping + h * h * stiffness;
+                    rate = (inertia * rate + h * (at.link_nm[j] - stiffness * deflection)) / denominator;
+                    deflection += h * rate;
+                }
+                let acceleration = (at.link_nm[j] - damping * rate - stiffness * deflection) / inertia;
+                let tau = rnea(
+                    &link_arm,
+                    &(at.q - only(j, deflection)),
+                    &(at.qd - only(j, rate)),
+                    &(at.qdd - only(j, acceleration)),
+                );
+                column.push(tau - at.link_nm);
+            }
+        }
+        vec![FineColumn::Arm(column)]
+    }
+
+    fn admissible(&self, _scene: &Scene<N>, shape: &[f64], coefficients: &[f64]) -> bool {
+        let stiffness = shape[0] / coefficients[0];
+        stiffness > STIFFNESS_NM_RAD[0] && stiffness < STIFFNESS_NM_RAD[1]
+    }
+
+    fn effect(&self, _scene: &Scene<N>, shape: &[f64], coefficients: &[f64]) -> Option<Effect> {
+        Some(Effect::JointElasticity {
+            joint: self.joint,
+            stiffness_nm_per_rad: shape[0] / coefficients[0],
+            damping_nm_s_per_rad: shape[1],
+        })
+    }
+}
+
+/// Samples between two evaluations of the inertia, which varies with the posture alone.
+const INERTIA_EVERY: usize = 50;
+
+/// Inertia about the joint in the middle of the log [kg m²].
+fn typical_inertia<const N: usize>(scene: &Scene<N>, joint: usize) -> f64 {
+    let q = scene.samples.get(scene.samples.len() / 2).map_or_else(SVector::zeros, |at| at.q);
+    mass_matrix(&scene.nominal.arm.clone().link_side(), &q)[(joint, joint)].max(1e-4)
+}

@@ -1,0 +1,69 @@
+//! Dry friction that builds up over a distance after reversals.
+
+use tribo_sim::Effect;
+
+use super::{Candidate, log_grid};
+use crate::diagnosis::{CauseLabel, Location};
+use crate::scene::{FineColumn, Scene};
+
+/// `Fc (z − s)`, z the Dahl bristle ratio, profiled over its distance d:
+///
+/// ```text
+/// dz = (dq − |dq| z) / d,   |z| ≤ 1,   s = tanh(qd/ε)
+/// ```
+///
+/// Independent of rate: z depends on the travel alone, exactly `z⁺ = σ + (z − σ) exp(−|dq|/d)`, σ = sign(dq). Needs
+/// reversals. Confusable with Stribeck friction where all speed is low.
+pub(super) struct Presliding {
+    pub joint: usize,
+}
+
+/// Distances of gears, at the joint (rad).
+const DISTANCE_RAD: [f64; 2] = [1e-4, 3e-2];
+/// The bristle carries the joint's Coulomb friction within this factor, where the model knows it.
+const COULOMB_FACTOR: [f64; 2] = [0.3, 3.0];
+
+impl<const N: usize> Candidate<N> for Presliding {
+    fn label(&self) -> CauseLabel {
+        CauseLabel::Presliding
+    }
+
+    fn location(&self) -> Location {
+        Location::Joint(self.joint)
+    }
+
+    fn shapes(&self, _scene: &Scene<N>) -> Vec<Vec<f64>> {
+        log_grid(DISTANCE_RAD[0], DISTANCE_RAD[1], 8)
+    }
+
+    fn profile(&self) -> Option<[f64; 2]> {
+        Some(DISTANCE_RAD)
+    }
+
+    fn columns(&self, scene: &Scene<N>, shape: &[f64]) -> Vec<FineColumn<N>> {
+        let j = self.joint;
+        let mut column = Vec::with_capacity(scene.samples.len());
+        for burst in &scene.bursts {
+            let mut z = 0.0;
+            let mut last = None;
+            for at in &scene.samples[burst.fine.clone()] {
+                let travel = at.q[j] - last.unwrap_or(at.q[j]);
+                let toward = travel.signum();
+                z = toward + (z - toward) * (-travel.abs() / shape[0]).exp();
+                last = Some(at.q[j]);
+                column.push(z - at.sign[j]);
+            }
+        }
+        vec![FineColumn::Joint(j, column)]
+    }
+
+    fn admissible(&self, scene: &Scene<N>, _shape: &[f64], coefficients: &[f64]) -> bool {
+        let dry_nm = scene.nominal.dry_nm(self.joint);
+        let [low, high] = COULOMB_FACTOR.map(|factor| factor * dry_nm);
+        coefficients[0] > low && (dry_nm == 0.0 || coefficients[0] < high)
+    }
+
+    fn effect(&self, _scene: &Scene<N>, shape: &[f64], _coefficients: &[f64]) -> Option<Effect> {
+        Some(Effect::Presliding { joint: self.joint, presliding_distance_rad: shape[0] })
+    }
+}

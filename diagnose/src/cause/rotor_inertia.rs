@@ -1,0 +1,35 @@
+//! Rotor inertia unlike the model's.
+
+use tribo_sim::{Effect, TorqueSide};
+
+use super::Candidate;
+use crate::diagnosis::{CauseLabel, Location};
+use crate::scene::{FineColumn, Scene};
+
+/// `dIr qdd`. Linear; motor-side torques only. On the first joint it equals the inertia of the first link.
+pub(super) struct RotorInertia {
+    pub joint: usize,
+}
+
+impl<const N: usize> Candidate<N> for RotorInertia {
+    fn label(&self) -> CauseLabel {
+        CauseLabel::RotorInertia
+    }
+
+    fn location(&self) -> Location {
+        Location::Joint(self.joint)
+    }
+
+    fn unavailable(&self, scene: &Scene<N>) -> Option<String> {
+        let link = scene.nominal.torque_side == TorqueSide::Link;
+        link.then(|| "torques are measured on the link side of the gears, where rotors do not show".to_owned())
+    }
+
+    fn columns(&self, scene: &Scene<N>, _shape: &[f64]) -> Vec<FineColumn<N>> {
+        vec![scene.joint_column(self.joint, |at| at.qdd[self.joint])]
+    }
+
+    fn effect(&self, _scene: &Scene<N>, _shape: &[f64], coefficients: &[f64]) -> Option<Effect> {
+        Some(Effect::RotorInertia { joint: self.joint, delta_rotor_inertia_kg_m2: coefficients[0] })
+    }
+}

@@ -1,0 +1,31 @@
+//! A constant torque.
+
+use tribo_sim::Effect;
+
+use super::Candidate;
+use crate::diagnosis::{CauseLabel, Location};
+use crate::scene::{FineColumn, Scene};
+
+/// `offset`. Linear. On a joint that moves one way it is Coulomb friction; on a joint under gravity that keeps its
+/// posture, a first moment.
+pub(super) struct TorqueOffset {
+    pub joint: usize,
+}
+
+impl<const N: usize> Candidate<N> for TorqueOffset {
+    fn label(&self) -> CauseLabel {
+        CauseLabel::TorqueOffset
+    }
+
+    fn location(&self) -> Location {
+        Location::Joint(self.joint)
+    }
+
+    fn columns(&self, scene: &Scene<N>, _shape: &[f64]) -> Vec<FineColumn<N>> {
+        vec![scene.joint_column(self.joint, |_| 1.0)]
+    }
+
+    fn effect(&self, _scene: &Scene<N>, _shape: &[f64], coefficients: &[f64]) -> Option<Effect> {
+        Some(Effect::TorqueOffset { joint: self.joint, offset_nm: coefficients[0] })
+    }
+}

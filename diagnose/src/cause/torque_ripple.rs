@@ -1,0 +1,40 @@
+//! Torque periodic in the joint angle.
+
+use tribo_sim::Effect;
+
+use super::Candidate;
+use crate::diagnosis::{CauseLabel, Location};
+use crate::scene::{FineColumn, Scene};
+
+/// `a sin(n q) + b cos(n q)`: amplitude and phase follow. Shape n, found by [`crate::ripple`].
+pub(crate) struct TorqueRipple {
+    pub joint: usize,
+}
+
+impl<const N: usize> Candidate<N> for TorqueRipple {
+    fn label(&self) -> CauseLabel {
+        CauseLabel::TorqueRipple
+    }
+
+    fn location(&self) -> Location {
+        Location::Joint(self.joint)
+    }
+
+    fn columns(&self, scene: &Scene<N>, shape: &[f64]) -> Vec<FineColumn<N>> {
+        let j = self.joint;
+        vec![
+            scene.joint_column(j, |at| (shape[0] * at.q[j]).sin()),
+            scene.joint_column(j, |at| (shape[0] * at.q[j]).cos()),
+        ]
+    }
+
+    fn effect(&self, _scene: &Scene<N>, shape: &[f64], coefficients: &[f64]) -> Option<Effect> {
+        let [sine, cosine] = [coefficients[0], coefficients[1]];
+        Some(Effect::TorqueRipple {
+            joint: self.joint,
+            cycles_per_rev: shape[0],
+            amplitude_nm: sine.hypot(cosine),
+            phase_rad: cosine.atan2(sine),
+        })
+    }
+}

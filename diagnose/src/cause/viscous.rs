@@ -1,0 +1,30 @@
+//! Viscous friction unlike the model's.
+
+use tribo_sim::Effect;
+
+use super::Candidate;
+use crate::diagnosis::{CauseLabel, Location};
+use crate::scene::{FineColumn, Scene};
+
+/// `dFv qd`. Linear. Confusable with friction that grows faster than qd unless speeds vary.
+pub(super) struct Viscous {
+    pub joint: usize,
+}
+
+impl<const N: usize> Candidate<N> for Viscous {
+    fn label(&self) -> CauseLabel {
+        CauseLabel::Viscous
+    }
+
+    fn location(&self) -> Location {
+        Location::Joint(self.joint)
+    }
+
+    fn columns(&self, scene: &Scene<N>, _shape: &[f64]) -> Vec<FineColumn<N>> {
+        vec![scene.joint_column(self.joint, |at| at.qd[self.joint])]
+    }
+
+    fn effect(&self, _scene: &Scene<N>, _shape: &[f64], coefficients: &[f64]) -> Option<Effect> {
+        Some(Effect::Viscous { joint: self.joint, delta_viscous_nm_s_per_rad: coefficients[0] })
+    }
+}

@@ -1,0 +1,216 @@
+//! From logs and a nominal model to a diagnosis.
+
+use std::sync::Arc;
+
+use nalgebra::SVector;
+use tribo_logs::RobotLog;
+
+use crate::cause::{Candidate, TorqueRipple, candidates};
+use crate::conclusion::{Evaluated, conclude};
+use crate::deflection::deflections;
+use crate::diagnosis::Diagnosis;
+use crate::ripple::{RippleLine, ripples};
+use crate::scene::{FineColumn, Scene};
+use crate::search::Search;
+use crate::significance::Chance;
+use crate::system::{EvaluatedColumns, System};
+use crate::{Nominal, ResidualError};
+
+/// What the caller chooses.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct DiagnoseSettings {
+    /// Seed of flips and bootstrap.
+    pub seed: u64,
+    /// Band of the residual (Hz); `None` chooses it from the noise of the log.
+    pub band_hz: Option<f64>,
+}
+
+/// Why there is no diagnosis.
+#[derive(Debug, thiserror::Error)]
+pub enum DiagnoseError {
+    /// No log was given.
+    #[error("no log to diagnose")]
+    NoLog,
+    /// A log does not fit the arm.
+    #[error("log {log} has {got} joints, the model {expected}")]
+    JointCount {
+        /// Index of the log.
+        log: usize,
+        /// Its joints.
+        got: usize,
+        /// Joints of the model.
+        expected: usize,
+    },
+    /// The signal chain refused a log.
+    #[error(transparent)]
+    Residual(#[from] ResidualError),
+    /// Too little is left after filtering.
+    #[error("{got} samples are left after filtering, a diagnosis needs {need}: the log is too short for its band")]
+    TooShort {
+        /// Samples left.
+        got: usize,
+        /// Samples needed.
+        need: usize,
+    },
+    /// The caller stopped it.
+    #[error("stopped")]
+    Cancelled,
+}
+
+/// Fewest samples per joint after averaging.
+const LEAST_SAMPLES: usize = 40;
+/// Inflation beyond which the search is repeated with deflated evidence.
+const INFLATED: f64 = 1.15;
+
+/// Finds what the nominal model lacks.
+///
+/// ```text
+/// log → residual in band → ripples at full rate → whitened regression on all causes → forward–backward selection
+///     → sign flips (chance) → held-out gain, intervals, rivals → verdict
+/// ```
+///
+/// `validate` are logs that no parameter is fitted to. `progress` hears stage and fraction and stops the work by
+/// answering `false`. The same logs, model and seed give the same bits.
+///
+/// # Errors
+/// [`DiagnoseError`].
+pub fn diagnose<const N: usize>(
+    logs: &[RobotLog],
+    nominal: &Nominal<N>,
+    validate: &[(String, RobotLog)],
+    settings: &DiagnoseSettings,
+    progress: &(dyn Fn(&str, f64) -> bool + Sync),
+) -> Result<Diagnosis, DiagnoseError> {
+    let step = |stage: &str, fraction: f64| if progress(stage, fraction) { Ok(()) } else { Err(DiagnoseError::Cancelled) };
+    if logs.is_empty() {
+        return Err(DiagnoseError::NoLog);
+    }
+    step("residual", 0.0)?;
+    let mut scene = Scene::of_logs(logs, nominal, settings.band_hz)?;
+    if scene.time_s.len() < LEAST_SAMPLES {
+        return Err(DiagnoseError::TooShort { got: scene.time_s.len(), need: LEAST_SAMPLES });
+    }
+    let original = scene.residual_nm.clone();
+    let causes: Vec<Arc<dyn Candidate<N>>> = candidates::<N>().into_iter().map(Arc::from).collect();
+
+    step("ripple", 0.08)?;
+    let mut lines = ripples(&scene, &[]);
+    subtract_ripples(&mut scene, &original, &lines);
+    step("candidates", 0.12)?;
+    let evaluated_columns = EvaluatedColumns::of(&scene, &causes);
+    let mut round = 0;
+    loop {
+        let at = |fraction: f64| 0.2 + 0.33 * (f64::from(round) + fraction);
+        // The colour of the noise: first of what everything together leaves, then of what the selection leaves.
+        let mut left = evaluated_columns.saturated_residual(&scene);
+        let mut colours = 0;
+        let (mut system, selected, inflation, chance) = loop {
+            step("selection", at(0.3 + 0.3 * f64::from(colours)))?;
+            let mut system = System::new(&scene, &evaluated_columns, &left);
+            let go_on = |_: usize| progress("selection", at(0.3 + 0.3 * f64::from(colours)));
+            let mut search = Search::new(&mut system, 1.0);
+            if !search.run(&go_on) {
+                return Err(DiagnoseError::Cancelled);
+            }
+            if colours == 0 {
+                left = residual_after(&search);
+                colours = 1;
+                continue;
+            }
+            let mut chance = Chance::of(&search, settings.seed);
+            if chance.inflation > INFLATED {
+                search.inflation = chance.inflation;
+                search.selected.clear();
+                if !search.run(&go_on) {
+                    return Err(DiagnoseError::Cancelled);
+                }
+                chance = Chance::of(&search, settings.seed);
+            }
+            let (selected, inflation) = (search.selected.clone(), search.inflation);
+            break (system, selected, inflation, chance);
+        };
+        let mut search = Search::new(&mut system, inflation);
+        search.selected = selected;
+
+        // A ripple may hide behind what has now been explained.
+        if round == 0 {
+            let explained = explained_torque(&search);
+            let again = ripples(&scene, &explained);
+            if again.len() != lines.len() {
+                lines = again;
+                round = 1;
+                subtract_ripples(&mut scene, &original, &lines);
+                continue;
+            }
+        }
+        step("evidence", 0.88)?;
+        let evaluated = Evaluated {
+            original: &original,
+            lines: &lines,
+            deflections: &deflections(&scene),
+            chance: &chance,
+            seed: settings.seed,
+        };
+        let diagnosis = conclude(&mut search, &evaluated, validate, &step)?;
+        progress("done", 1.0);
+        return Ok(diagnosis);
+    }
+}
+
+/// The residual less the ripples.
+fn subtract_ripples<const N: usize>(scene: &mut Scene<N>, original: &[Vec<f64>; N], lines: &[RippleLine]) {
+    scene.residual_nm = original.clone();
+    for line in lines {
+        let column = scene.filter(&line.torque(scene));
+        if let Some(values) = &column.rows[line.joint] {
+            scene.residual_nm[line.joint].iter_mut().zip(values).for_each(|(r, x)| *r -= x);
+        }
+    }
+}
+
+/// What the selection leaves of the residual (Nm), unwhitened.
+fn residual_after<const N: usize>(search: &Search<'_, '_, N>) -> [Vec<f64>; N] {
+    let scene = search.system.scene;
+    let mut left = scene.residual_nm.clone();
+    let columns = search.system.columns_of(&search.selected);
+    let mut coefficients = crate::evidence::joint_fit(search.system, &columns).coefficients.into_iter();
+    for group in &search.selected {
+        let group = &search.system.groups[*group];
+        for column in group.candidate.filtered(scene, &group.shape) {
+            let coefficient = coefficients.next().unwrap_or(0.0);
+            for (left, torque) in left.iter_mut().zip(&column.rows) {
+                if let Some(torque) = torque {
+                    left.iter_mut().zip(torque).for_each(|(left, x)| *left -= coefficient * x);
+                }
+            }
+        }
+    }
+    left
+}
+
+/// Torque of the selected causes on the fine grid (Nm).
+fn explained_torque<const N: usize>(search: &Search<'_, '_, N>) -> Vec<SVector<f64, N>> {
+    let scene = search.system.scene;
+    let mut sum = vec![SVector::<f64, N>::zeros(); scene.samples.len()];
+    let columns = search.system.columns_of(&search.selected);
+    let mut coefficients = crate::evidence::joint_fit(search.system, &columns).coefficients.into_iter();
+    for group in &search.selected {
+        let group = &search.system.groups[*group];
+        for column in group.candidate.columns(scene, &group.shape) {
+            let coefficient = coefficients.next().unwrap_or(0.0);
+            match column {
+                FineColumn::Joint(j, values) => {
+                    sum.iter_mut().zip(values).for_each(|(sum, x)| sum[j] += coefficient * x);
+                }
+                FineColumn::Arm(values) => sum.iter_mut().zip(values).for_each(|(sum, x)| *sum += x * coefficient),
+            }
+        }
+    }
+    sum
+}
+
+/// The effect of a ripple.
+pub(crate) fn ripple_effect<const N: usize>(scene: &Scene<N>, line: &RippleLine) -> Option<tribo_sim::Effect> {
+    let candidate = TorqueRipple { joint: line.joint };
+    candidate.effect(scene, &[line.cycles_per_rev], &[line.sine_nm, line.cosine_nm])
+}

@@ -1,0 +1,216 @@
+//! What one more group explains, given those selected.
+
+use nalgebra::{DMatrix, DVector};
+
+use crate::scene::Column;
+use crate::system::{System, dot};
+
+/// The problem with the selected columns projected out.
+///
+/// ```text
+/// W = L⁻¹ G_S,   v = L⁻¹ b_S,   L Lᵀ = G_SS;    A = G_CC − W_Cᵀ W_C,   b = b_C − W_Cᵀ v
+/// ```
+pub(crate) struct Conditional {
+    projected: DMatrix<f64>,
+    explained: DVector<f64>,
+    lower: DMatrix<f64>,
+}
+
+/// What a group explains beyond the selected ones.
+#[derive(Clone, Debug)]
+pub(crate) struct Gain {
+    /// Decrease of the whitened residual sum of squares.
+    pub explained: f64,
+    /// Directions that the log can tell from the selected columns.
+    pub directions: usize,
+    /// Coefficient of each column.
+    pub coefficients: Vec<f64>,
+}
+
+/// Least part of a column's square that must be its own.
+pub(crate) const OWN_PART: f64 = 1e-3;
+
+impl Conditional {
+    /// Projects out the given columns.
+    pub fn on<const N: usize>(system: &System<'_, N>, selected: &[usize]) -> Self {
+        let count = system.columns.len();
+        if selected.is_empty() {
+            return Self {
+                projected: DMatrix::zeros(0, count),
+                explained: DVector::zeros(0),
+                lower: DMatrix::zeros(0, 0),
+            };
+        }
+        let scale = |c: usize| system.gram[(c, c)].sqrt().max(1e-300);
+        let square = DMatrix::from_fn(selected.len(), selected.len(), |i, k| {
+            let value = system.gram[(selected[i], selected[k])] / (scale(selected[i]) * scale(selected[k]));
+            if i == k { value + 1e-9 } else { value }
+        });
+        let rows = DMatrix::from_fn(selected.len(), count, |i, c| system.gram[(selected[i], c)] / scale(selected[i]));
+        let score = DVector::from_fn(selected.len(), |i, _| system.score[selected[i]] / scale(selected[i]));
+        let lower = square.cholesky().map_or_else(|| DMatrix::identity(selected.len(), selected.len()), |c| c.l());
+        let projected = lower.solve_lower_triangular(&rows).unwrap_or(rows);
+        let explained = lower.solve_lower_triangular(&score).unwrap_or(score);
+        Self { projected, explained, lower }
+    }
+
+    /// What the columns explain beyond the selected ones.
+    pub fn gain<const N: usize>(&self, system: &System<'_, N>, columns: &[usize]) -> Gain {
+        let k = columns.len();
+        let square = self.square(system, columns);
+        let score = DVector::from_fn(k, |i, _| {
+            system.score[columns[i]] - self.projected.column(columns[i]).dot(&self.explained)
+        });
+        let norms = DVector::from_fn(k, |i, _| system.gram[(columns[i], columns[i])].sqrt());
+        solve_truncated(&square, &score, &norms, OWN_PART)
+    }
+
+    /// Gram matrix of columns beyond the selected ones.
+    pub fn square<const N: usize>(&self, system: &System<'_, N>, columns: &[usize]) -> DMatrix<f64> {
+        DMatrix::from_fn(columns.len(), columns.len(), |i, m| {
+            let projected = self.projected.column(columns[i]).dot(&self.projected.column(columns[m]));
+            system.gram[(columns[i], columns[m])] - projected
+        })
+    }
+
+    /// Scores of all columns for other data, beyond the selected columns.
+    pub fn projected_scores<const N: usize>(
+        &self,
+        system: &System<'_, N>,
+        selected: &[usize],
+        scores: &[f64],
+    ) -> Vec<f64> {
+        if selected.is_empty() {
+            return scores.to_vec();
+        }
+        let scale = |c: usize| system.gram[(c, c)].sqrt().max(1e-300);
+        let own = DVector::from_fn(selected.len(), |i, _| scores[selected[i]] / scale(selected[i]));
+        let explained = self.lower.solve_lower_triangular(&own).unwrap_or(own);
+        (0..scores.len()).map(|c| scores[c] - self.projected.column(c).dot(&explained)).collect()
+    }
+}
+
+/// Least squares in the directions that are worth it: unit columns, eigenvalues above `own_part`.
+pub(crate) fn solve_truncated(
+    square: &DMatrix<f64>,
+    score: &DVector<f64>,
+    norms: &DVector<f64>,
+    own_part: f64,
+) -> Gain {
+    let k = score.len();
+    if k == 0 {
+        return Gain { explained: 0.0, directions: 0, coefficients: Vec::new() };
+    }
+    let usable = |i: usize| norms[i] > 0.0 && norms[i].is_finite();
+    if k == 1 {
+        let part = if usable(0) { square[(0, 0)] / norms[0].powi(2) } else { 0.0 };
+        if part < own_part {
+            return Gain { explained: 0.0, directions: 0, coefficients: vec![0.0] };
+        }
+        let coefficient = score[0] / square[(0, 0)];
+        return Gain { explained: coefficient * score[0], directions: 1, coefficients: vec![coefficient] };
+    }
+    let inverse = DVector::from_fn(k, |i, _| if usable(i) { 1.0 / norms[i] } else { 0.0 });
+    let unit = DMatrix::from_fn(k, k, |i, m| square[(i, m)] * inverse[i] * inverse[m]);
+    let unit_score = score.component_mul(&inverse);
+    let eigen = unit.symmetric_eigen();
+    let mut gain = Gain { explained: 0.0, directions: 0, coefficients: vec![0.0; k] };
+    for (i, &value) in eigen.eigenvalues.iter().enumerate() {
+        if value > own_part {
+            let direction = eigen.eigenvectors.column(i);
+            let along = direction.dot(&unit_score);
+            gain.explained += along * along / value;
+            gain.directions += 1;
+            for c in 0..k {
+                gain.coefficients[c] += direction[c] * along / value * inverse[c];
+            }
+        }
+    }
+    gain
+}
+
+/// What a few columns of the system explain beyond others, without projecting the whole system.
+pub(crate) fn gain_given<const N: usize>(system: &System<'_, N>, columns: &[usize], given: &[usize]) -> Gain {
+    let (k, s) = (columns.len(), given.len());
+    let scale = |c: usize| system.gram[(c, c)].sqrt().max(1e-300);
+    let mut square = DMatrix::from_fn(k, k, |i, m| system.gram[(columns[i], columns[m])]);
+    let mut score = DVector::from_fn(k, |i, _| system.score[columns[i]]);
+    let norms = DVector::from_fn(k, |i, _| square[(i, i)].sqrt());
+    if s > 0 {
+        let selected = DMatrix::from_fn(s, s, |i, m| {
+            let value = system.gram[(given[i], given[m])] / (scale(given[i]) * scale(given[m]));
+            if i == m { value + 1e-9 } else { value }
+        });
+        let cross = DMatrix::from_fn(s, k, |i, m| system.gram[(given[i], columns[m])] / scale(given[i]));
+        let selected_score = DVector::from_fn(s, |i, _| system.score[given[i]] / scale(given[i]));
+        let Some(factor) = selected.cholesky() else {
+            return Gain { explained: 0.0, directions: 0, coefficients: vec![0.0; k] };
+        };
+        square -= cross.transpose() * factor.solve(&cross);
+        score -= cross.transpose() * factor.solve(&selected_score);
+    }
+    solve_truncated(&square, &score, &norms, OWN_PART)
+}
+
+/// What columns outside the system explain beyond columns of it.
+pub(crate) fn free_gain<const N: usize>(system: &System<'_, N>, columns: &[Column<N>], given: &[usize]) -> Gain {
+    let (k, s) = (columns.len(), given.len());
+    let scale = |c: usize| system.gram[(c, c)].sqrt().max(1e-300);
+    let square = DMatrix::from_fn(k, k, |i, m| dot(&columns[i], &columns[m]));
+    let score = DVector::from_fn(k, |i, _| dot(&columns[i], &system.target));
+    let norms = DVector::from_fn(k, |i, _| square[(i, i)].sqrt());
+    if s == 0 {
+        return solve_truncated(&square, &score, &norms, OWN_PART);
+    }
+    let selected = DMatrix::from_fn(s, s, |i, m| {
+        let value = system.gram[(given[i], given[m])] / (scale(given[i]) * scale(given[m]));
+        if i == m { value + 1e-9 } else { value }
+    });
+    let cross = DMatrix::from_fn(s, k, |i, m| dot(&system.columns[given[i]], &columns[m]) / scale(given[i]));
+    let selected_score = DVector::from_fn(s, |i, _| system.score[given[i]] / scale(given[i]));
+    let Some(factor) = selected.cholesky() else {
+        return Gain { explained: 0.0, directions: 0, coefficients: vec![0.0; k] };
+    };
+    let square = square - cross.transpose() * factor.solve(&cross);
+    let score = score - cross.transpose() * factor.solve(&selected_score);
+    solve_truncated(&square, &score, &norms, OWN_PART)
+}
+
+/// Sum of squares that columns explain together.
+pub(crate) fn explained_by<const N: usize>(system: &System<'_, N>, columns: &[usize]) -> f64 {
+    joint_fit(system, columns).explained
+}
+
+/// Coefficients of columns fitted together.
+pub(crate) fn joint_fit<const N: usize>(system: &System<'_, N>, columns: &[usize]) -> Gain {
+    let k = columns.len();
+    let square = DMatrix::from_fn(k, k, |i, m| system.gram[(columns[i], columns[m])]);
+    let score = DVector::from_fn(k, |i, _| system.score[columns[i]]);
+    solve_ridge(&square, &score)
+}
+
+/// Least squares of unit columns with a ridge of 1e-6: directions that the data do not know stay near zero.
+pub(crate) fn solve_ridge(square: &DMatrix<f64>, score: &DVector<f64>) -> Gain {
+    let k = score.len();
+    let inverse = DVector::from_fn(k, |i, _| {
+        let norm = square[(i, i)].max(0.0).sqrt();
+        if norm > 0.0 && norm.is_finite() { 1.0 / norm } else { 0.0 }
+    });
+    let unit = DMatrix::from_fn(k, k, |i, m| {
+        let value = square[(i, m)] * inverse[i] * inverse[m];
+        if i == m { value + RIDGE } else { value }
+    });
+    let unit_score = score.component_mul(&inverse);
+    let Some(factor) = unit.cholesky() else {
+        return Gain { explained: 0.0, directions: 0, coefficients: vec![0.0; k] };
+    };
+    let solution = factor.solve(&unit_score);
+    Gain {
+        explained: solution.dot(&unit_score),
+        directions: k,
+        coefficients: solution.component_mul(&inverse).as_slice().to_vec(),
+    }
+}
+
+/// Ridge of a joint fit, relative to unit columns.
+const RIDGE: f64 = 1e-6;

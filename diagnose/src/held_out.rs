@@ -1,0 +1,217 @@
+//! The gain of the findings on blocks that their coefficients have not seen, and intervals from the blocks.
+
+use std::ops::Range;
+
+use nalgebra::{DMatrix, DVector};
+use rand::{RngExt, SeedableRng};
+use rand_pcg::Pcg64;
+
+use crate::evidence::solve_ridge;
+use crate::scene::Column;
+use crate::system::System;
+
+/// Number of folds.
+const FOLDS: usize = 8;
+/// Length of a block (s), shorter in short logs.
+const BLOCK_S: f64 = 2.0;
+/// Shortest block (s).
+const SHORTEST_BLOCK_S: f64 = 0.4;
+/// Blocks wanted.
+const BLOCKS_WANTED: f64 = 16.0;
+/// Bootstrap resamples.
+const RESAMPLES: usize = 400;
+
+/// Contiguous blocks of output samples; a block never spans two bursts, and many short bursts are blocks themselves.
+pub(crate) struct TimeBlocks {
+    pub ranges: Vec<Range<usize>>,
+    /// Block of each whitened row.
+    of_row: Vec<usize>,
+}
+
+impl TimeBlocks {
+    pub fn of<const N: usize>(system: &System<'_, N>) -> Self {
+        let scene = system.scene;
+        let rate_hz = scene.chains.first().map_or(1.0, |chain| chain.output_rate_hz());
+        let duration_s = scene.time_s.len() as f64 / rate_hz;
+        let length_s = (duration_s / BLOCKS_WANTED).clamp(SHORTEST_BLOCK_S, BLOCK_S);
+        let length = ((length_s * rate_hz).round() as usize).max(2);
+        let mut ranges = Vec::new();
+        for burst in &scene.bursts {
+            let count = ((burst.out.len() + length / 2) / length).max(1);
+            for block in 0..count {
+                let first = burst.out.start + block * length;
+                let end = if block + 1 == count { burst.out.end } else { first + length };
+                ranges.push(first..end);
+            }
+        }
+        let mut of_row = Vec::with_capacity(system.joint_rows);
+        let mut block = 0;
+        for &sample in &system.row_samples {
+            while block + 1 < ranges.len() && sample >= ranges[block].end {
+                block += 1;
+            }
+            of_row.push(block);
+        }
+        Self { ranges, of_row }
+    }
+}
+
+/// Gram matrix and score of some whitened columns, block by block.
+pub(crate) struct BlockGram {
+    square: Vec<DMatrix<f64>>,
+    score: Vec<DVector<f64>>,
+    /// Squares of the columns over all blocks.
+    whole: Vec<f64>,
+}
+
+/// Part of a column's square that resampled blocks must hold for its coefficient to be asked for.
+const LEAST_PART: f64 = 1e-3;
+
+impl BlockGram {
+    /// Products of the columns with each other and with the target.
+    pub fn of<const N: usize>(system: &System<'_, N>, columns: &[&Column<N>], blocks: &TimeBlocks) -> Self {
+        let k = columns.len();
+        let mut square = vec![DMatrix::zeros(k, k); blocks.ranges.len()];
+        let mut score = vec![DVector::zeros(k); blocks.ranges.len()];
+        for j in 0..N {
+            let present: Vec<(usize, &Vec<f64>)> =
+                columns.iter().enumerate().filter_map(|(c, column)| Some((c, column.rows[j].as_ref()?))).collect();
+            let Some(target) = system.target.rows[j].as_ref() else { continue };
+            for row in 0..system.joint_rows {
+                let block = blocks.of_row[row];
+                for (i, (a, x)) in present.iter().enumerate() {
+                    score[block][*a] += x[row] * target[row];
+                    for (b, y) in &present[i..] {
+                        square[block][(*a, *b)] += x[row] * y[row];
+                    }
+                }
+            }
+        }
+        for square in &mut square {
+            square.fill_lower_triangle_with_upper_triangle();
+        }
+        let whole = (0..k).map(|c| square.iter().map(|block| block[(c, c)]).sum()).collect();
+        Self { square, score, whole }
+    }
+
+    /// Coefficients from the blocks, each taken `weight` times.
+    pub fn fit(&self, weights: &[f64], columns: &[usize]) -> Vec<f64> {
+        let k = columns.len();
+        let (mut square, mut score) = (DMatrix::<f64>::zeros(k, k), DVector::<f64>::zeros(k));
+        for (block, &weight) in weights.iter().enumerate() {
+            if weight > 0.0 {
+                for (a, &ca) in columns.iter().enumerate() {
+                    score[a] += weight * self.score[block][ca];
+                    for (b, &cb) in columns.iter().enumerate() {
+                        square[(a, b)] += weight * self.square[block][(ca, cb)];
+                    }
+                }
+            }
+        }
+        for (a, &ca) in columns.iter().enumerate() {
+            if square[(a, a)] < LEAST_PART * self.whole[ca] {
+                square.fill_row(a, 0.0);
+                square.fill_column(a, 0.0);
+                score[a] = 0.0;
+            }
+        }
+        solve_ridge(&square, &score).coefficients
+    }
+
+    /// Number of blocks.
+    pub fn blocks(&self) -> usize {
+        self.square.len()
+    }
+}
+
+/// Squared residuals on blocks that the fit has not seen: `[block][joint]`, per (sub)set of columns.
+pub(crate) type BlockSquares<const N: usize> = Vec<[f64; N]>;
+
+/// Cross-validated squares of `residual − fitted`: the coefficients of each fold come from the other folds' blocks.
+///
+/// `keep` are the columns of `gram` that are fitted; `plain` the same columns unwhitened, all of them.
+pub(crate) fn held_out_squares<const N: usize>(
+    residual: &[Vec<f64>; N],
+    plain: &[Column<N>],
+    gram: &BlockGram,
+    blocks: &TimeBlocks,
+    keep: &[usize],
+) -> BlockSquares<N> {
+    let count = blocks.ranges.len();
+    let folds = FOLDS.min(count.max(1));
+    let mut squares = vec![[0.0; N]; count];
+    for fold in 0..folds {
+        let weights: Vec<f64> = (0..count).map(|block| if block % folds == fold { 0.0 } else { 1.0 }).collect();
+        let coefficients = if keep.is_empty() || folds < 2 { vec![0.0; keep.len()] } else { gram.fit(&weights, keep) };
+        for block in (fold..count).step_by(folds) {
+            for j in 0..N {
+                squares[block][j] = blocks.ranges[block]
+                    .clone()
+                    .map(|k| {
+                        let fitted: f64 = keep
+                            .iter()
+                            .zip(&coefficients)
+                            .filter_map(|(c, coefficient)| Some(plain[*c].rows[j].as_ref()?[k] * coefficient))
+                            .sum();
+                        (residual[j][k] - fitted).powi(2)
+                    })
+                    .sum();
+            }
+        }
+    }
+    squares
+}
+
+/// Squares of the residual itself.
+pub(crate) fn plain_squares<const N: usize>(residual: &[Vec<f64>; N], blocks: &TimeBlocks) -> BlockSquares<N> {
+    blocks
+        .ranges
+        .iter()
+        .map(|range| std::array::from_fn(|j| residual[j][range.clone()].iter().map(|r| r * r).sum()))
+        .collect()
+}
+
+/// `1 − rms_after / rms_before` over the given joints, with its 95 % interval over resampled blocks.
+pub(crate) fn gain_with_interval<const N: usize>(
+    before: &BlockSquares<N>,
+    after: &BlockSquares<N>,
+    joints: &[usize],
+    seed: u64,
+) -> (f64, [f64; 2]) {
+    let sum = |squares: &BlockSquares<N>, block: usize| joints.iter().map(|j| squares[block][*j]).sum::<f64>();
+    let pairs: Vec<[f64; 2]> = (0..before.len()).map(|b| [sum(before, b), sum(after, b)]).collect();
+    gain_of_pairs(&pairs, seed)
+}
+
+/// The same for sums of squares per block.
+pub(crate) fn gain_of_pairs(pairs: &[[f64; 2]], seed: u64) -> (f64, [f64; 2]) {
+    let gain = |before: f64, after: f64| if before > 0.0 { 1.0 - (after / before).sqrt() } else { 0.0 };
+    let total = pairs.iter().fold([0.0, 0.0], |sum, pair| [sum[0] + pair[0], sum[1] + pair[1]]);
+    let draws = resampled(pairs.len(), seed, |weights| {
+        let sums = pairs.iter().zip(weights).fold([0.0, 0.0], |s, (p, w)| [s[0] + w * p[0], s[1] + w * p[1]]);
+        gain(sums[0], sums[1])
+    });
+    (gain(total[0], total[1]), interval(draws))
+}
+
+/// A statistic of resampled blocks (bootstrap), `RESAMPLES` times.
+pub(crate) fn resampled<T>(blocks: usize, seed: u64, mut statistic: impl FnMut(&[f64]) -> T) -> Vec<T> {
+    let mut rng = Pcg64::seed_from_u64(seed ^ 0x626f_6f74);
+    (0..RESAMPLES)
+        .map(|_| {
+            let mut weights = vec![0.0; blocks];
+            for _ in 0..blocks {
+                weights[rng.random_range(0..blocks.max(1))] += 1.0;
+            }
+            statistic(&weights)
+        })
+        .collect()
+}
+
+/// The 2.5 % and 97.5 % quantiles.
+pub(crate) fn interval(mut draws: Vec<f64>) -> [f64; 2] {
+    draws.retain(|x| x.is_finite());
+    draws.sort_by(f64::total_cmp);
+    let at = |p: f64| draws.get(((draws.len() as f64 - 1.0) * p).round().max(0.0) as usize).copied().unwrap_or(f64::NAN);
+    [at(0.025), at(0.975)]
+}

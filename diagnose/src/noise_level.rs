@@ -1,0 +1,91 @@
+//! White noise of a signal, from the signal itself.
+
+/// Median of |x| over the standard deviation of a Gaussian.
+const MEDIAN_OVER_SD: f64 = 0.674_489_750_196_081_7;
+/// Steps that must be whole multiples of the smallest one for a signal to count as quantised.
+const QUANTISED_SHARE: f64 = 0.98;
+
+/// Standard deviation of the white noise on a smooth signal with stamps `time_s`.
+///
+/// ```text
+/// e_k = x_k − cubic through (x_{k−2}, x_{k−1}, x_{k+1}, x_{k+2}) at t_k,   sd = median |e_k| / √(1 + Σ w²) / 0.6745
+/// ```
+///
+/// The cubic leaves nothing of a motion that is slow against the sample rate (on regular stamps e is a fourth
+/// difference); the median ignores reversals and impacts. Stamps that jitter show as noise, as they do in every
+/// derivative. Repeated values are skipped: they are rows sent twice. At least resolution/√12 on a lattice.
+pub fn white_noise_sd(time_s: &[f64], x: &[f64]) -> f64 {
+    let mut fresh: Vec<(f64, f64)> = Vec::with_capacity(x.len());
+    for (&t, &value) in time_s.iter().zip(x) {
+        if fresh.last().is_none_or(|last| last.1 != value) {
+            fresh.push((t, value));
+        }
+    }
+    let mut errors: Vec<f64> = fresh
+        .windows(5)
+        .map(|w| {
+            let others = [w[0], w[1], w[3], w[4]];
+            let (mut error, mut square) = (w[2].1, 1.0);
+            for (i, (t, value)) in others.iter().enumerate() {
+                let weight: f64 = others
+                    .iter()
+                    .enumerate()
+                    .filter(|(k, _)| *k != i)
+                    .map(|(_, (other, _))| (w[2].0 - other) / (t - other))
+                    .product();
+                error -= weight * value;
+                square += weight * weight;
+            }
+            error.abs() / square.sqrt()
+        })
+        .collect();
+    let from_errors = median(&mut errors).unwrap_or(0.0) / MEDIAN_OVER_SD;
+    from_errors.max(resolution(x) / 12f64.sqrt())
+}
+
+/// Spacing of the lattice on which the values lie, or 0.
+pub fn resolution(x: &[f64]) -> f64 {
+    let steps: Vec<f64> = x.windows(2).map(|pair| (pair[1] - pair[0]).abs()).filter(|step| *step > 0.0).collect();
+    let Some(smallest) = steps.iter().copied().min_by(f64::total_cmp) else { return 0.0 };
+    let whole = steps.iter().filter(|step| ((*step / smallest) - (*step / smallest).round()).abs() < 1e-3).count();
+    if whole as f64 >= QUANTISED_SHARE * steps.len() as f64 { smallest } else { 0.0 }
+}
+
+/// Median of the values, which are reordered; `None` for none.
+pub(crate) fn median(values: &mut [f64]) -> Option<f64> {
+    if values.is_empty() {
+        return None;
+    }
+    let middle = values.len() / 2;
+    Some(*values.select_nth_unstable_by(middle, f64::total_cmp).1)
+}
+
+/// Robust standard deviation about zero: median |x| / 0.6745.
+pub(crate) fn robust_sd(x: impl Iterator<Item = f64>) -> f64 {
+    median(&mut x.map(f64::abs).collect::<Vec<f64>>()).unwrap_or(0.0) / MEDIAN_OVER_SD
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn finds_the_noise_under_a_motion_and_the_lattice() {
+        let mut state = 1u64;
+        let mut uniform = || {
+            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+            (state >> 11) as f64 / (1u64 << 53) as f64
+        };
+        // Sum of twelve uniforms: sd 1.
+        let mut gauss = || (0..12).map(|_| uniform()).sum::<f64>() - 6.0;
+        let x: Vec<f64> = (0..20_000).map(|k| (f64::from(k) * 0.003).sin() + 0.01 * gauss()).collect();
+        let time: Vec<f64> = (0..20_000).map(|k| f64::from(k) * 1e-3).collect();
+        let sd = white_noise_sd(&time, &x);
+        assert!((sd / 0.01 - 1.0).abs() < 0.03, "{sd}");
+        assert_eq!(resolution(&x), 0.0);
+        let coarse: Vec<f64> = (0..20_000).map(|k| ((f64::from(k) * 1e-3).sin() * 1e3).round() * 1e-3).collect();
+        assert!((resolution(&coarse) - 1e-3).abs() < 1e-9);
+        assert!(white_noise_sd(&time, &coarse) >= 1e-3 / 12f64.sqrt() * 0.999);
+        assert_eq!(white_noise_sd(&[], &[]), 0.0);
+    }
+}

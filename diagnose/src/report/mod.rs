@@ -1,0 +1,25 @@
+//! A diagnosis for people: sentences, and one HTML file with its plots.
+//!
+//! ```text
+//! Diagnosis → verdict_sentence, finding_sentence → terminal, report
+//!           → html: verdict, findings with evidence, worth per joint, pattern, next experiment, rejected, overview
+//! ```
+//!
+//! The file stands alone: inline SVG and style sheet, no script, no network; light or dark as the reader's system is.
+//! Everything that is not ours (file names, reasons, signatures) is escaped. It shows and does not compute: every
+//! number is one of the [`Diagnosis`](crate::Diagnosis).
+
+mod axis;
+mod decimate;
+mod escape;
+mod html;
+pub mod number;
+#[cfg(test)]
+mod sample;
+mod section;
+mod sentence;
+mod svg;
+
+pub use html::{ClosedLoop, ReportContext, html};
+pub use sentence::{cause_at, cause_name, description, finding_sentence, verdict_sentence};
+pub use svg::{bars_svg, plot_svg};

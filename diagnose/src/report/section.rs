@@ -1,0 +1,265 @@
+//! The sections of the HTML report, each a pure function of the diagnosis; empty text where there is nothing to say.
+
+use super::escape::{escape, escape_sentence};
+use super::html::ClosedLoop;
+use super::number::{percent, percent_with_interval, probability, quantity_and_unit, significant, with_interval};
+use super::sentence::{cause_at, finding_sentence};
+use super::svg::{bars_svg, plot_svg};
+use crate::{Diagnosis, Finding, NextExperiment, Plot, Series};
+
+/// Joints whose angle changes by more than this are drawn (rad).
+const MOVES_RAD: f64 = 1e-3;
+
+/// What was found, each finding with its parameters, rivals and evidence.
+pub fn findings(diagnosis: &Diagnosis) -> String {
+    if diagnosis.findings.is_empty() {
+        return String::new();
+    }
+    section("What the model lacks", &diagnosis.findings.iter().map(article).collect::<String>())
+}
+
+fn article(finding: &Finding) -> String {
+    let rows = finding.parameters.iter().map(|parameter| {
+        let (quantity, unit) = quantity_and_unit(parameter.name);
+        let ends = |k: usize| parameter.ci95.get(k).copied().unwrap_or([f64::NAN; 2]);
+        let values = parameter.value.iter().enumerate().map(|(k, value)| with_interval(*value, ends(k), ""));
+        [quantity, values.collect::<Vec<_>>().join("; "), unit.to_owned()]
+    });
+    let parameters = table(&["parameter", "value [95 % interval]", "unit"], &[0, 1, 2], rows);
+    let parameters = if finding.parameters.is_empty() { String::new() } else { parameters };
+    let facts = format!(
+        "<p>Explains a torque of {} Nm RMS; probability of so much evidence by chance {}; evidence {} (twice the log \
+         likelihood gained, less the price of the parameters).</p>\n",
+        significant(finding.explained_rms_nm, 3),
+        escape(&probability(finding.p_value)),
+        significant(finding.evidence, 3)
+    );
+    let rivals = finding.alternatives.iter().map(|rival| {
+        format!(
+            "<li><b>{}</b>, {} behind in evidence: {}</li>\n",
+            escape(&cause_at(rival.label, rival.location)),
+            significant(rival.evidence_gap, 2),
+            escape(&rival.why)
+        )
+    });
+    let rivals = match finding.alternatives.is_empty() {
+        true => String::new(),
+        false => format!("<h4>What else it could be</h4>\n<ul>\n{}</ul>\n", rivals.collect::<String>()),
+    };
+    let plots = match finding.plots.is_empty() {
+        true => String::new(),
+        false => format!("<h4>Why this verdict</h4>\n{}", figures(&finding.plots)),
+    };
+    let heading = escape_sentence(&finding_sentence(finding));
+    format!("<article>\n<h3>{heading}</h3>\n{parameters}{facts}{rivals}{plots}</article>\n")
+}
+
+/// Before and after, per joint, on the log, on unseen blocks, on other logs and in a closed loop.
+pub fn worth(diagnosis: &Diagnosis, closed_loop: Option<ClosedLoop>) -> String {
+    let joints = &diagnosis.joints;
+    let column = |pick: fn(&crate::JointMisfit) -> f64| joints.iter().map(pick).collect::<Vec<f64>>();
+    let names: Vec<String> = (0..joints.len()).map(|joint| format!("joint {joint}")).collect();
+    let bars = bars_svg(
+        "Residual on unseen blocks, per joint",
+        "residual RMS [Nm]",
+        &names,
+        &[
+            ("before", column(|joint| joint.held_out_nm[0])),
+            ("with the findings", column(|joint| joint.held_out_nm[1])),
+        ],
+        ("noise of the torque sensor", &column(|joint| joint.noise_floor_nm)),
+    );
+    let caption = "Residual on blocks that the fit has not seen";
+    let bars = format!("<div class=\"plots\"><figure><figcaption>{caption}</figcaption>\n{bars}</figure></div>\n");
+    let header = [
+        "joint",
+        "RMS before [Nm]",
+        "after [Nm]",
+        "unseen, before [Nm]",
+        "unseen, after [Nm]",
+        "noise [Nm]",
+        "bias [Nm]",
+        "torque unexplained",
+    ];
+    let rows = joints.iter().enumerate().map(|(j, joint)| {
+        let torque = [joint.rms_nm, joint.rms_after_nm, joint.held_out_nm[0], joint.held_out_nm[1]];
+        let rest = [joint.noise_floor_nm, joint.bias_nm].map(|value| significant(value, 3));
+        let torque = torque.map(|value| significant(value, 3));
+        [vec![j.to_string()], torque.to_vec(), rest.to_vec(), vec![percent(joint.unexplained)]].concat()
+    });
+    let mut body = bars + &table(&header, &[0], rows);
+    if !diagnosis.validation.is_empty() {
+        let rows = diagnosis.validation.iter().map(|validation| {
+            [
+                validation.log.clone(),
+                numbers(&validation.before_nm),
+                numbers(&validation.after_nm),
+                percent_with_interval(validation.gain, validation.gain_ci95),
+            ]
+        });
+        body += "<h4>On logs that no parameter was fitted to</h4>\n";
+        body += &table(&["log", "RMS per joint, before [Nm]", "after [Nm]", "gain"], &[0], rows);
+    }
+    if let Some(closed_loop) = closed_loop {
+        let rows = ["the old model", "the extended model"].into_iter().enumerate().map(|(k, model)| {
+            let (cost, error) = (closed_loop.cost[k], closed_loop.tracking_rms_mm[k]);
+            [model.to_owned(), significant(cost, 4), significant(error, 3)]
+        });
+        body +=
+            "<h4>In a closed loop</h4>\n<p class=\"hint\">Simulated on a plant that obeys the extended model.</p>\n";
+        body += &table(&["controller believes", "cost J [N + Nm]", "tracking error [mm RMS]"], &[0], rows);
+    }
+    section("What it is worth", &body)
+}
+
+/// The experiment that would separate the closest rivals.
+pub fn next_experiment(diagnosis: &Diagnosis) -> String {
+    let Some(next) = &diagnosis.next_experiment else { return String::new() };
+    let [a, b] = next.separates.map(|(label, location)| escape(&cause_at(label, location)));
+    let body = format!(
+        "<p>{}</p>\n<p>It separates <b>{a}</b> from <b>{b}</b>: expected evidence {}, against {} from a repetition of this \
+         log.</p>\n{}",
+        escape(&next.instruction),
+        significant(next.expected_evidence, 3),
+        significant(next.evidence_of_this_log, 3),
+        figures(&via_plot(next))
+    );
+    section("Next experiment", &body)
+}
+
+/// The via points of the joints that move.
+fn via_plot(next: &NextExperiment) -> Vec<Plot> {
+    let joints = next.via_points.iter().map(|(_, q)| q.len()).min().unwrap_or(0);
+    let angle = |j: usize| next.via_points.iter().map(move |(_, q)| q[j]);
+    let series: Vec<Series> = (0..joints)
+        .filter(|&j| angle(j).fold(f64::NEG_INFINITY, f64::max) - angle(j).fold(f64::INFINITY, f64::min) > MOVES_RAD)
+        .map(|j| Series {
+            name: format!("joint {j}"),
+            x: next.via_points.iter().map(|(time_s, _)| *time_s).collect(),
+            y: angle(j).collect(),
+            joined: true,
+        })
+        .collect();
+    let plot = |series| Plot {
+        title: format!("Via points of {}, joints that move", next.motion),
+        x_label: "time [s]".to_owned(),
+        y_label: "joint angle [rad]".to_owned(),
+        series,
+    };
+    if series.is_empty() { Vec::new() } else { vec![plot(series)] }
+}
+
+/// What the residual goes with before any cause is named.
+pub fn pattern(diagnosis: &Diagnosis) -> String {
+    let Some(first) = diagnosis.joints.first() else { return String::new() };
+    let header: Vec<&str> = std::iter::once("joint").chain(first.goes_with.iter().map(|(name, _)| *name)).collect();
+    let rows = diagnosis.joints.iter().enumerate().map(|(j, joint)| {
+        let parts = joint.goes_with.iter().map(|(_, part)| part_cell(*part)).collect::<String>();
+        format!("<tr><td class=\"t\">{j}</td>{parts}</tr>\n")
+    });
+    let pattern = &diagnosis.pattern;
+    let across = [
+        ("one constant wrench: a push or a weight at the tool", pattern.wrench),
+        ("another direction of gravity: a tilted base", pattern.gravity),
+        ("other link inertias: masses", pattern.inertial),
+    ];
+    let across =
+        across.iter().map(|(what, part)| format!("<tr><td class=\"t\">{what}</td>{}</tr>\n", part_cell(*part)));
+    let body = format!(
+        "<p class=\"hint\">Part of the residual's variance that goes with each quantity alone, before any cause is named; \
+         quantities overlap.</p>\n{}<h4>Across the joints</h4>\n<p class=\"hint\">Part of the residual's energy that a \
+         rigid-body map can make.</p>\n{}",
+        raw_table(&header, &[0], &rows.collect::<String>()),
+        raw_table(&["looks like", "part"], &[0], &across.collect::<String>())
+    );
+    section("What the residual looks like", &body)
+}
+
+/// What was considered and is out.
+pub fn rejected(diagnosis: &Diagnosis) -> String {
+    if diagnosis.rejected.is_empty() {
+        return String::new();
+    }
+    let rows = diagnosis.rejected.iter().map(|rejected| {
+        let evidence = rejected.evidence.map_or("not testable".to_owned(), |evidence| significant(evidence, 3));
+        format!(
+            "<tr><td class=\"t\">{}</td><td>{evidence}</td><td class=\"t w\">{}</td></tr>\n",
+            escape(&cause_at(rejected.label, rejected.location)),
+            escape(&rejected.reason)
+        )
+    });
+    let count = diagnosis.rejected.len();
+    let table = raw_table(&["cause", "evidence", "why it is out"], &[0, 2], &rows.collect::<String>());
+    section(
+        "Considered and rejected",
+        &format!(
+            "<p class=\"hint\">Evidence is given the findings; negative: it does not pay for its parameters.</p>\n\
+             <details><summary>{count} {}</summary>\n{table}</details>\n",
+            if count == 1 { "candidate" } else { "candidates" }
+        ),
+    )
+}
+
+/// Notes and assumptions.
+pub fn small_print(diagnosis: &Diagnosis) -> String {
+    let list = |heading: &str, items: &[String]| match items.is_empty() {
+        true => String::new(),
+        false => {
+            let items = items.iter().map(|item| format!("<li>{}</li>\n", escape(item)));
+            section(heading, &format!("<ul>\n{}</ul>\n", items.collect::<String>()))
+        }
+    };
+    list("Notes", &diagnosis.notes) + &list("What this rests on", &diagnosis.assumptions)
+}
+
+/// The residual in pictures.
+pub fn overview(diagnosis: &Diagnosis) -> String {
+    if diagnosis.overview.is_empty() {
+        return String::new();
+    }
+    section("The residual in pictures", &figures(&diagnosis.overview))
+}
+
+fn section(heading: &str, body: &str) -> String {
+    format!("<section>\n<h2>{heading}</h2>\n{body}</section>\n")
+}
+
+fn figures(plots: &[Plot]) -> String {
+    let figures = plots
+        .iter()
+        .map(|plot| format!("<figure><figcaption>{}</figcaption>\n{}</figure>\n", escape(&plot.title), plot_svg(plot)));
+    if plots.is_empty() {
+        String::new()
+    } else {
+        format!("<div class=\"plots\">\n{}</div>\n", figures.collect::<String>())
+    }
+}
+
+fn numbers(values: &[f64]) -> String {
+    values.iter().map(|value| significant(*value, 2)).collect::<Vec<_>>().join(", ")
+}
+
+fn part_cell(part: f64) -> String {
+    let width = if part.is_finite() { 100.0 * part.clamp(0.0, 1.0) } else { 0.0 };
+    format!("<td class=\"part\" style=\"--p:{width:.0}%\">{}</td>", percent(part))
+}
+
+/// A table of text; columns in `left` are left-aligned.
+fn table<R: IntoIterator<Item = String>>(header: &[&str], left: &[usize], rows: impl Iterator<Item = R>) -> String {
+    let row = |row: R| {
+        let cells =
+            row.into_iter().enumerate().map(|(k, cell)| format!("<td{}>{}</td>", class(left, k), escape(&cell)));
+        format!("<tr>{}</tr>\n", cells.collect::<String>())
+    };
+    raw_table(header, left, &rows.map(row).collect::<String>())
+}
+
+fn raw_table(header: &[&str], left: &[usize], rows: &str) -> String {
+    let names = header.iter().enumerate().map(|(k, name)| format!("<th{}>{}</th>", class(left, k), escape(name)));
+    let names = names.collect::<String>();
+    format!("<div class=\"scroll\"><table>\n<thead><tr>{names}</tr></thead>\n<tbody>\n{rows}</tbody>\n</table></div>\n")
+}
+
+fn class(left: &[usize], column: usize) -> &'static str {
+    if left.contains(&column) { " class=\"t\"" } else { "" }
+}

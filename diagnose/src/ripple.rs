@@ -1,0 +1,285 @@
+//! Torque ripple: the order spectrum of the residual over the joint angle.
+
+use std::f64::consts::PI;
+use std::ops::Range;
+
+use nalgebra::{DMatrix, DVector};
+use rayon::prelude::*;
+
+use crate::evidence::solve_truncated;
+use crate::noise_level::median;
+use crate::scene::{FineColumn, Scene};
+use crate::whitening::Whitening;
+
+/// A ripple of one joint, found at the full rate of the log: most of it may lie above the band of the residual.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct RippleLine {
+    pub joint: usize,
+    /// Cycles per revolution [1/rev].
+    pub cycles_per_rev: f64,
+    /// Coefficients of sin(n q) and cos(n q) (Nm).
+    pub sine_nm: f64,
+    pub cosine_nm: f64,
+    /// Standard error of either (Nm).
+    pub standard_error_nm: f64,
+    /// Standard error of the order [1/rev].
+    pub order_error: f64,
+    /// Evidence, after the price of order, amplitude and phase.
+    pub evidence: f64,
+}
+
+impl RippleLine {
+    /// Amplitude (Nm).
+    pub fn amplitude_nm(&self) -> f64 {
+        self.sine_nm.hypot(self.cosine_nm)
+    }
+
+    /// Its torque on the fine grid (Nm).
+    pub fn torque<const N: usize>(&self, scene: &Scene<N>) -> FineColumn<N> {
+        let (n, a, b) = (self.cycles_per_rev, self.sine_nm, self.cosine_nm);
+        scene.joint_column(self.joint, |at| {
+            let (sine, cosine) = (n * at.q[self.joint]).sin_cos();
+            a * sine + b * cosine
+        })
+    }
+}
+
+/// Orders searched [1/rev]: below, position springs and gravity live.
+const LOWEST_ORDER: f64 = 12.0;
+const HIGHEST_ORDER: f64 = 1000.0;
+/// Cells of the order resolution 2π/range that the lowest order must be away from zero.
+const CELLS: f64 = 4.0;
+/// Bins of the joint angle per period of the highest order.
+const BINS_PER_PERIOD: f64 = 10.0;
+/// Half-width of the spectrum's background, in cells.
+const BACKGROUND_CELLS: f64 = 40.0;
+/// Ripples per joint.
+const MOST_LINES: usize = 3;
+/// Relative distance of two orders of one joint: closer ones are one ripple whose strength varies with posture.
+const DISTINCT: f64 = 0.05;
+/// Least RMS of a ripple over the sensor noise in the band.
+const LEAST_OVER_NOISE: f64 = 0.25;
+/// Least RMS (Nm).
+const LEAST_RMS_NM: f64 = 3e-3;
+/// Median of a chi-square of two degrees of freedom.
+const CHI2_MEDIAN: f64 = 1.386_294_361_119_890_6;
+
+/// Ripples of all joints in `measured − model − explained`, unfiltered; `explained` is what other causes explain.
+pub(crate) fn ripples<const N: usize>(scene: &Scene<N>, explained: &[nalgebra::SVector<f64, N>]) -> Vec<RippleLine> {
+    (0..N).into_par_iter().flat_map_iter(|joint| joint_ripples(scene, explained, joint)).collect()
+}
+
+fn joint_ripples<const N: usize>(
+    scene: &Scene<N>,
+    explained: &[nalgebra::SVector<f64, N>],
+    joint: usize,
+) -> Vec<RippleLine> {
+    let mut lines = Vec::new();
+    if !scene.moves(joint) {
+        return lines;
+    }
+    let bursts: Vec<Range<usize>> = scene.bursts.iter().map(|burst| burst.fine.clone()).collect();
+    let q: Vec<f64> = scene.samples.iter().map(|at| at.q[joint]).collect();
+    let mut left = slow_part_removed(scene, explained, joint);
+    for _ in 0..MOST_LINES {
+        let whitening = Whitening::of(&left, &bursts, 1e-9);
+        let Some(line) = strongest_line(scene, &whitening, &bursts, &q, &left, joint) else { break };
+        left.iter_mut().zip(&q).for_each(|(left, q)| {
+            let (sine, cosine) = (line.cycles_per_rev * q).sin_cos();
+            *left -= line.sine_nm * sine + line.cosine_nm * cosine;
+        });
+        let seen = lines.iter().any(|other: &RippleLine| (line.cycles_per_rev / other.cycles_per_rev - 1.0).abs() < DISTINCT);
+        if seen {
+            break;
+        }
+        lines.push(line);
+    }
+    lines
+}
+
+/// The raw residual without what slow causes of the joint explain: sign, velocity, acceleration, load, angle, constant.
+fn slow_part_removed<const N: usize>(
+    scene: &Scene<N>,
+    explained: &[nalgebra::SVector<f64, N>],
+    j: usize,
+) -> Vec<f64> {
+    let rows = scene.samples.len();
+    let y: Vec<f64> = scene
+        .samples
+        .iter()
+        .enumerate()
+        .map(|(k, at)| at.measured_nm[j] - at.model_nm[j] - explained.get(k).map_or(0.0, |tau| tau[j]))
+        .collect();
+    let bases: Vec<Vec<f64>> = vec![
+        vec![1.0; rows],
+        scene.samples.iter().map(|at| at.sign[j]).collect(),
+        scene.samples.iter().map(|at| at.qd[j]).collect(),
+        scene.samples.iter().map(|at| at.qdd[j]).collect(),
+        scene.samples.iter().map(|at| at.link_nm[j]).collect(),
+        scene.samples.iter().map(|at| at.q[j]).collect(),
+        scene.samples.iter().map(|at| at.q[j].sin()).collect(),
+        scene.samples.iter().map(|at| at.q[j].cos()).collect(),
+    ];
+    let k = bases.len();
+    let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
+    let square = DMatrix::from_fn(k, k, |a, b| dot(&bases[a], &bases[b]));
+    let score = DVector::from_fn(k, |a, _| dot(&bases[a], &y));
+    let norms = DVector::from_fn(k, |a, _| square[(a, a)].sqrt());
+    let fit = solve_truncated(&square, &score, &norms, 1e-8);
+    (0..rows).map(|row| y[row] - (0..k).map(|c| fit.coefficients[c] * bases[c][row]).sum::<f64>()).collect()
+}
+
+fn strongest_line<const N: usize>(
+    scene: &Scene<N>,
+    whitening: &Whitening,
+    bursts: &[Range<usize>],
+    q: &[f64],
+    left: &[f64],
+    joint: usize,
+) -> Option<RippleLine> {
+    // Score of every order: WᵀW r summed over bins of the angle, then a Fourier sum over the bins.
+    let doubly = doubly_whitened(whitening, bursts, left);
+    let (low, high) = q.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), q| (l.min(*q), h.max(*q)));
+    let range = high - low;
+    let cell = 2.0 * PI / range.max(1e-3);
+    let lowest = LOWEST_ORDER.max(CELLS * cell);
+    if lowest > 0.5 * HIGHEST_ORDER {
+        return None;
+    }
+    let width = 2.0 * PI / (HIGHEST_ORDER * BINS_PER_PERIOD);
+    let mut bins = vec![0.0; (range / width).ceil() as usize + 1];
+    q.iter().zip(&doubly).for_each(|(q, value)| bins[((q - low) / width) as usize] += value);
+
+    let step = 0.4 * cell;
+    let orders: Vec<f64> =
+        (0..).map(|i| lowest + f64::from(i) * step).take_while(|order| *order <= HIGHEST_ORDER).collect();
+    let norm = OrderNorm::new(scene, whitening, joint);
+    let power: Vec<f64> = orders
+        .iter()
+        .map(|order| {
+            let (sine, cosine) = fourier_sum(&bins, order * width, order * (low + 0.5 * width));
+            2.0 * (sine * sine + cosine * cosine) / norm.at(*order)
+        })
+        .collect();
+
+    // The peak that stands out most from its surroundings.
+    let half = ((BACKGROUND_CELLS * cell / step) as usize).max(20);
+    let background = |i: usize| {
+        let mut around: Vec<f64> = power[i.saturating_sub(half)..(i + half).min(power.len())].to_vec();
+        (median(&mut around).unwrap_or(CHI2_MEDIAN) / CHI2_MEDIAN).max(1.0)
+    };
+    let peak = (0..orders.len()).max_by(|a, b| power[*a].total_cmp(&power[*b]))?;
+    let peak = (0..orders.len())
+        .filter(|i| power[*i] > 0.2 * power[peak])
+        .map(|i| (i, power[i] / background(i)))
+        .max_by(|a, b| a.1.total_cmp(&b.1))?
+        .0;
+    let background = background(peak);
+
+    // Order refined between the neighbours, then both coefficients by least squares on the whitened columns.
+    let value = |order: f64| {
+        let (sine, cosine) = fourier_sum(&bins, order * width, order * (low + 0.5 * width));
+        (sine * sine + cosine * cosine) / norm.at(order)
+    };
+    let order = maximum_near(value, orders[peak], step);
+    let columns = [
+        q.iter().map(|q| (order * q).sin()).collect::<Vec<f64>>(),
+        q.iter().map(|q| (order * q).cos()).collect::<Vec<f64>>(),
+    ];
+    let whiten = |x: &[f64]| bursts.iter().flat_map(|burst| whitening.apply(&x[burst.clone()])).collect::<Vec<f64>>();
+    let (white, target) = (columns.map(|column| whiten(&column)), whiten(left));
+    let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
+    let square = DMatrix::from_fn(2, 2, |a, b| dot(&white[a], &white[b]));
+    let score = DVector::from_fn(2, |a, _| dot(&white[a], &target));
+    let norms = DVector::from_fn(2, |a, _| square[(a, a)].sqrt());
+    let fit = solve_truncated(&square, &score, &norms, 1e-6);
+    let n = target.len().max(2) as f64;
+    let evidence = fit.explained / background - 3.0 * n.ln() - 2.0 * (orders.len() as f64 * N as f64).ln();
+    let variance = 2.0 * background / square.trace().max(1e-300);
+    let line = RippleLine {
+        joint,
+        cycles_per_rev: order,
+        sine_nm: fit.coefficients[0],
+        cosine_nm: fit.coefficients[1],
+        standard_error_nm: variance.sqrt(),
+        order_error: cell * 0.4 / (fit.explained / background).max(1.0).sqrt(),
+        evidence,
+    };
+    let rms = line.amplitude_nm() / 2f64.sqrt();
+    let strong = rms > LEAST_RMS_NM && rms > LEAST_OVER_NOISE * scene.noise_floor_nm[joint];
+    (evidence > crate::search::LEAST_EVIDENCE && strong).then_some(line)
+}
+
+/// WᵀW x per burst: scores of any column are then plain sums.
+fn doubly_whitened(whitening: &Whitening, bursts: &[Range<usize>], x: &[f64]) -> Vec<f64> {
+    let mut out = vec![0.0; x.len()];
+    for burst in bursts {
+        let white = whitening.apply(&x[burst.clone()]);
+        let adjoint = whitening.apply_adjoint(&white);
+        out[burst.clone()].iter_mut().zip(adjoint).for_each(|(out, value)| *out = value);
+    }
+    out
+}
+
+/// `Σ_k bins_k (sin, cos)(k step + start)` by rotation.
+fn fourier_sum(bins: &[f64], step: f64, start: f64) -> (f64, f64) {
+    let (turn_sine, turn_cosine) = step.sin_cos();
+    let (mut sine, mut cosine) = start.sin_cos();
+    let (mut sum_sine, mut sum_cosine) = (0.0, 0.0);
+    for value in bins {
+        sum_sine += value * sine;
+        sum_cosine += value * cosine;
+        (sine, cosine) = (sine * turn_cosine + cosine * turn_sine, cosine * turn_cosine - sine * turn_sine);
+    }
+    (sum_sine, sum_cosine)
+}
+
+/// Square of a whitened `e^{inq}`: the whitening's gain at the frequency n qd, summed over the samples.
+struct OrderNorm {
+    /// Angle per sample at n = 1, and how many samples share it.
+    angles: Vec<(f64, f64)>,
+    gain: Vec<f64>,
+}
+
+impl OrderNorm {
+    fn new<const N: usize>(scene: &Scene<N>, whitening: &Whitening, joint: usize) -> Self {
+        const TABLE: usize = 1024;
+        const KEPT: usize = 1500;
+        let gain = (0..=TABLE).map(|i| whitening.power_gain(PI * i as f64 / TABLE as f64)).collect();
+        let every = (scene.samples.len() / KEPT).max(1);
+        let dt = |burst: &crate::scene::Burst| scene.period_s(burst);
+        let angles = scene
+            .bursts
+            .iter()
+            .flat_map(|burst| burst.fine.clone().step_by(every).map(move |k| (k, dt(burst))))
+            .map(|(k, dt_s)| ((scene.samples[k].qd[joint] * dt_s).abs(), every as f64))
+            .collect();
+        Self { angles, gain }
+    }
+
+    fn at(&self, order: f64) -> f64 {
+        let table = (self.gain.len() - 1) as f64;
+        let sum: f64 = self
+            .angles
+            .iter()
+            .map(|(angle, count)| {
+                // Folded at the Nyquist frequency: without anti-alias filter the samples are exact all the same.
+                let turns = (order * angle / (2.0 * PI)).fract();
+                let folded = 2.0 * turns.min(1.0 - turns);
+                count * self.gain[(folded * table) as usize]
+            })
+            .sum();
+        sum.max(1e-300)
+    }
+}
+
+/// Maximum of a smooth function near x, by golden section over ± step.
+fn maximum_near(value: impl Fn(f64) -> f64, x: f64, step: f64) -> f64 {
+    let golden = 0.5 * (5f64.sqrt() - 1.0);
+    let (mut left, mut right) = (x - step, x + step);
+    for _ in 0..30 {
+        let (a, b) = (right - golden * (right - left), left + golden * (right - left));
+        if value(a) > value(b) { right = b } else { left = a }
+    }
+    0.5 * (left + right)
+}

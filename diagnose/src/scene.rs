@@ -1,0 +1,442 @@
+//! What the candidates are evaluated on: the motion of all logs and what the nominal model makes of it.
+
+use std::ops::Range;
+use std::sync::OnceLock;
+
+use nalgebra::{SMatrix, SVector};
+use rayon::prelude::*;
+use tribo_friction::law::smooth_sign;
+use tribo_logs::RobotLog;
+use tribo_robot::{Kinematics, inverse_dynamics_regressor, mass_matrix, rnea};
+use tribo_sim::Effect;
+
+use crate::cause::candidate_of_effect;
+use crate::filter::central_difference;
+use crate::noise_level::white_noise_sd;
+use crate::{DiagnoseError, MotionSample, Nominal, ResidualSettings, SignalChain, TorqueResidual};
+
+/// One stamp on the uniform grid of a burst, before the band filter.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Sample<const N: usize> {
+    /// Time (s).
+    pub time_s: f64,
+    /// Joint positions (rad).
+    pub q: SVector<f64, N>,
+    /// Joint velocities (rad/s).
+    pub qd: SVector<f64, N>,
+    /// Joint accelerations (rad/s²).
+    pub qdd: SVector<f64, N>,
+    /// tanh(qd/smoothing).
+    pub sign: SVector<f64, N>,
+    /// Torque of the rigid links, without rotors (Nm).
+    pub link_nm: SVector<f64, N>,
+    /// Friction of the nominal laws (Nm).
+    pub friction_nm: SVector<f64, N>,
+    /// The nominal model, effects included (Nm).
+    pub model_nm: SVector<f64, N>,
+    /// Measured torque, unfiltered (Nm).
+    pub measured_nm: SVector<f64, N>,
+}
+
+/// A stretch without a gap.
+#[derive(Clone, Debug)]
+pub(crate) struct Burst {
+    /// Samples on the fine grid.
+    pub fine: Range<usize>,
+    /// Samples after band filter and averaging.
+    pub out: Range<usize>,
+    /// The log it belongs to.
+    pub log: usize,
+}
+
+/// A regressor on the fine grid: torque per unit coefficient.
+#[derive(Clone, Debug)]
+pub(crate) enum FineColumn<const N: usize> {
+    /// Torque of one joint (Nm).
+    Joint(usize, Vec<f64>),
+    /// Torque of all joints (Nm).
+    Arm(Vec<SVector<f64, N>>),
+}
+
+/// A regressor after band filter and averaging; a joint that it leaves alone has no row.
+#[derive(Clone, Debug)]
+pub(crate) struct Column<const N: usize> {
+    /// Torque per unit coefficient of each joint (Nm).
+    pub rows: [Option<Vec<f64>>; N],
+}
+
+/// Everything the candidates read.
+#[derive(Debug)]
+pub(crate) struct Scene<const N: usize> {
+    pub nominal: Nominal<N>,
+    pub samples: Vec<Sample<N>>,
+    pub bursts: Vec<Burst>,
+    pub chains: Vec<SignalChain>,
+    /// Time of the output samples (s), within their log.
+    pub time_s: Vec<f64>,
+    /// Filtered velocity (rad/s) per joint.
+    pub qd: [Vec<f64>; N],
+    /// Filtered position (rad) per joint.
+    pub q: [Vec<f64>; N],
+    /// Filtered measured torque (Nm) per joint.
+    pub measured_nm: [Vec<f64>; N],
+    /// Filtered nominal torque (Nm) per joint.
+    pub model_nm: [Vec<f64>; N],
+    /// Filtered residual (Nm) per joint.
+    pub residual_nm: [Vec<f64>; N],
+    /// Smoothed theta − q on the fine grid (rad), with two encoders in every log.
+    pub deflection_rad: Option<Vec<SVector<f64, N>>>,
+    /// White noise of the torque signal (Nm).
+    pub torque_sd_nm: SVector<f64, N>,
+    /// White noise of the positions (rad).
+    pub position_sd_rad: SVector<f64, N>,
+    /// Noise of the smoothed velocity (rad/s).
+    pub velocity_sd_rad_s: SVector<f64, N>,
+    /// RMS of all sensor noise in the band (Nm).
+    pub noise_floor_nm: SVector<f64, N>,
+    pub skipped_bursts: usize,
+    /// Filtered regressors of every link, ten columns each, on first use.
+    link_regressors: OnceLock<Vec<[Column<N>; 10]>>,
+}
+
+/// Output samples over the band: 2.5 per period of its cut-off.
+const SAMPLES_PER_BAND: f64 = 2.5;
+/// Most output samples per joint; longer logs are averaged further.
+const MOST_SAMPLES: f64 = 15_000.0;
+/// Residual energy with the motor's encoder over that with the joint's, below which the motor's is believed.
+const MOTOR_SIDE_GAIN: f64 = 0.98;
+/// Band limits (Hz).
+const BAND_HZ: [f64; 2] = [6.0, 60.0];
+/// Highest band over the sample rate.
+const HIGHEST_BAND: f64 = 0.3;
+
+impl<const N: usize> Scene<N> {
+    /// Filters the logs and evaluates the nominal model along them; `band_hz` `None` chooses the band from the noise.
+    pub fn of_logs(logs: &[RobotLog], nominal: &Nominal<N>, band_hz: Option<f64>) -> Result<Self, DiagnoseError> {
+        for (index, log) in logs.iter().enumerate() {
+            if log.joints() != N {
+                return Err(DiagnoseError::JointCount { log: index, got: log.joints(), expected: N });
+            }
+        }
+        let mean_square = |of: &dyn Fn(&RobotLog, usize) -> f64| {
+            SVector::<f64, N>::from_fn(|j, _| {
+                (logs.iter().map(|log| of(log, j).powi(2)).sum::<f64>() / logs.len().max(1) as f64).sqrt()
+            })
+        };
+        let torque_sd_nm = mean_square(&|log, j| white_noise_sd(&log.time_s, &log.tau_j_nm[j]));
+        let position_sd_rad = mean_square(&|log, j| white_noise_sd(&log.time_s, &log.q_rad[j]));
+        let rate_hz = logs.iter().filter_map(|log| tribo_logs::median_period_s(&log.time_s)).fold(0.0, f64::max).recip();
+        let middle = logs.first().map(|log| log.rows() / 2).unwrap_or_default();
+        let inertia = logs.first().map_or_else(SVector::zeros, |log| {
+            let q = SVector::<f64, N>::from_fn(|j, _| log.q_rad[j][middle]);
+            mass_matrix(&nominal.arm, &q).diagonal()
+        });
+        let band_hz = match band_hz {
+            Some(band_hz) => band_hz,
+            None => band_from_noise(&torque_sd_nm, &position_sd_rad, &inertia, rate_hz),
+        };
+        let duration_s: f64 = logs.iter().map(|log| log.duration_s()).sum();
+
+        let mut scene = Self {
+            nominal: nominal.clone(),
+            samples: Vec::new(),
+            bursts: Vec::new(),
+            chains: Vec::new(),
+            time_s: Vec::new(),
+            qd: std::array::from_fn(|_| Vec::new()),
+            q: std::array::from_fn(|_| Vec::new()),
+            measured_nm: std::array::from_fn(|_| Vec::new()),
+            model_nm: std::array::from_fn(|_| Vec::new()),
+            residual_nm: std::array::from_fn(|_| Vec::new()),
+            deflection_rad: None,
+            torque_sd_nm,
+            position_sd_rad,
+            velocity_sd_rad_s: SVector::zeros(),
+            noise_floor_nm: SVector::zeros(),
+            skipped_bursts: 0,
+            link_regressors: OnceLock::new(),
+        };
+        let mut deflection = Some(Vec::new());
+        for (index, log) in logs.iter().enumerate() {
+            let log_rate_hz = tribo_logs::median_period_s(&log.time_s).unwrap_or(1.0).recip();
+            // A 30 Hz log carries 10 Hz at most; the average follows the band, or the number of samples allowed.
+            let band_hz = band_hz.min(HIGHEST_BAND * log_rate_hz);
+            let by_band = log_rate_hz / (SAMPLES_PER_BAND * band_hz);
+            let by_size = duration_s * log_rate_hz / MOST_SAMPLES;
+            let average_samples = by_band.max(by_size).floor().max(1.0) as usize;
+            let settings = ResidualSettings { band_hz, longest_gap_s: None, average_samples };
+            let rigid = TorqueResidual::of_log(log, &nominal.arm, &settings)?;
+            scene.append(index, &rigid);
+            match (rigid.deflection_rad(), &mut deflection) {
+                (Some(bursts), Some(all)) => all.extend(bursts.iter().flatten().copied()),
+                _ => deflection = None,
+            }
+        }
+        scene.deflection_rad = deflection.filter(|all| !all.is_empty());
+        scene.believe_motor_encoders();
+        scene.add_nominal_effects();
+        scene.filter_model();
+        scene.set_noise_floor(&inertia);
+        Ok(scene)
+    }
+
+    /// The samples of one log.
+    fn append(&mut self, log: usize, rigid: &TorqueResidual<N>) {
+        let nominal = &self.nominal;
+        let link_arm = nominal.arm.clone().link_side();
+        for (index, (motion, torque)) in rigid.motion().iter().zip(rigid.raw_torque_nm()).enumerate() {
+            let start = self.samples.len();
+            self.samples.extend(motion.iter().zip(torque).map(|(at, measured)| {
+                let MotionSample { time_s, q, qd, qdd } = *at;
+                let link_nm = rnea(&link_arm, &q, &qd, &qdd);
+                let friction_nm = nominal.friction.torque(&qd, nominal.smoothing_rad_s);
+                let rotor_nm = nominal.arm.rotor_inertia_kg_m2.component_mul(&qdd);
+                let model_nm = link_nm + rotor_nm + friction_nm;
+                let sign = qd.map(|v| smooth_sign(v, nominal.smoothing_rad_s));
+                Sample { time_s, q, qd, qdd, sign, link_nm, friction_nm, model_nm, measured_nm: *measured }
+            }));
+            let out = &rigid.bursts[index];
+            let first_out = self.bursts.last().map_or(0, |burst: &Burst| burst.out.end);
+            self.bursts.push(Burst { fine: start..self.samples.len(), out: first_out..first_out + out.len(), log });
+        }
+        self.time_s.extend(&rigid.time_s);
+        for j in 0..N {
+            self.measured_nm[j].extend(&rigid.measured_nm[j]);
+            self.qd[j].extend(&rigid.qd_rad_s[j]);
+        }
+        self.chains.push(rigid.chain.clone());
+        self.skipped_bursts += rigid.skipped_bursts;
+    }
+
+    /// With two encoders, friction and rotors follow the motor: `f(theta') + Ir theta''` in place of `f(q') + Ir q''`,
+    /// joint by joint where that leaves a smaller residual (an elastic joint shows it; a rigid one does not care).
+    fn believe_motor_encoders(&mut self) {
+        let Some(deflection) = self.deflection_rad.clone() else { return };
+        for j in 0..N {
+            let mut corrected = self.samples.clone();
+            for burst in &self.bursts {
+                let dt_s = self.period_s(burst);
+                let angle: Vec<f64> = deflection[burst.fine.clone()].iter().map(|d| d[j]).collect();
+                let rate = central_difference(&angle, dt_s);
+                let acceleration = central_difference(&rate, dt_s);
+                for (i, k) in burst.fine.clone().enumerate() {
+                    let at = &mut corrected[k];
+                    let motor_qd = at.qd[j] + rate[i];
+                    let friction_nm = self.nominal.friction.joints[j].torque(motor_qd, self.nominal.smoothing_rad_s);
+                    let rotor_nm = self.nominal.arm.rotor_inertia_kg_m2[j] * acceleration[i];
+                    at.model_nm[j] += friction_nm - at.friction_nm[j] + rotor_nm;
+                    at.friction_nm[j] = friction_nm;
+                    at.sign[j] = smooth_sign(motor_qd, self.nominal.smoothing_rad_s);
+                }
+            }
+            let left = |samples: &[Sample<N>]| {
+                let model = FineColumn::Joint(j, samples.iter().map(|at| at.model_nm[j]).collect());
+                let model = self.filter(&model).rows[j].clone().unwrap_or_default();
+                self.measured_nm[j].iter().zip(model).map(|(measured, model)| (measured - model).powi(2)).sum::<f64>()
+            };
+            if left(&corrected) < MOTOR_SIDE_GAIN * left(&self.samples) {
+                self.samples = corrected;
+            }
+        }
+    }
+
+    /// Torque of the effects that the model has already.
+    ///
+    /// Each is evaluated on the bare nominal model; products of two effects (a gain on a payload) are left out.
+    fn add_nominal_effects(&mut self) {
+        let mut effects: Vec<Effect> = self.nominal.effects.clone();
+        // Warm friction fades as a whole: what adds to dry and viscous friction comes first.
+        effects.sort_by_key(|effect| !matches!(effect, Effect::Coulomb { .. } | Effect::Viscous { .. }));
+        for effect in &effects {
+            match *effect {
+                Effect::Coulomb { joint, delta_coulomb_nm } => {
+                    self.samples.iter_mut().for_each(|at| at.friction_nm[joint] += delta_coulomb_nm * at.sign[joint]);
+                }
+                Effect::Viscous { joint, delta_viscous_nm_s_per_rad } => {
+                    let slope = delta_viscous_nm_s_per_rad;
+                    self.samples.iter_mut().for_each(|at| at.friction_nm[joint] += slope * at.qd[joint]);
+                }
+                _ => {}
+            }
+            let Some(torque) = self.effect_torque(effect) else { continue };
+            match torque {
+                FineColumn::Joint(j, column) => {
+                    self.samples.iter_mut().zip(column).for_each(|(at, tau)| at.model_nm[j] += tau);
+                }
+                FineColumn::Arm(column) => self.samples.iter_mut().zip(column).for_each(|(at, tau)| at.model_nm += tau),
+            }
+        }
+    }
+
+    /// Torque of an effect along the motion, or `None` where it is not a torque (such as backlash).
+    pub fn effect_torque(&self, effect: &Effect) -> Option<FineColumn<N>> {
+        let (candidate, shape, coefficients) = candidate_of_effect::<N>(effect)?;
+        let columns = candidate.columns(self, &shape);
+        // A bristle carries whatever Coulomb friction its joint has.
+        let coefficients = coefficients.into_iter().map(|c| match effect {
+            Effect::Presliding { joint, .. } => self.nominal.dry_nm(*joint),
+            _ => c,
+        });
+        let mut sum = vec![SVector::<f64, N>::zeros(); self.samples.len()];
+        for (column, coefficient) in columns.into_iter().zip(coefficients) {
+            match column {
+                FineColumn::Joint(j, values) => {
+                    sum.iter_mut().zip(values).for_each(|(sum, value)| sum[j] += coefficient * value);
+                }
+                FineColumn::Arm(values) => {
+                    sum.iter_mut().zip(values).for_each(|(sum, value)| *sum += value * coefficient);
+                }
+            }
+        }
+        Some(FineColumn::Arm(sum))
+    }
+
+    /// Band filter and residual.
+    fn filter_model(&mut self) {
+        let position = self.filter(&FineColumn::Arm(self.samples.iter().map(|at| at.q).collect()));
+        let model = self.filter(&FineColumn::Arm(self.samples.iter().map(|at| at.model_nm).collect()));
+        let take = |column: Column<N>| column.rows.map(Option::unwrap_or_default);
+        self.q = take(position);
+        self.model_nm = take(model);
+        for j in 0..N {
+            let pairs = self.measured_nm[j].iter().zip(&self.model_nm[j]);
+            self.residual_nm[j] = pairs.map(|(measured, model)| measured - model).collect();
+        }
+    }
+
+    /// A regressor through the same band filter, trim and average as the torques.
+    pub fn filter(&self, column: &FineColumn<N>) -> Column<N> {
+        let finish = |values: &dyn Fn(usize) -> f64| {
+            let mut out = Vec::with_capacity(self.time_s.len());
+            for burst in &self.bursts {
+                let fine: Vec<f64> = burst.fine.clone().map(values).collect();
+                out.extend(self.chains[burst.log].finish(&fine));
+            }
+            out
+        };
+        let rows = match column {
+            FineColumn::Joint(joint, values) => {
+                std::array::from_fn(|j| (j == *joint).then(|| finish(&|k| values[k])))
+            }
+            FineColumn::Arm(values) => std::array::from_fn(|j| {
+                values.iter().any(|value| value[j] != 0.0).then(|| finish(&|k| values[k][j]))
+            }),
+        };
+        Column { rows }
+    }
+
+    /// Regressors of every link in its ten inertial parameters, in the band.
+    pub fn link_regressors(&self) -> &[[Column<N>; 10]] {
+        self.link_regressors.get_or_init(|| {
+            let arm = &self.nominal.arm;
+            let blocks: Vec<_> =
+                self.samples.par_iter().map(|at| inverse_dynamics_regressor(arm, &at.q, &at.qd, &at.qdd)).collect();
+            let columns: Vec<[Column<N>; 10]> = (0..N)
+                .into_par_iter()
+                .map(|link| {
+                    std::array::from_fn(|i| {
+                        let column = blocks.iter().map(|block| block[link].column(i).into_owned()).collect();
+                        self.filter(&FineColumn::Arm(column))
+                    })
+                })
+                .collect();
+            columns
+        })
+    }
+
+    /// A regressor of one joint, sample by sample.
+    pub fn joint_column(&self, joint: usize, value: impl Fn(&Sample<N>) -> f64) -> FineColumn<N> {
+        FineColumn::Joint(joint, self.samples.iter().map(value).collect())
+    }
+
+    /// A regressor of all joints, sample by sample.
+    pub fn arm_column(&self, value: impl Fn(&Sample<N>) -> SVector<f64, N>) -> FineColumn<N> {
+        FineColumn::Arm(self.samples.iter().map(value).collect())
+    }
+
+    /// The Jacobian of the flange at a sample, linear rows first: force then moment map through its transpose.
+    pub fn jacobian(&self, at: &Sample<N>) -> SMatrix<f64, 6, N> {
+        let angular_first = Kinematics::at(&self.nominal.arm, &at.q).jacobian();
+        SMatrix::from_fn(|row, column| angular_first[((row + 3) % 6, column)])
+    }
+
+    /// Period of the fine grid of a burst (s).
+    pub fn period_s(&self, burst: &Burst) -> f64 {
+        self.chains[burst.log].rate_hz.recip()
+    }
+
+    /// Whether the joint moves at all, against the noise of its encoder.
+    pub fn moves(&self, joint: usize) -> bool {
+        let fast = 10.0 * self.velocity_sd_rad_s[joint] + 1e-4;
+        let moving = self.samples.iter().filter(|at| at.qd[joint].abs() > fast).count();
+        moving * 20 > self.samples.len()
+    }
+
+    /// Sensor noise in the band: torque noise, and position noise through two derivatives and the inertia.
+    fn set_noise_floor(&mut self, inertia: &SVector<f64, N>) {
+        let Some(chain) = self.chains.first() else { return };
+        const STEPS: usize = 400;
+        let nyquist_hz = 0.5 * chain.rate_hz;
+        let (mut torque, mut velocity, mut acceleration) = (0.0, 0.0, 0.0);
+        for step in 0..STEPS {
+            let f = nyquist_hz * (step as f64 + 0.5) / STEPS as f64;
+            let average = average_gain(f / chain.rate_hz, chain.average_samples);
+            let (omega, gain) = (2.0 * std::f64::consts::PI * f, chain.gain(f) * average);
+            torque += gain.powi(2);
+            acceleration += (omega.powi(2) * gain).powi(2);
+            velocity += (omega * chain.smoothing_gain(f)).powi(2);
+        }
+        let mean = |sum: f64| sum / STEPS as f64;
+        self.noise_floor_nm = SVector::from_fn(|j, _| {
+            let from_torque = self.torque_sd_nm[j].powi(2) * mean(torque);
+            let from_position = (inertia[j] * self.position_sd_rad[j]).powi(2) * mean(acceleration);
+            (from_torque + from_position).sqrt()
+        });
+        self.velocity_sd_rad_s = self.position_sd_rad * mean(velocity).sqrt();
+    }
+}
+
+/// The combination of ten columns.
+pub(crate) fn combined<const N: usize>(columns: &[Column<N>; 10], weights: &SVector<f64, 10>) -> Column<N> {
+    let rows = std::array::from_fn(|j| {
+        let mut sum: Option<Vec<f64>> = None;
+        for (column, weight) in columns.iter().zip(weights.iter()).filter(|(_, weight)| **weight != 0.0) {
+            if let Some(values) = &column.rows[j] {
+                let sum = sum.get_or_insert_with(|| vec![0.0; values.len()]);
+                sum.iter_mut().zip(values).for_each(|(sum, x)| *sum += weight * x);
+            }
+        }
+        sum
+    });
+    Column { rows }
+}
+
+/// Gain of the average of m samples at `frequency` (in sample rates).
+fn average_gain(frequency: f64, m: usize) -> f64 {
+    let x = std::f64::consts::PI * frequency;
+    if m <= 1 || x == 0.0 { 1.0 } else { ((m as f64 * x).sin() / (m as f64 * x.sin())).abs() }
+}
+
+/// Cut-off at which the noise of the acceleration, through the inertia, is a tenth of the torque noise in the band.
+///
+/// ```text
+/// (M sd_q)² (2π)⁴ fc⁴ / 5 = sd_tau² / 10
+/// ```
+///
+/// The median over the joints, within 6 to 60 Hz and 0.3 of the sample rate.
+fn band_from_noise<const N: usize>(
+    torque_sd: &SVector<f64, N>,
+    position_sd: &SVector<f64, N>,
+    inertia: &SVector<f64, N>,
+    rate_hz: f64,
+) -> f64 {
+    let mut bands: Vec<f64> = (0..N)
+        .map(|j| {
+            let ratio = 0.5 * (torque_sd[j] / (inertia[j] * position_sd[j]).max(1e-12)).powi(2);
+            ratio.sqrt().sqrt() / (2.0 * std::f64::consts::PI)
+        })
+        .filter(|band| band.is_finite())
+        .collect();
+    let median = crate::noise_level::median(&mut bands).unwrap_or(BAND_HZ[0]);
+    median.clamp(BAND_HZ[0], BAND_HZ[1]).min(HIGHEST_BAND * rate_hz)
+}

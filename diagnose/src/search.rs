@@ -1,0 +1,372 @@
+//! Forward–backward selection of causes.
+//!
+//! ```text
+//! evidence(g | S) = ΔSS / λ − (columns + shapes) log n − 2 log(causes)
+//! ```
+//!
+//! An extended BIC on whitened data; λ is how much left-over correlation inflates chance (see [`crate::significance`]).
+//! Start empty; add the best group; refine shapes; swap, delete and consolidate until nothing improves.
+
+use std::sync::Arc;
+
+use rayon::prelude::*;
+
+use crate::cause::{Candidate, ExternalContact};
+use crate::contact_window::{best_window, whole_push};
+use crate::diagnosis::{CauseLabel, Location};
+use crate::evidence::{Conditional, Gain, gain_given};
+use crate::scene::Column;
+use crate::system::System;
+
+/// Evidence that a cause must add.
+pub(crate) const LEAST_EVIDENCE: f64 = 10.0;
+/// Evidence below which a selected cause is deleted again.
+const KEEP_EVIDENCE: f64 = 5.0;
+/// Evidence by which a swap must be better.
+const SWAP_EVIDENCE: f64 = 2.0;
+/// Handicap of causes without a name.
+const UNKNOWN_HANDICAP: f64 = 30.0;
+/// Part of what they explain that does not count: they bend to anything.
+const UNKNOWN_DISCOUNT: f64 = 0.15;
+/// Part of the whitened variance of a joint that a cause must explain: below it a statistical effect is no finding.
+const LEAST_SHARE: f64 = 0.004;
+/// Most causes of one log.
+const MOST_CAUSES: usize = 30;
+/// Rounds of improvement after each addition.
+const ROUNDS: usize = 4;
+/// Evaluations of a shape refinement.
+const REFINEMENTS: usize = 12;
+
+/// The state of the search.
+pub(crate) struct Search<'s, 'a, const N: usize> {
+    pub system: &'s mut System<'a, N>,
+    /// Selected groups.
+    pub selected: Vec<usize>,
+    /// Inflation λ of chance evidence.
+    pub inflation: f64,
+    /// Number of distinct causes.
+    pub causes: usize,
+    /// Whitened columns of a push that lasts the whole log.
+    push: Vec<Column<N>>,
+}
+
+impl<'s, 'a, const N: usize> Search<'s, 'a, N> {
+    /// An empty selection.
+    pub fn new(system: &'s mut System<'a, N>, inflation: f64) -> Self {
+        let mut distinct: Vec<(CauseLabel, Location)> =
+            system.groups.iter().map(|group| (group.candidate.label(), group.candidate.location())).collect();
+        distinct.sort_unstable();
+        distinct.dedup();
+        let push = whole_push(system);
+        Self { system, selected: Vec::new(), inflation, causes: distinct.len().max(1), push }
+    }
+
+    /// Price of a group.
+    pub fn price(&self, group: usize, gain: &Gain) -> f64 {
+        let group = &self.system.groups[group];
+        let mut shapes = group.shape.len();
+        let mut places = self.causes as f64;
+        if group.candidate.label() == CauseLabel::ExternalContact {
+            // Two edges, each on any sample.
+            shapes = 2;
+            places *= self.system.joint_rows as f64;
+        }
+        let n = (self.system.rows as f64).max(2.0);
+        let handicap = if group.candidate.label() == CauseLabel::Unknown {
+            UNKNOWN_HANDICAP + UNKNOWN_DISCOUNT * gain.explained / self.inflation
+        } else {
+            0.0
+        };
+        (gain.directions + shapes) as f64 * n.ln() + 2.0 * places.ln() + handicap
+    }
+
+    /// Evidence of a group given projected-out columns, and its coefficients; `None` where physics forbids it.
+    pub fn evidence(&self, given: &Conditional, group: usize) -> Option<(f64, Gain)> {
+        let columns: Vec<usize> = self.system.groups[group].columns.clone().collect();
+        self.judged(group, given.gain(self.system, &columns))
+    }
+
+    /// The same given other groups, for a single question.
+    pub fn evidence_given(&self, others: &[usize], group: usize) -> Option<(f64, Gain)> {
+        let columns: Vec<usize> = self.system.groups[group].columns.clone().collect();
+        self.judged(group, gain_given(self.system, &columns, &self.system.columns_of(others)))
+    }
+
+    fn judged(&self, group: usize, gain: Gain) -> Option<(f64, Gain)> {
+        let Self { system, .. } = self;
+        let columns = system.groups[group].columns.clone();
+        let affected = (0..N).filter(|j| columns.clone().any(|c| system.columns[c].rows[*j].is_some())).count();
+        // An effect on many joints need not be large on all of them.
+        let rows = (system.joint_rows * affected.clamp(1, 2)) as f64;
+        let candidate = &system.groups[group].candidate;
+        let allowed = gain.directions > 0
+            && gain.explained > LEAST_SHARE * rows
+            && candidate.admissible(system.scene, &system.groups[group].shape, &gain.coefficients);
+        allowed.then(|| (gain.explained / self.inflation - self.price(group, &gain), gain))
+    }
+
+    /// The selection without one member.
+    pub fn others(&self, but: usize) -> Vec<usize> {
+        self.selected.iter().copied().filter(|group| *group != but).collect()
+    }
+
+    /// Runs to the end; `go_on` false stops it.
+    pub fn run(&mut self, go_on: &dyn Fn(usize) -> bool) -> bool {
+        while self.selected.len() < MOST_CAUSES {
+            if !go_on(self.selected.len()) {
+                return false;
+            }
+            let Some((group, evidence)) = self.best_addition() else { break };
+            if evidence < LEAST_EVIDENCE {
+                break;
+            }
+            let group = self.refined(group, &self.selected.clone());
+            let before = (self.selected.clone(), self.total(&self.selected));
+            self.selected.push(group);
+            self.improve();
+            if self.total(&self.selected) <= before.1 {
+                // The addition was undone, or bought nothing: more of the same would go round in circles.
+                self.selected = before.0;
+                break;
+            }
+        }
+        // Shapes against each other, once the company is known.
+        if self.reshape() {
+            self.improve();
+        }
+        true
+    }
+
+    /// The group of most evidence given the selection; a contact window is searched for on the way.
+    fn best_addition(&mut self) -> Option<(usize, f64)> {
+        let given = Conditional::on(self.system, &self.system.columns_of(&self.selected));
+        if let Some((log, start_s, end_s)) = best_window(self.system, &self.push, &self.system.columns_of(&self.selected)) {
+            let contact: Arc<dyn Candidate<N>> = Arc::new(ExternalContact { log: Some(log) });
+            let shape = vec![start_s, end_s];
+            let columns = self.system.evaluate(contact.as_ref(), &shape);
+            self.system.push(contact, shape, columns);
+            // The Gram matrix has grown: project anew.
+            let given = Conditional::on(self.system, &self.system.columns_of(&self.selected));
+            return self.best_of(&given, &self.selected.clone());
+        }
+        self.best_of(&given, &self.selected.clone())
+    }
+
+    fn best_of(&self, given: &Conditional, selected: &[usize]) -> Option<(usize, f64)> {
+        let taken: Vec<(CauseLabel, Location)> = selected
+            .iter()
+            .map(|g| self.place(*g))
+            .filter(|(label, _)| !matches!(label, CauseLabel::ExternalContact | CauseLabel::Unknown))
+            .collect();
+        (0..self.system.groups.len())
+            .into_par_iter()
+            .filter(|group| !selected.contains(group) && !taken.contains(&self.place(*group)))
+            .filter_map(|group| self.evidence(given, group).map(|(evidence, _)| (group, evidence)))
+            .reduce_with(|a, b| if (b.1, a.0) > (a.1, b.0) { b } else { a })
+    }
+
+    /// Label and location of a group.
+    pub fn place(&self, group: usize) -> (CauseLabel, Location) {
+        let candidate = &self.system.groups[group].candidate;
+        (candidate.label(), candidate.location())
+    }
+
+    /// The same cause at its best shape, given the others.
+    pub fn refined(&mut self, group: usize, others: &[usize]) -> usize {
+        let candidate = self.system.groups[group].candidate.clone();
+        let others: Vec<usize> = others.iter().copied().filter(|other| *other != group).collect();
+        let columns = self.system.columns_of(&others);
+        let mut best_shape = self.system.groups[group].shape.clone();
+        let Some((_, first)) = self.evidence_given(&others, group) else { return group };
+        let mut best = first.explained;
+        let start_shape = best_shape.clone();
+
+        if let Some([low, high]) = candidate.profile() {
+            // Golden section on a logarithmic scale, between the neighbours on the grid.
+            let step = (high / low).ln() / 6.0;
+            let centre = best_shape[0].ln();
+            let (mut left, mut right) = ((centre - step).max(low.ln()), (centre + step).min(high.ln()));
+            let golden = 0.5 * (5f64.sqrt() - 1.0);
+            let (mut a, mut b) = (right - golden * (right - left), left + golden * (right - left));
+            let mut value = |x: f64| {
+                let gain = self.free_gain(candidate.as_ref(), &[x.exp()], &columns);
+                if gain.explained > best {
+                    best = gain.explained;
+                    best_shape = vec![x.exp()];
+                }
+                gain.explained
+            };
+            let (mut at_a, mut at_b) = (value(a), value(b));
+            for _ in 0..REFINEMENTS - 2 {
+                if at_a > at_b {
+                    (right, b, at_b) = (b, a, at_a);
+                    a = right - golden * (right - left);
+                    at_a = value(a);
+                } else {
+                    (left, a, at_a) = (a, b, at_b);
+                    b = left + golden * (right - left);
+                    at_b = value(b);
+                }
+                if right - left < 0.01 {
+                    break;
+                }
+            }
+        } else {
+            let mut gain = first;
+            for _ in 0..6 {
+                let Some(shape) = candidate.fixed_point(&best_shape, &gain.coefficients) else { break };
+                let next = self.free_gain(candidate.as_ref(), &shape, &columns);
+                if next.directions == 0 {
+                    break;
+                }
+                let settled = (shape[0] / best_shape[0] - 1.0).abs() < 1e-3;
+                best_shape = shape;
+                gain = next;
+                if settled {
+                    break;
+                }
+            }
+        }
+        if best_shape == start_shape {
+            return group;
+        }
+        let evaluated = self.system.evaluate(candidate.as_ref(), &best_shape);
+        self.system.push(candidate, best_shape, evaluated)
+    }
+
+    /// What a candidate at any shape explains beyond the given columns.
+    fn free_gain(&self, candidate: &dyn Candidate<N>, shape: &[f64], given: &[usize]) -> Gain {
+        let columns = self.system.evaluate(candidate, shape);
+        crate::evidence::free_gain(self.system, &columns, given)
+    }
+
+    /// Swaps, deletions and consolidations until nothing improves.
+    fn improve(&mut self) {
+        for _ in 0..ROUNDS {
+            let mut changed = self.swap();
+            changed |= self.delete();
+            changed |= self.consolidate();
+            if !changed {
+                break;
+            }
+        }
+    }
+
+    /// Refines the shapes of all members against each other.
+    fn reshape(&mut self) -> bool {
+        let mut changed = false;
+        for place in 0..self.selected.len() {
+            let group = self.selected[place];
+            let others = self.others(group);
+            let refined = self.refined(group, &others);
+            if refined != group {
+                self.selected[place] = refined;
+                changed = true;
+            }
+        }
+        changed
+    }
+
+    fn swap(&mut self) -> bool {
+        let mut changed = false;
+        for place in 0..self.selected.len() {
+            let group = self.selected[place];
+            let others = self.others(group);
+            let given = Conditional::on(self.system, &self.system.columns_of(&others));
+            let current = self.evidence(&given, group).map_or(f64::NEG_INFINITY, |(evidence, _)| evidence);
+            let Some((rival, evidence)) = self.best_of(&given, &others) else { continue };
+            if rival != group && evidence > current - LEAST_EVIDENCE && self.place(rival) != self.place(group) {
+                // The rival stands on the grid; the member has been refined.
+                let rival = self.refined(rival, &others);
+                let evidence = self.evidence_given(&others, rival).map_or(f64::NEG_INFINITY, |(evidence, _)| evidence);
+                if evidence > current + SWAP_EVIDENCE {
+                    self.selected[place] = rival;
+                    changed = true;
+                }
+            } else if rival != group && evidence > current + SWAP_EVIDENCE {
+                self.selected[place] = self.refined(rival, &others);
+                changed = true;
+            }
+        }
+        changed
+    }
+
+    fn delete(&mut self) -> bool {
+        let mut changed = false;
+        loop {
+            let weakest = self
+                .selected
+                .iter()
+                .map(|group| {
+                    (*group, self.evidence_given(&self.others(*group), *group).map_or(f64::NEG_INFINITY, |(evidence, _)| evidence))
+                })
+                .min_by(|a, b| a.1.total_cmp(&b.1));
+            match weakest {
+                Some((group, evidence)) if evidence < KEEP_EVIDENCE => {
+                    self.selected = self.others(group);
+                    changed = true;
+                }
+                _ => return changed,
+            }
+        }
+    }
+
+    /// One cause of the whole arm in place of several of single joints.
+    fn consolidate(&mut self) -> bool {
+        if self.selected.len() < 2 {
+            return false;
+        }
+        let now = self.total(&self.selected);
+        let global: Vec<usize> = (0..self.system.groups.len())
+            .filter(|g| {
+                let (label, location) = self.place(*g);
+                !matches!(location, Location::Joint(_)) && label != CauseLabel::ExternalContact
+            })
+            .filter(|g| !self.selected.iter().any(|s| self.place(*s) == self.place(*g)))
+            .collect();
+        let best = global
+            .into_par_iter()
+            .filter_map(|g| {
+                let mut trial = self.selected.clone();
+                trial.push(g);
+                self.evidence_given(&self.selected, g)?;
+                let mut total = self.total(&trial);
+                loop {
+                    let shorter = trial
+                        .iter()
+                        .filter(|member| **member != g)
+                        .map(|member| {
+                            let rest: Vec<usize> = trial.iter().copied().filter(|other| other != member).collect();
+                            (self.total(&rest), rest)
+                        })
+                        .max_by(|a, b| a.0.total_cmp(&b.0));
+                    match shorter {
+                        Some((value, rest)) if value > total => (total, trial) = (value, rest),
+                        _ => break,
+                    }
+                }
+                (total > now + SWAP_EVIDENCE && trial.len() <= self.selected.len()).then_some((total, g, trial))
+            })
+            .reduce_with(|a, b| if b.0 > a.0 { b } else { a });
+        match best {
+            Some((_, _, trial)) => {
+                self.selected = trial;
+                true
+            }
+            None => false,
+        }
+    }
+
+    /// Penalised evidence of a whole selection.
+    fn total(&self, selected: &[usize]) -> f64 {
+        let given = crate::evidence::explained_by(self.system, &self.system.columns_of(selected));
+        let prices: f64 = selected
+            .iter()
+            .map(|g| {
+                let directions = self.system.groups[*g].columns.len();
+                self.price(*g, &Gain { explained: 0.0, directions, coefficients: Vec::new() })
+            })
+            .sum();
+        given / self.inflation - prices
+    }
+}

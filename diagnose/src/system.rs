@@ -1,0 +1,298 @@
+//! All candidate columns, whitened, and their Gram matrix: every question of the search is small dense algebra on it.
+
+use std::ops::Range;
+use std::sync::Arc;
+
+use nalgebra::{DMatrix, DVector};
+use rayon::prelude::*;
+
+use crate::cause::Candidate;
+use crate::scene::{Column, Scene};
+use crate::whitening::Whitening;
+
+/// A candidate at one shape: a set of columns that stand or fall together.
+#[derive(Clone)]
+pub(crate) struct Group<const N: usize> {
+    pub candidate: Arc<dyn Candidate<N>>,
+    pub shape: Vec<f64>,
+    pub columns: Range<usize>,
+}
+
+/// The whitened regression problem `y = X θ + e`, rows over joints and time.
+pub(crate) struct System<'a, const N: usize> {
+    pub scene: &'a Scene<N>,
+    pub groups: Vec<Group<N>>,
+    pub columns: Vec<Column<N>>,
+    pub target: Column<N>,
+    pub gram: DMatrix<f64>,
+    pub score: DVector<f64>,
+    /// Whitened rows, all joints.
+    pub rows: usize,
+    /// Rows of one joint.
+    pub joint_rows: usize,
+    /// Whitening per joint and log.
+    pub whitening: [Vec<Whitening>; N],
+    /// Weight of each output sample of a joint, before whitened rows are dropped.
+    weights: [Vec<f64>; N],
+    /// Output sample of each whitened row.
+    pub row_samples: Vec<usize>,
+    /// Burst of each whitened row.
+    pub row_bursts: Vec<usize>,
+}
+
+/// The filtered columns of all candidates that a scene can show, on their grids of shapes.
+pub(crate) struct EvaluatedColumns<const N: usize> {
+    pub groups: Vec<Group<N>>,
+    pub columns: Vec<Column<N>>,
+}
+
+impl<const N: usize> EvaluatedColumns<N> {
+    /// Evaluates candidate by candidate.
+    pub fn of(scene: &Scene<N>, candidates: &[Arc<dyn Candidate<N>>]) -> Self {
+        let evaluated: Vec<(Arc<dyn Candidate<N>>, Vec<f64>, Vec<Column<N>>)> = candidates
+            .par_iter()
+            .filter(|candidate| candidate.unavailable(scene).is_none())
+            .flat_map_iter(|candidate| {
+                candidate.shapes(scene).into_iter().map(|shape| {
+                    let filtered = candidate.filtered(scene, &shape);
+                    (candidate.clone(), shape, filtered)
+                })
+            })
+            .collect();
+        let (mut groups, mut columns) = (Vec::new(), Vec::new());
+        for (candidate, shape, filtered) in evaluated {
+            let start = columns.len();
+            columns.extend(filtered);
+            groups.push(Group { candidate, shape, columns: start..columns.len() });
+        }
+        Self { groups, columns }
+    }
+
+    /// What every column together leaves of the residual (Nm).
+    pub fn saturated_residual(&self, scene: &Scene<N>) -> [Vec<f64>; N] {
+        let mut left: Vec<Vec<f64>> =
+            (0..N).into_par_iter().map(|j| saturated_residual(scene, &self.columns, j)).collect();
+        std::array::from_fn(|j| std::mem::take(&mut left[j]))
+    }
+}
+
+/// Least innovation scale over the sensor noise in the band.
+const LEAST_SCALE: f64 = 0.05;
+/// Least innovation scale over the RMS of the measured torque: arithmetic and interpolation are no better.
+const LEAST_RELATIVE_SCALE: f64 = 2e-5;
+/// Joints slower than this many standard deviations of velocity noise count as standing.
+const STANDING_SD: f64 = 4.0;
+/// Widths of the smooth sign below which a joint may be stuck.
+const STANDING_WIDTHS: f64 = 2.0;
+/// Residual at rest over residual in motion beyond which standing samples are down-weighted.
+const REST_RATIO: f64 = 1.5;
+
+impl<'a, const N: usize> System<'a, N> {
+    /// Whitens and multiplies all columns; the colour is that of `left`, the residual (Nm) of a fit.
+    pub fn new(scene: &'a Scene<N>, evaluated: &EvaluatedColumns<N>, left: &[Vec<f64>; N]) -> Self {
+        let colour: Vec<(Vec<Whitening>, Vec<f64>)> = (0..N)
+            .into_par_iter()
+            .map(|j| (whitening_of(scene, &left[j], j), rest_weights(scene, &left[j], j)))
+            .collect();
+        let mut whitening: [Vec<Whitening>; N] = std::array::from_fn(|_| Vec::new());
+        let mut weights: [Vec<f64>; N] = std::array::from_fn(|_| Vec::new());
+        for (j, (filters, weight)) in colour.into_iter().enumerate() {
+            whitening[j] = filters;
+            weights[j] = weight;
+        }
+
+        let (mut row_samples, mut row_bursts) = (Vec::new(), Vec::new());
+        let order = whitening.iter().flatten().map(Whitening::order).max().unwrap_or(0);
+        // One order for all, so that a row is one instant of every joint.
+        for (index, burst) in scene.bursts.iter().enumerate() {
+            for k in burst.out.clone().skip(order) {
+                row_samples.push(k);
+                row_bursts.push(index);
+            }
+        }
+        let mut system = Self {
+            scene,
+            groups: evaluated.groups.clone(),
+            columns: Vec::new(),
+            target: Column { rows: std::array::from_fn(|_| None) },
+            gram: DMatrix::zeros(0, 0),
+            score: DVector::zeros(0),
+            joint_rows: row_samples.len(),
+            rows: row_samples.len() * N,
+            whitening,
+            weights,
+            row_samples,
+            row_bursts,
+        };
+        system.columns = evaluated.columns.par_iter().map(|column| system.whiten(column)).collect();
+        system.target = system.whiten(&Column { rows: std::array::from_fn(|j| Some(scene.residual_nm[j].clone())) });
+        system.multiply();
+        system
+    }
+
+    /// A filtered column, whitened and weighted.
+    pub fn whiten(&self, column: &Column<N>) -> Column<N> {
+        let order = self.whitening.iter().flatten().map(Whitening::order).max().unwrap_or(0);
+        let rows = std::array::from_fn(|j| {
+            column.rows[j].as_ref().map(|values| {
+                let mut white = Vec::with_capacity(self.joint_rows);
+                for burst in &self.scene.bursts {
+                    let filter = &self.whitening[j][burst.log];
+                    let whole = filter.apply(&values[burst.out.clone()]);
+                    let extra = order - filter.order();
+                    white.extend(whole.into_iter().skip(extra));
+                }
+                white.iter_mut().zip(&self.row_samples).for_each(|(w, k)| *w *= self.weights[j][*k]);
+                white
+            })
+        });
+        Column { rows }
+    }
+
+    /// Gram matrix and score, joint by joint.
+    fn multiply(&mut self) {
+        let count = self.columns.len();
+        let parts: Vec<(Vec<usize>, DMatrix<f64>, DVector<f64>)> = (0..N)
+            .into_par_iter()
+            .map(|j| {
+                let present: Vec<usize> = (0..count).filter(|c| self.columns[*c].rows[j].is_some()).collect();
+                let flat: Vec<f64> = present
+                    .iter()
+                    .flat_map(|c| self.columns[*c].rows[j].as_deref().unwrap_or_default().iter().copied())
+                    .collect();
+                let x = DMatrix::from_vec(self.joint_rows, present.len(), flat);
+                let xt = x.transpose();
+                let y = DVector::from_column_slice(self.target.rows[j].as_deref().unwrap_or_default());
+                (present, &xt * &x, xt * y)
+            })
+            .collect();
+        self.gram = DMatrix::zeros(count, count);
+        self.score = DVector::zeros(count);
+        for (present, gram, score) in parts {
+            for (column, &c) in present.iter().enumerate() {
+                self.score[c] += score[column];
+                for (row, &r) in present.iter().enumerate() {
+                    self.gram[(r, c)] += gram[(row, column)];
+                }
+            }
+        }
+    }
+
+    /// Whitened columns of a candidate at a shape.
+    pub fn evaluate(&self, candidate: &dyn Candidate<N>, shape: &[f64]) -> Vec<Column<N>> {
+        candidate.filtered(self.scene, shape).iter().map(|column| self.whiten(column)).collect()
+    }
+
+    /// Adds a group with its rows of the Gram matrix; returns its index.
+    pub fn push(&mut self, candidate: Arc<dyn Candidate<N>>, shape: Vec<f64>, columns: Vec<Column<N>>) -> usize {
+        let (old, new) = (self.columns.len(), columns.len());
+        self.columns.extend(columns);
+        let gram = std::mem::replace(&mut self.gram, DMatrix::zeros(0, 0));
+        let mut gram = gram.resize(old + new, old + new, 0.0);
+        let mut score = std::mem::replace(&mut self.score, DVector::zeros(0)).resize_vertically(old + new, 0.0);
+        for c in old..old + new {
+            let products: Vec<f64> = (0..old + new)
+                .into_par_iter()
+                .map(|other| dot(&self.columns[c], &self.columns[other]))
+                .collect();
+            for (other, product) in products.into_iter().enumerate() {
+                gram[(c, other)] = product;
+                gram[(other, c)] = product;
+            }
+            score[c] = dot(&self.columns[c], &self.target);
+        }
+        self.gram = gram;
+        self.score = score;
+        self.groups.push(Group { candidate, shape, columns: old..old + new });
+        self.groups.len() - 1
+    }
+
+    /// The columns of several groups.
+    pub fn columns_of(&self, groups: &[usize]) -> Vec<usize> {
+        groups.iter().flat_map(|g| self.groups[*g].columns.clone()).collect()
+    }
+}
+
+/// Inner product over the joints that both have.
+pub(crate) fn dot<const N: usize>(a: &Column<N>, b: &Column<N>) -> f64 {
+    (0..N)
+        .filter_map(|j| a.rows[j].as_ref().zip(b.rows[j].as_ref()))
+        .map(|(a, b)| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>())
+        .sum()
+}
+
+/// Least relative eigenvalue of the saturated fit.
+const SATURATED_TOLERANCE: f64 = 1e-6;
+/// Rows per direction of the saturated fit.
+const ROWS_PER_DIRECTION: usize = 8;
+
+/// What is left of the residual of a joint when every column has been fitted (truncated least squares).
+fn saturated_residual<const N: usize>(scene: &Scene<N>, columns: &[Column<N>], joint: usize) -> Vec<f64> {
+    let y = DVector::from_column_slice(&scene.residual_nm[joint]);
+    let rows = y.len();
+    let unit: Vec<DVector<f64>> = columns
+        .iter()
+        .filter_map(|column| column.rows[joint].as_ref())
+        .map(|values| DVector::from_column_slice(values))
+        .filter(|column| column.norm() > 0.0)
+        .map(|column| &column / column.norm())
+        .collect();
+    if unit.is_empty() || rows == 0 {
+        return y.as_slice().to_vec();
+    }
+    let x = DMatrix::from_columns(&unit);
+    let xt = x.transpose();
+    let eigen = (&xt * &x).symmetric_eigen();
+    let score = &xt * &y;
+    let mut order: Vec<usize> = (0..unit.len()).collect();
+    order.sort_by(|a, b| eigen.eigenvalues[*b].total_cmp(&eigen.eigenvalues[*a]));
+    let largest = eigen.eigenvalues[order[0]];
+    let mut coefficients = DVector::zeros(unit.len());
+    for &i in order.iter().take((rows / ROWS_PER_DIRECTION).max(1)) {
+        let value = eigen.eigenvalues[i];
+        if value > SATURATED_TOLERANCE * largest {
+            let direction = eigen.eigenvectors.column(i);
+            coefficients += direction * (direction.dot(&score) / value);
+        }
+    }
+    (y - x * coefficients).as_slice().to_vec()
+}
+
+fn whitening_of<const N: usize>(scene: &Scene<N>, left: &[f64], joint: usize) -> Vec<Whitening> {
+    let measured = &scene.measured_nm[joint];
+    let rms = (measured.iter().map(|x| x * x).sum::<f64>() / measured.len().max(1) as f64).sqrt();
+    let least = (LEAST_SCALE * scene.noise_floor_nm[joint]).max(LEAST_RELATIVE_SCALE * rms).max(1e-9);
+    (0..scene.chains.len())
+        .map(|log| {
+            let bursts: Vec<Range<usize>> =
+                scene.bursts.iter().filter(|burst| burst.log == log).map(|burst| burst.out.clone()).collect();
+            Whitening::of(left, &bursts, least)
+        })
+        .collect()
+}
+
+/// Weight of each output sample: 1, but less while the joint stands if friction is undefined there.
+///
+/// Below a few standard deviations of its velocity the dry friction of a stuck joint is anything in [−Fc, Fc]. Whether
+/// it is shows in the residual itself: where it is no larger at rest than in motion, nothing is thrown away.
+fn rest_weights<const N: usize>(scene: &Scene<N>, left: &[f64], joint: usize) -> Vec<f64> {
+    let threshold = (STANDING_SD * scene.velocity_sd_rad_s[joint]).max(STANDING_WIDTHS * scene.nominal.smoothing_rad_s);
+    let standing = scene.joint_column(joint, |at| f64::from(u8::from(at.qd[joint].abs() < threshold)));
+    let standing = scene.filter(&standing).rows[joint].clone().unwrap_or_default();
+    let rms = |pick: &dyn Fn(f64) -> bool| {
+        let (sum, count) = left
+            .iter()
+            .zip(&standing)
+            .filter(|(_, s)| pick(**s))
+            .fold((0.0, 0usize), |(sum, count), (r, _)| (sum + r * r, count + 1));
+        (sum / count.max(1) as f64).sqrt()
+    };
+    let (rest, motion) = (rms(&|s| s > 0.5), rms(&|s| s < 0.1));
+    let ratio = if motion > 0.0 { rest / motion } else { 1.0 };
+    if ratio > REST_RATIO {
+        standing.iter().map(|s| 1.0 / (1.0 + (ratio * ratio - 1.0) * s.clamp(0.0, 1.0)).sqrt()).collect()
+    } else {
+        vec![1.0; left.len()]
+    }
+}
+

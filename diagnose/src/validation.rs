@@ -1,0 +1,50 @@
+//! The extended model on logs that no parameter was fitted to.
+
+use tribo_logs::RobotLog;
+use tribo_sim::Effect;
+
+use crate::diagnosis::Validation;
+use crate::engine::DiagnoseError;
+use crate::held_out::gain_of_pairs;
+use crate::scene::Scene;
+use crate::Nominal;
+
+/// Length of a block of the interval (s).
+const BLOCK_S: f64 = 2.0;
+
+/// Residual RMS of each log with the nominal and with the extended model.
+pub(crate) fn validated<const N: usize>(
+    nominal: &Nominal<N>,
+    effects: &[Effect],
+    logs: &[(String, RobotLog)],
+    seed: u64,
+) -> Result<Vec<Validation>, DiagnoseError> {
+    // A push belongs to the log that it was found in.
+    let lasting = effects.iter().filter(|effect| !matches!(effect, Effect::ExternalContact { .. })).cloned();
+    let mut extended = nominal.clone();
+    extended.effects.extend(lasting);
+    logs.iter()
+        .map(|(name, log)| {
+            let one = std::slice::from_ref(log);
+            let before = Scene::of_logs(one, nominal, None)?;
+            let after = Scene::of_logs(one, &extended, Some(before.chains[0].band_hz))?;
+            let rms = |x: &[f64]| (x.iter().map(|x| x * x).sum::<f64>() / x.len().max(1) as f64).sqrt();
+            let per_joint = |scene: &Scene<N>| scene.residual_nm.iter().map(|column| rms(column)).collect();
+            let length = (BLOCK_S * before.chains[0].output_rate_hz()).ceil().max(1.0) as usize;
+            let block = |scene: &Scene<N>, start: usize| {
+                let end = (start + length).min(scene.time_s.len());
+                scene.residual_nm.iter().flat_map(|column| &column[start..end]).map(|r| r * r).sum::<f64>()
+            };
+            let starts = (0..before.time_s.len().min(after.time_s.len())).step_by(length);
+            let pairs: Vec<[f64; 2]> = starts.map(|start| [block(&before, start), block(&after, start)]).collect();
+            let (gain, gain_ci95) = gain_of_pairs(&pairs, seed);
+            Ok(Validation {
+                log: name.clone(),
+                before_nm: per_joint(&before),
+                after_nm: per_joint(&after),
+                gain,
+                gain_ci95,
+            })
+        })
+        .collect()
+}

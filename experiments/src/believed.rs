@@ -1,0 +1,219 @@
+//! What a controller makes of a model that it believes in.
+
+use std::fmt;
+
+use tribo_friction::{FrictionModel, JointEffects, Ripple};
+use tribo_robot::Arm;
+use tribo_sim::{Effect, Truth};
+
+use crate::files::Model;
+
+/// A model split into what each part of a controller can use of it:
+///
+/// ```text
+/// payload base_tilt link_inertial rotor_inertia                                          → arm
+/// coulomb viscous stribeck coulomb_asymmetry torque_offset load_friction
+/// torque_ripple position_spring presliding                                               → effects of the compensator
+/// torque_gain thermal_friction joint_elasticity backlash time_delay external_contact     → not cancelled, with the reason
+/// ```
+#[derive(Clone, Debug, PartialEq)]
+pub struct Believed {
+    /// The arm with all rigid-body effects.
+    pub arm: Arm<7>,
+    /// The friction law.
+    pub friction: FrictionModel<7>,
+    /// Torques beyond the law, joint by joint.
+    pub effects: [JointEffects; 7],
+    /// What is left.
+    pub not_cancelled: Vec<NotCancelled>,
+}
+
+/// An effect that is believed in and yet not cancelled.
+#[derive(Clone, Debug, PartialEq)]
+pub struct NotCancelled {
+    /// The effect.
+    pub effect: Effect,
+    /// Why, as one sentence without a full stop.
+    pub why: &'static str,
+}
+
+impl Believed {
+    /// For a controller, which drives motors: a link-side model gets the preset's rotor inertia.
+    pub fn by_controller(model: &Model<7>) -> Self {
+        Self::of(model.to_truth())
+    }
+
+    /// For reading a log: the arm stays on the model's side of the gears.
+    pub fn on_log(model: &Model<7>) -> Self {
+        Self::of(Truth { arm: model.arm.clone(), ..model.to_truth() })
+    }
+
+    /// All there is to know of a truth; cold, where it warms up.
+    pub fn of(truth: Truth<7>) -> Self {
+        let (effects, not_cancelled) = joint_effects(&truth.effects);
+        Self { arm: truth.true_arm(), friction: truth.friction, effects, not_cancelled }
+    }
+}
+
+impl fmt::Display for NotCancelled {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let cause = self.effect.cause();
+        match self.effect.joint() {
+            Some(joint) => write!(f, "{cause} of joint {joint} is not cancelled: {}", self.why),
+            None => write!(f, "{cause} is not cancelled: {}", self.why),
+        }
+    }
+}
+
+/// The torques of every joint that a compensator can add, and the effects that are no such torques.
+pub fn joint_effects(effects: &[Effect]) -> ([JointEffects; 7], Vec<NotCancelled>) {
+    let mut joints = [JointEffects::default(); 7];
+    let mut not_cancelled = Vec::new();
+    for effect in effects {
+        if let Err(why) = add_to(&mut joints, effect) {
+            not_cancelled.push(NotCancelled { effect: effect.clone(), why });
+        }
+    }
+    (joints, not_cancelled)
+}
+
+/// Adds one effect to its joint, or says why that cannot be.
+fn add_to(joints: &mut [JointEffects; 7], effect: &Effect) -> Result<(), &'static str> {
+    let joint = match effect.joint() {
+        Some(joint) => joints.get_mut(joint).ok_or("the arm has no such joint")?,
+        None => &mut JointEffects::default(),
+    };
+    match *effect {
+        Effect::Coulomb { delta_coulomb_nm, .. } => joint.coulomb_nm += delta_coulomb_nm,
+        Effect::Viscous { delta_viscous_nm_s_per_rad, .. } => {
+            joint.viscous_nm_s_per_rad += delta_viscous_nm_s_per_rad;
+        }
+        Effect::Stribeck { breakaway_minus_coulomb_nm, stribeck_velocity_rad_s, .. } => {
+            joint.breakaway_minus_coulomb_nm = breakaway_minus_coulomb_nm;
+            joint.stribeck_velocity_rad_s = stribeck_velocity_rad_s;
+        }
+        Effect::CoulombAsymmetry { asymmetry_nm, .. } => joint.asymmetry_nm += asymmetry_nm,
+        Effect::TorqueOffset { offset_nm, .. } => joint.offset_nm += offset_nm,
+        Effect::LoadFriction { load_coefficient, .. } => joint.load_coefficient += load_coefficient,
+        Effect::TorqueRipple { cycles_per_rev, amplitude_nm, phase_rad, .. } => {
+            let slot = joint.ripples.iter_mut().find(|ripple| ripple.amplitude_nm == 0.0);
+            *slot.ok_or("the compensator keeps only the first ripples of a joint")? =
+                Ripple { cycles_per_rev, amplitude_nm, phase_rad };
+        }
+        Effect::PositionSpring { stiffness_nm_per_rad, rest_rad, .. } => {
+            (joint.spring_nm_per_rad, joint.spring_rest_rad) = (stiffness_nm_per_rad, rest_rad);
+        }
+        Effect::Presliding { presliding_distance_rad, .. } => {
+            joint.presliding_distance_rad = presliding_distance_rad;
+        }
+        // In the arm.
+        Effect::Payload { .. }
+        | Effect::BaseTilt { .. }
+        | Effect::LinkInertial { .. }
+        | Effect::RotorInertia { .. } => {}
+        Effect::TorqueGain { .. } => return Err("it scales every torque, and a compensator only adds"),
+        Effect::ThermalFriction { .. } => {
+            return Err("the compensator knows no temperature and believes the cold friction");
+        }
+        Effect::JointElasticity { .. } => {
+            return Err("the torque of a rigid-joint controller acts on the motor, not on the link behind the spring");
+        }
+        Effect::Backlash { .. } => {
+            return Err("inside the gap no motor torque reaches the link, and the side of the gap is not measured");
+        }
+        Effect::TimeDelay { .. } => return Err("torque that arrives late cannot be sent before it is known"),
+        Effect::ExternalContact { .. } => {
+            return Err("it belongs to the occasion on which it was seen, not to the robot");
+        }
+    }
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use tribo_robot::presets;
+    use tribo_sim::TorqueSide;
+
+    /// One of each cause, all on joint 3.
+    fn one_of_each() -> Vec<Effect> {
+        let joint = 3;
+        vec![
+            Effect::Coulomb { joint, delta_coulomb_nm: 0.1 },
+            Effect::Viscous { joint, delta_viscous_nm_s_per_rad: 0.2 },
+            Effect::Stribeck { joint, breakaway_minus_coulomb_nm: 0.3, stribeck_velocity_rad_s: 0.05 },
+            Effect::CoulombAsymmetry { joint, asymmetry_nm: 0.04 },
+            Effect::TorqueOffset { joint, offset_nm: -0.5 },
+            Effect::LoadFriction { joint, load_coefficient: 0.06 },
+            Effect::TorqueRipple { joint, cycles_per_rev: 7.0, amplitude_nm: 0.08, phase_rad: 0.9 },
+            Effect::PositionSpring { joint, stiffness_nm_per_rad: 1.1, rest_rad: -1.2 },
+            Effect::Presliding { joint, presliding_distance_rad: 1e-3 },
+            Effect::Payload { mass_kg: 1.0, com_m: [0.0, 0.0, 0.05], inertia_kg_m2: [0.0; 6] },
+            Effect::BaseTilt { angle_rad: 0.1, axis: [1.0, 0.0, 0.0] },
+            Effect::LinkInertial {
+                link: joint,
+                delta_mass_kg: 0.5,
+                delta_first_moment_kg_m: [0.0; 3],
+                delta_inertia_kg_m2: [0.0; 6],
+            },
+            Effect::RotorInertia { joint, delta_rotor_inertia_kg_m2: 0.2 },
+            Effect::TorqueGain { joint, gain_error: 0.1 },
+            Effect::ThermalFriction { joint, drop_fraction: 0.2, time_constant_s: 600.0 },
+            Effect::JointElasticity { joint, stiffness_nm_per_rad: 1e4, damping_nm_s_per_rad: 10.0 },
+            Effect::Backlash { joint, half_gap_rad: 1e-3 },
+            Effect::TimeDelay { delay_s: 2e-3 },
+            Effect::ExternalContact { force_n: [1.0; 3], moment_nm: [0.0; 3], start_s: 1.0, end_s: 2.0 },
+        ]
+    }
+
+    /// Every cause ends in exactly one of the three places.
+    #[test]
+    fn each_cause_has_its_place() {
+        let bare = Believed::by_controller(&Model::panda(TorqueSide::Motor));
+        let mut places = [Vec::new(), Vec::new(), Vec::new()];
+        for effect in one_of_each() {
+            let model = Model { effects: vec![effect.clone()], ..Model::panda(TorqueSide::Motor) };
+            let believed = Believed::by_controller(&model);
+            let at = [believed.arm != bare.arm, believed.effects != bare.effects, !believed.not_cancelled.is_empty()];
+            assert_eq!(at.iter().filter(|&&here| here).count(), 1, "{effect:?}: {at:?}");
+            for (place, here) in places.iter_mut().zip(at) {
+                place.extend(here.then(|| effect.cause()));
+            }
+            for left in &believed.not_cancelled {
+                assert!(left.to_string().starts_with(effect.cause()) && left.to_string().contains(": "), "{left}");
+            }
+        }
+        let [arm, joints, left] = places;
+        assert_eq!(arm, ["payload", "base_tilt", "link_inertial", "rotor_inertia"]);
+        assert_eq!(joints.len(), 9);
+        let expected =
+            ["torque_gain", "thermal_friction", "joint_elasticity", "backlash", "time_delay", "external_contact"];
+        assert_eq!(left, expected);
+    }
+
+    #[test]
+    fn parameters_keep_joint_and_value() {
+        let (joints, left) = joint_effects(&one_of_each());
+        assert_eq!(left.len(), 6);
+        let (it, none) = (joints[3], JointEffects::default());
+        assert!((0..7).filter(|&j| j != 3).all(|j| joints[j] == none));
+        let got = [it.coulomb_nm, it.viscous_nm_s_per_rad, it.breakaway_minus_coulomb_nm, it.stribeck_velocity_rad_s];
+        assert_eq!(got, [0.1, 0.2, 0.3, 0.05]);
+        assert_eq!([it.asymmetry_nm, it.offset_nm, it.load_coefficient], [0.04, -0.5, 0.06]);
+        assert_eq!(it.ripples[0], Ripple { cycles_per_rev: 7.0, amplitude_nm: 0.08, phase_rad: 0.9 });
+        assert_eq!([it.spring_nm_per_rad, it.spring_rest_rad, it.presliding_distance_rad], [1.1, -1.2, 1e-3]);
+    }
+
+    #[test]
+    fn a_link_side_model_drives_motors_and_reads_links() {
+        let model = Model {
+            effects: vec![Effect::RotorInertia { joint: 2, delta_rotor_inertia_kg_m2: 0.1 }],
+            ..Model::panda(TorqueSide::Link)
+        };
+        let preset = presets::panda().rotor_inertia_kg_m2;
+        assert_eq!(Believed::by_controller(&model).arm.rotor_inertia_kg_m2[2], preset[2] + 0.1);
+        assert_eq!(Believed::by_controller(&model).arm.rotor_inertia_kg_m2[0], preset[0]);
+        assert_eq!(Believed::on_log(&model).arm.rotor_inertia_kg_m2[2], 0.1);
+        assert_eq!(Believed::on_log(&model).arm.rotor_inertia_kg_m2[0], 0.0);
+    }
+}
