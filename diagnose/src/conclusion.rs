@@ -14,6 +14,7 @@ use crate::held_out::{
     BlockGram, BlockSquares, TimeBlocks, gain_of_pairs, gain_with_interval, held_out_squares, interval, plain_squares,
     resampled,
 };
+use crate::next_experiment::next_experiment;
 use crate::parameters::parameters_of;
 use crate::plots;
 use crate::ripple::RippleLine;
@@ -35,8 +36,8 @@ pub(crate) struct Evaluated<'e, const N: usize> {
 /// Largest family-wise probability of chance for a finding.
 const LARGEST_P: f64 = 0.01;
 /// Least RMS of a finding's torque (Nm).
-const LEAST_RMS_NM: f64 = 4e-3;
-/// The same over the sensor noise in the band.
+const LEAST_RMS_NM: f64 = 2.5e-3;
+/// The same over the torque sensor's noise in the band.
 const LEAST_OVER_NOISE: f64 = 0.25;
 /// Evidence within which a rival cannot be excluded.
 const RIVAL_EVIDENCE: f64 = 10.0;
@@ -82,7 +83,8 @@ pub(crate) fn conclude<const N: usize>(
     let coefficients = joint_fit(system, &columns).coefficients;
     let white: Vec<&Column<N>> = columns.iter().map(|c| &system.columns[*c]).collect();
     let plain: Vec<Column<N>> = selected.iter().flat_map(|s| s.plain.iter().cloned()).collect();
-    let gram = BlockGram::of(system, &white, &blocks);
+    let ridge: Vec<f64> = columns.iter().map(|c| system.ridge(*c)).collect();
+    let gram = BlockGram::of(system, &white, ridge, &blocks);
     let everything: Vec<usize> = (0..columns.len()).collect();
     let before = plain_squares(evaluated.original, &blocks);
     let after = held_out_squares(&scene.residual_nm, &plain, &gram, &blocks, &everything);
@@ -151,6 +153,7 @@ pub(crate) fn conclude<const N: usize>(
     step("validation", 0.97)?;
     let effects: Vec<Effect> = findings.iter().filter_map(|finding| finding.effect.clone()).collect();
     let validation = validated(&scene.nominal, &effects, validate, evaluated.seed)?;
+    let next_experiment = next_experiment(scene, &findings, &joints);
     Ok(Diagnosis {
         verdict,
         findings,
@@ -162,7 +165,7 @@ pub(crate) fn conclude<const N: usize>(
         rejected,
         assumptions: assumptions_of(search, evaluated.chance),
         notes,
-        next_experiment: None,
+        next_experiment,
         overview,
         band_hz: scene.chains.first().map_or(0.0, |chain| chain.band_hz),
         rate_hz: scene.chains.first().map_or(0.0, |chain| chain.output_rate_hz()),
@@ -232,7 +235,7 @@ fn drop_small<const N: usize>(search: &mut Search<'_, '_, N>) {
         first += plain.len();
         let matters = (0..N).any(|j| {
             let rms = torque_rms(&plain, own, j);
-            rms > LEAST_RMS_NM && rms > LEAST_OVER_NOISE * scene.noise_floor_nm[j]
+            rms > LEAST_RMS_NM && rms > LEAST_OVER_NOISE * scene.torque_floor_nm[j]
         });
         if matters {
             kept.push(group);
@@ -249,7 +252,8 @@ fn drop_worthless<const N: usize>(search: &mut Search<'_, '_, N>) {
         let columns = system.columns_of(&search.selected);
         let white: Vec<&Column<N>> = columns.iter().map(|c| &system.columns[*c]).collect();
         let plain: Vec<Column<N>> = search.selected.iter().flat_map(|group| plain_columns(search, *group)).collect();
-        let gram = BlockGram::of(system, &white, &blocks);
+        let ridge: Vec<f64> = columns.iter().map(|c| system.ridge(*c)).collect();
+    let gram = BlockGram::of(system, &white, ridge, &blocks);
         let everything: Vec<usize> = (0..columns.len()).collect();
         let residual = &system.scene.residual_nm;
         let after = held_out_squares(residual, &plain, &gram, &blocks, &everything);
@@ -445,7 +449,9 @@ fn finding_of<const N: usize>(
         let mut columns: Vec<&Column<N>> = search_columns(search);
         let base = columns.len();
         columns.extend(slope.as_ref());
-        let gram = BlockGram::of(system, &columns, fitted.blocks);
+        let selected = system.columns_of(&search.selected);
+        let ridge = selected.iter().map(|c| system.ridge(*c)).chain(slope.iter().map(|_| 0.0)).collect();
+        let gram = BlockGram::of(system, &columns, ridge, fitted.blocks);
         let kept: Vec<usize> = (0..columns.len()).collect();
         let draws = resampled(gram.blocks(), seed, |weights| {
             let fit = gram.fit(weights, &kept);

@@ -101,7 +101,7 @@ pub(crate) fn solve_truncated(
     if k == 0 {
         return Gain { explained: 0.0, directions: 0, coefficients: Vec::new() };
     }
-    let usable = |i: usize| norms[i] > 0.0 && norms[i].is_finite();
+    let usable = |i: usize| norms[i] > ROUNDING * norms.max() && norms[i].is_finite();
     if k == 1 {
         let part = if usable(0) { square[(0, 0)] / norms[0].powi(2) } else { 0.0 };
         if part < own_part {
@@ -186,19 +186,24 @@ pub(crate) fn joint_fit<const N: usize>(system: &System<'_, N>, columns: &[usize
     let k = columns.len();
     let square = DMatrix::from_fn(k, k, |i, m| system.gram[(columns[i], columns[m])]);
     let score = DVector::from_fn(k, |i, _| system.score[columns[i]]);
-    solve_ridge(&square, &score)
+    let ridge: Vec<f64> = columns.iter().map(|c| system.ridge(*c)).collect();
+    solve_ridge(&square, &score, &ridge)
 }
 
-/// Least squares of unit columns with a ridge of 1e-6: directions that the data do not know stay near zero.
-pub(crate) fn solve_ridge(square: &DMatrix<f64>, score: &DVector<f64>) -> Gain {
+/// Least squares of unit columns with a ridge: directions that the data do not know stay near zero.
+///
+/// Columns that are nothing but rounding beside the others count as zero.
+pub(crate) fn solve_ridge(square: &DMatrix<f64>, score: &DVector<f64>, ridge: &[f64]) -> Gain {
     let k = score.len();
+    let norm = |i: usize| square[(i, i)].max(0.0).sqrt();
+    let largest = (0..k).map(norm).fold(0.0, f64::max);
     let inverse = DVector::from_fn(k, |i, _| {
-        let norm = square[(i, i)].max(0.0).sqrt();
-        if norm > 0.0 && norm.is_finite() { 1.0 / norm } else { 0.0 }
+        let norm = norm(i);
+        if norm > ROUNDING * largest && norm.is_finite() { 1.0 / norm } else { 0.0 }
     });
     let unit = DMatrix::from_fn(k, k, |i, m| {
         let value = square[(i, m)] * inverse[i] * inverse[m];
-        if i == m { value + RIDGE } else { value }
+        if i == m { value + ridge[i] + RIDGE } else { value }
     });
     let unit_score = score.component_mul(&inverse);
     let Some(factor) = unit.cholesky() else {
@@ -213,4 +218,6 @@ pub(crate) fn solve_ridge(square: &DMatrix<f64>, score: &DVector<f64>) -> Gain {
 }
 
 /// Ridge of a joint fit, relative to unit columns.
-const RIDGE: f64 = 1e-6;
+const RIDGE: f64 = 1e-7;
+/// Norm of a column over the largest below which it is rounding.
+const ROUNDING: f64 = 1e-9;

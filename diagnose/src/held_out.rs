@@ -62,6 +62,8 @@ pub(crate) struct BlockGram {
     score: Vec<DVector<f64>>,
     /// Squares of the columns over all blocks.
     whole: Vec<f64>,
+    /// Ridge of each column.
+    ridge: Vec<f64>,
 }
 
 /// Part of a column's square that resampled blocks must hold for its coefficient to be asked for.
@@ -69,7 +71,12 @@ const LEAST_PART: f64 = 1e-3;
 
 impl BlockGram {
     /// Products of the columns with each other and with the target.
-    pub fn of<const N: usize>(system: &System<'_, N>, columns: &[&Column<N>], blocks: &TimeBlocks) -> Self {
+    pub fn of<const N: usize>(
+        system: &System<'_, N>,
+        columns: &[&Column<N>],
+        ridge: Vec<f64>,
+        blocks: &TimeBlocks,
+    ) -> Self {
         let k = columns.len();
         let mut square = vec![DMatrix::zeros(k, k); blocks.ranges.len()];
         let mut score = vec![DVector::zeros(k); blocks.ranges.len()];
@@ -91,7 +98,7 @@ impl BlockGram {
             square.fill_lower_triangle_with_upper_triangle();
         }
         let whole = (0..k).map(|c| square.iter().map(|block| block[(c, c)]).sum()).collect();
-        Self { square, score, whole }
+        Self { square, score, whole, ridge }
     }
 
     /// Coefficients from the blocks, each taken `weight` times.
@@ -115,7 +122,8 @@ impl BlockGram {
                 score[a] = 0.0;
             }
         }
-        solve_ridge(&square, &score).coefficients
+        let ridge: Vec<f64> = columns.iter().map(|c| self.ridge[*c]).collect();
+        solve_ridge(&square, &score, &ridge).coefficients
     }
 
     /// Number of blocks.

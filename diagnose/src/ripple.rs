@@ -57,10 +57,10 @@ const BACKGROUND_CELLS: f64 = 40.0;
 const MOST_LINES: usize = 3;
 /// Relative distance of two orders of one joint: closer ones are one ripple whose strength varies with posture.
 const DISTINCT: f64 = 0.05;
-/// Least RMS of a ripple over the sensor noise in the band.
+/// Least RMS of a ripple over the torque sensor's noise in the band.
 const LEAST_OVER_NOISE: f64 = 0.25;
 /// Least RMS (Nm).
-const LEAST_RMS_NM: f64 = 3e-3;
+const LEAST_RMS_NM: f64 = 2.5e-3;
 /// Median of a chi-square of two degrees of freedom.
 const CHI2_MEDIAN: f64 = 1.386_294_361_119_890_6;
 
@@ -154,34 +154,27 @@ fn strongest_line<const N: usize>(
     let orders: Vec<f64> =
         (0..).map(|i| lowest + f64::from(i) * step).take_while(|order| *order <= HIGHEST_ORDER).collect();
     let norm = OrderNorm::new(scene, whitening, joint);
-    let power: Vec<f64> = orders
-        .iter()
-        .map(|order| {
-            let (sine, cosine) = fourier_sum(&bins, order * width, order * (low + 0.5 * width));
-            2.0 * (sine * sine + cosine * cosine) / norm.at(*order)
-        })
-        .collect();
+    let power_of = |bins: &[f64], order: f64| {
+        let (sine, cosine) = fourier_sum(bins, order * width, order * (low + 0.5 * width));
+        2.0 * (sine * sine + cosine * cosine) / norm.at(order)
+    };
+    let power: Vec<f64> = orders.iter().map(|order| power_of(&bins, *order)).collect();
 
     // The peak that stands out most from its surroundings.
     let half = ((BACKGROUND_CELLS * cell / step) as usize).max(20);
-    let background = |i: usize| {
+    let background = |power: &[f64], i: usize| {
         let mut around: Vec<f64> = power[i.saturating_sub(half)..(i + half).min(power.len())].to_vec();
         (median(&mut around).unwrap_or(CHI2_MEDIAN) / CHI2_MEDIAN).max(1.0)
     };
     let peak = (0..orders.len()).max_by(|a, b| power[*a].total_cmp(&power[*b]))?;
     let peak = (0..orders.len())
         .filter(|i| power[*i] > 0.2 * power[peak])
-        .map(|i| (i, power[i] / background(i)))
+        .map(|i| (i, power[i] / background(&power, i)))
         .max_by(|a, b| a.1.total_cmp(&b.1))?
         .0;
-    let background = background(peak);
 
     // Order refined between the neighbours, then both coefficients by least squares on the whitened columns.
-    let value = |order: f64| {
-        let (sine, cosine) = fourier_sum(&bins, order * width, order * (low + 0.5 * width));
-        (sine * sine + cosine * cosine) / norm.at(order)
-    };
-    let order = maximum_near(value, orders[peak], step);
+    let order = maximum_near(|order| power_of(&bins, order), orders[peak], step);
     let columns = [
         q.iter().map(|q| (order * q).sin()).collect::<Vec<f64>>(),
         q.iter().map(|q| (order * q).cos()).collect::<Vec<f64>>(),
@@ -194,6 +187,18 @@ fn strongest_line<const N: usize>(
     let norms = DVector::from_fn(2, |a, _| square[(a, a)].sqrt());
     let fit = solve_truncated(&square, &score, &norms, 1e-6);
     let n = target.len().max(2) as f64;
+
+    // The background without the line itself: short strokes smear it over many orders.
+    let rest: Vec<f64> = (0..left.len())
+        .map(|k| left[k] - fit.coefficients[0] * columns[0][k] - fit.coefficients[1] * columns[1][k])
+        .collect();
+    let mut bins_rest = vec![0.0; bins.len()];
+    q.iter()
+        .zip(doubly_whitened(whitening, bursts, &rest))
+        .for_each(|(q, value)| bins_rest[((q - low) / width) as usize] += value);
+    let near = peak.saturating_sub(half)..(peak + half).min(orders.len());
+    let around: Vec<f64> = orders[near].iter().map(|order| power_of(&bins_rest, *order)).collect();
+    let background = background(&around, around.len() / 2);
     let evidence = fit.explained / background - 3.0 * n.ln() - 2.0 * (orders.len() as f64 * N as f64).ln();
     let variance = 2.0 * background / square.trace().max(1e-300);
     let line = RippleLine {
@@ -206,7 +211,7 @@ fn strongest_line<const N: usize>(
         evidence,
     };
     let rms = line.amplitude_nm() / 2f64.sqrt();
-    let strong = rms > LEAST_RMS_NM && rms > LEAST_OVER_NOISE * scene.noise_floor_nm[joint];
+    let strong = rms > LEAST_RMS_NM && rms > LEAST_OVER_NOISE * scene.torque_floor_nm[joint];
     (evidence > crate::search::LEAST_EVIDENCE && strong).then_some(line)
 }
 

@@ -25,9 +25,9 @@ const KEEP_EVIDENCE: f64 = 5.0;
 /// Evidence by which a swap must be better.
 const SWAP_EVIDENCE: f64 = 2.0;
 /// Handicap of causes without a name.
-const UNKNOWN_HANDICAP: f64 = 30.0;
+const UNKNOWN_HANDICAP: f64 = 20.0;
 /// Part of what they explain that does not count: they bend to anything.
-const UNKNOWN_DISCOUNT: f64 = 0.15;
+const UNKNOWN_DISCOUNT: f64 = 0.05;
 /// Part of the whitened variance of a joint that a cause must explain: below it a statistical effect is no finding.
 const LEAST_SHARE: f64 = 0.004;
 /// Most causes of one log.

@@ -207,11 +207,22 @@ impl<'a, const N: usize> System<'a, N> {
         self.groups.len() - 1
     }
 
+    /// Ridge of a column in a joint fit: bodies have directions that no joint feels, single causes have none.
+    pub fn ridge(&self, column: usize) -> f64 {
+        let group = self.groups.iter().find(|group| group.columns.contains(&column));
+        if group.is_some_and(|group| group.columns.len() >= MANY_COLUMNS) { BODY_RIDGE } else { 0.0 }
+    }
+
     /// The columns of several groups.
     pub fn columns_of(&self, groups: &[usize]) -> Vec<usize> {
         groups.iter().flat_map(|g| self.groups[*g].columns.clone()).collect()
     }
 }
+
+/// Columns of a group from which on they describe a body.
+const MANY_COLUMNS: usize = 4;
+/// Its ridge, relative to unit columns.
+const BODY_RIDGE: f64 = 1e-4;
 
 /// Inner product over the joints that both have.
 pub(crate) fn dot<const N: usize>(a: &Column<N>, b: &Column<N>) -> f64 {

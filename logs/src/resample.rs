@@ -6,8 +6,9 @@
 //!
 //! Positions (`q`, `theta`): cubic Hermite pieces whose slope at a row is that of the parabola through the row and its
 //! two neighbours. Velocity is continuous, constant acceleration is reproduced exactly, reversals keep their shape, and
-//! a bad stamp disturbs four intervals and no more. Everything else, measured with noise: linear, which never
-//! amplifies noise.
+//! a bad stamp disturbs four intervals and no more. Logs slower than 400 Hz: positions by the polynomial through six
+//! rows and torques by the cubic pieces, because motion between rows then outweighs noise (at 100 Hz and 4 Hz of motion a
+//! line misses 0.8 % of the torque). Everything else, measured with noise: linear, which never amplifies noise.
 //! Why neither monotone PCHIP nor a C² spline: PCHIP flattens reversals, where friction shows, and is only second order
 //! on irregular stamps; the spline rings about stamps that jitter. On the Panda log of Gaz 2019, every second row held
 //! out, the position error of joint 1 is 0.188 mrad (linear), 0.192 (this), 0.193 (PCHIP), 0.199 (spline): there the
@@ -71,7 +72,11 @@ pub fn resample(log: &RobotLog, settings: &Resampling) -> Result<Resampled, LogE
             let column = &column[burst.clone()];
             match quantity {
                 Quantity::Time => grid_s.clone(),
+                Quantity::Position | Quantity::MotorPosition if period_s > FAST_PERIOD_S => {
+                    six_point(time_s, column, &grid_s, &places)
+                }
                 Quantity::Position | Quantity::MotorPosition => cubic(time_s, column, &places),
+                Quantity::Torque if period_s > FAST_PERIOD_S => cubic(time_s, column, &places),
                 _ => linear(column, &places),
             }
         });
@@ -79,6 +84,9 @@ pub fn resample(log: &RobotLog, settings: &Resampling) -> Result<Resampled, LogE
     }
     Ok(resampled)
 }
+
+/// Period up to which motion is so slow between two rows that noise and jitter decide, not the interpolant (s).
+const FAST_PERIOD_S: f64 = 2.5e-3;
 
 /// Shortest grid period: a hundred times faster than any joint controller, and it bounds the memory.
 const SHORTEST_PERIOD_S: f64 = 1e-6;
@@ -148,6 +156,23 @@ fn parabola_slopes(time_s: &[f64], values: &[f64]) -> Vec<f64> {
         slopes = vec![2.0 * first - middle, middle, 2.0 * last - middle];
     }
     slopes
+}
+
+/// Lagrange polynomial through the six nearest rows; near an end, or in a short burst, through fewer.
+fn six_point(time_s: &[f64], values: &[f64], grid_s: &[f64], places: &[Place]) -> Vec<f64> {
+    let n = values.len();
+    let at = |(t, place): (&f64, &Place)| {
+        let start = (place.row + 1).saturating_sub(3).min(n.saturating_sub(6));
+        let end = (start + 6).min(n);
+        (start..end)
+            .map(|i| {
+                let others = (start..end).filter(|k| *k != i);
+                let weight: f64 = others.map(|k| (t - time_s[k]) / (time_s[i] - time_s[k])).product();
+                weight * values[i]
+            })
+            .sum()
+    };
+    grid_s.iter().zip(places).map(at).collect()
 }
 
 fn in_range(field: &'static str, value: f64, inside: bool, allowed: &'static str) -> Result<(), LogError> {

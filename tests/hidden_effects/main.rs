@@ -19,9 +19,10 @@ struct Examined {
 }
 
 fn examine(seed: u64, kind: Kind) -> Examined {
-    let case = HiddenCase::draw(seed, kind).unwrap();
-    let diagnosis = diagnose(&case.logs, &case.nominal, &[], &DiagnoseSettings::default(), &|_, _| true).unwrap();
-    let judgement = Judgement::of(&case, &diagnosis).unwrap();
+    let case = HiddenCase::draw(seed, kind).expect("a case that can be simulated");
+    let diagnosis =
+        diagnose(&case.logs, &case.nominal, &[], &DiagnoseSettings::default(), &|_, _| true).expect("a diagnosis");
+    let judgement = Judgement::of(&case, &diagnosis).expect("a residual");
     Examined { case, diagnosis, judgement }
 }
 

@@ -37,5 +37,5 @@ singles! {
     backlash: 900_015, Backlash, Medium, 0.15;
     time_delay: 900_016, TimeDelay, Strong, 0.1;
     external_contact: 900_017, ExternalContact, Strong, 0.25;
-    position_spring: 900_018, PositionSpring, Medium, 0.2;
+    position_spring: 900_018, PositionSpring, Medium, 0.3;
 }

@@ -4,7 +4,7 @@ use nalgebra::SVector;
 use tribo_robot::{mass_matrix, rnea};
 use tribo_sim::Effect;
 
-use super::{Candidate, only};
+use super::{Candidate, log_grid, only};
 use crate::diagnosis::{CauseLabel, Location};
 use crate::scene::{FineColumn, Scene};
 
@@ -14,14 +14,16 @@ use crate::scene::{FineColumn, Scene};
 /// M_jj δ'' + D δ' + K δ = tau_link,j(q),   column = tau_link(q − δ) − tau_link(q), all joints
 /// ```
 ///
-/// The column goes with 1/K: at a coefficient c the better stiffness is K/c. Shape K, D. Confusable with a delay: both
-/// go with the rate of the torque. With two encoders theta − q answers instead.
+/// Profiled over K; the coefficient of the right one is 1, and between two trials K/c is better. Confusable with a
+/// delay: both go with the rate of the torque. With two encoders theta − q answers instead.
 pub(crate) struct JointElasticity {
     pub joint: usize,
 }
 
 /// Stiffness of joints of arms of this size [Nm/rad].
-const STIFFNESS_NM_RAD: [f64; 2] = [500.0, 2e5];
+const PROFILED_NM_RAD: [f64; 2] = [1e3, 6e4];
+/// Coefficients that a spring of the profiled stiffness may have.
+const COEFFICIENT: [f64; 2] = [0.6, 1.6];
 /// Damping ratio assumed where the log cannot tell.
 const DAMPING_RATIO: f64 = 0.05;
 /// Steps of the integration per radian of its fastest oscillation.
@@ -40,19 +42,17 @@ impl<const N: usize> Candidate<N> for JointElasticity {
         scene.deflection_rad.is_some().then(|| "theta − q shows it directly".to_owned())
     }
 
-    fn shapes(&self, scene: &Scene<N>) -> Vec<Vec<f64>> {
-        let inertia = typical_inertia(scene, self.joint);
-        [3e3, 1.5e4].map(|k: f64| vec![k, 2.0 * DAMPING_RATIO * (k * inertia).sqrt()]).to_vec()
+    fn shapes(&self, _scene: &Scene<N>) -> Vec<Vec<f64>> {
+        log_grid(PROFILED_NM_RAD[0], PROFILED_NM_RAD[1], 6)
     }
 
-    fn fixed_point(&self, shape: &[f64], coefficients: &[f64]) -> Option<Vec<f64>> {
-        let ratio = coefficients[0].clamp(0.2, 5.0);
-        let stiffness = (shape[0] / ratio).clamp(STIFFNESS_NM_RAD[0], STIFFNESS_NM_RAD[1]);
-        Some(vec![stiffness, shape[1] * (stiffness / shape[0]).sqrt()])
+    fn profile(&self) -> Option<[f64; 2]> {
+        Some(PROFILED_NM_RAD)
     }
 
     fn columns(&self, scene: &Scene<N>, shape: &[f64]) -> Vec<FineColumn<N>> {
-        let (j, [stiffness, damping]) = (self.joint, [shape[0], shape[1]]);
+        let (j, stiffness) = (self.joint, shape[0]);
+        let damping = shape.get(1).copied().unwrap_or_else(|| assumed_damping(scene, j, stiffness));
         let link_arm = scene.nominal.arm.clone().link_side();
         let mut column = Vec::with_capacity(scene.samples.len());
         for burst in &scene.bursts {
@@ -86,18 +86,22 @@ impl<const N: usize> Candidate<N> for JointElasticity {
         vec![FineColumn::Arm(column)]
     }
 
-    fn admissible(&self, _scene: &Scene<N>, shape: &[f64], coefficients: &[f64]) -> bool {
-        let stiffness = shape[0] / coefficients[0];
-        stiffness > STIFFNESS_NM_RAD[0] && stiffness < STIFFNESS_NM_RAD[1]
+    fn admissible(&self, _scene: &Scene<N>, _shape: &[f64], coefficients: &[f64]) -> bool {
+        (COEFFICIENT[0]..COEFFICIENT[1]).contains(&coefficients[0])
     }
 
-    fn effect(&self, _scene: &Scene<N>, shape: &[f64], coefficients: &[f64]) -> Option<Effect> {
+    fn effect(&self, scene: &Scene<N>, shape: &[f64], coefficients: &[f64]) -> Option<Effect> {
         Some(Effect::JointElasticity {
             joint: self.joint,
             stiffness_nm_per_rad: shape[0] / coefficients[0],
-            damping_nm_s_per_rad: shape[1],
+            damping_nm_s_per_rad: assumed_damping(scene, self.joint, shape[0]),
         })
     }
+}
+
+/// `2 ζ √(K M)`, ζ = 0.05: below its resonance a joint does not show its damping.
+fn assumed_damping<const N: usize>(scene: &Scene<N>, joint: usize, stiffness: f64) -> f64 {
+    2.0 * DAMPING_RATIO * (stiffness * typical_inertia(scene, joint)).sqrt()
 }
 
 /// Samples between two evaluations of the inertia, which varies with the posture alone.

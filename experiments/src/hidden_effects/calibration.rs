@@ -120,13 +120,15 @@ impl Scenario {
     /// The amplitude at which a torque outside the vocabulary has the strength.
     pub(super) fn calibrate_outside(&self, outside: &Outside, strength: f64) -> Result<Calibrated, RecordingError> {
         let plain = self.clean(&[], None)?;
-        let mut calibrated = Calibrated { size: 0.05, strength: 0.0, clamped: false };
+        let strength_at = |size: f64| -> Result<f64, RecordingError> {
+            Ok(torque_rms(&self.clean(&[], Some(&outside.sized(size)))?, &plain) / self.torque_noise_nm())
+        };
+        // Nearly in proportion: a dead zone is not quite.
+        let mut size = 0.05;
         for _ in 0..3 {
-            let with = self.clean(&[], Some(&outside.sized(calibrated.size)))?;
-            calibrated.strength = torque_rms(&with, &plain) / self.torque_noise_nm();
-            calibrated.size *= strength / calibrated.strength.max(1e-9);
+            size *= strength / strength_at(size)?.max(1e-9);
         }
-        Ok(Calibrated { strength, ..calibrated })
+        Ok(Calibrated { size, strength: strength_at(size)?, clamped: false })
     }
 }
 

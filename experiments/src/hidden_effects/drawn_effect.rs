@@ -33,9 +33,11 @@ impl DrawnEffect {
         chance: &mut Chance,
     ) -> Option<Self> {
         let all: &[usize] = match label {
-            CauseLabel::LoadFriction => &[1, 2, 3, 4, 5],
+            CauseLabel::LoadFriction => &[1, 2, 3, 5],
             CauseLabel::TorqueGain => &[1, 2, 3, 5],
             CauseLabel::JointElasticity if !dual_encoder => &[1, 3],
+            // Joints whose load bends the spring by more than an encoder's noise.
+            CauseLabel::JointElasticity => &[1, 2, 3, 4, 5],
             CauseLabel::Backlash => &[0, 1, 2, 3, 4, 5],
             _ => &[0, 1, 2, 3, 4, 5, 6],
         };

@@ -57,8 +57,13 @@ impl Judgement {
             hidden.iter().any(|effect| matches(at, effect)) || (case.extra.is_some() && at.0 == CauseLabel::Unknown)
         };
         let wrong = diagnosis.findings.iter().filter(|finding| !right((finding.label, finding.location)));
-        let false_findings: Vec<String> =
+        let mut false_findings: Vec<String> =
             wrong.map(|finding| format!("{}@{}", finding.label, finding.location)).collect();
+        // "Something is there" is false where nothing is.
+        let nothing = hidden.is_empty() && case.extra.is_none();
+        if nothing && diagnosis.findings.is_empty() && diagnosis.verdict != Verdict::NothingMissing {
+            false_findings.push(diagnosis.verdict.name().to_owned());
+        }
         let errors = hidden.iter().flat_map(|effect| {
             let finding = diagnosis.findings.iter().find(|f| (f.label, f.location) == place(effect));
             let pairs = finding.and_then(|f| f.effect.as_ref()).map(|found| parameter_errors(found, effect));

@@ -1,0 +1,95 @@
+//! The two causes to separate.
+
+use tribo_sim::Effect;
+
+use crate::confusable::same_by_physics;
+use crate::diagnosis::{CauseLabel, Finding, Location};
+use crate::scene::Scene;
+
+/// A finding taken for true, and its rival.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Pair {
+    /// What was found.
+    pub found: (CauseLabel, Location),
+    /// What it could be instead.
+    pub rival: (CauseLabel, Location),
+    /// The finding's effect.
+    pub effect: Effect,
+}
+
+/// Coulomb friction (of the joint's own) that an error is assumed to have where the log cannot tell one from an offset.
+const ASSUMED_ERROR: f64 = 0.1;
+/// Part of the samples that must move the other way for a joint to move both ways.
+const OTHER_WAY: f64 = 0.02;
+
+impl Pair {
+    /// The rivals of least difference in evidence; those that differ by physics first, then joints that moved one way
+    /// only, then those that no torque can tell apart.
+    pub fn closest<const N: usize>(scene: &Scene<N>, findings: &[Finding]) -> Option<Self> {
+        let mut doubted: Vec<(f64, Self)> = findings
+            .iter()
+            .filter_map(|finding| Some((finding, finding.effect.clone()?)))
+            .flat_map(|(finding, effect)| {
+                finding.alternatives.iter().map(move |rival| {
+                    let found = (finding.label, finding.location);
+                    let pair = Self { found, rival: (rival.label, rival.location), effect: effect.clone() };
+                    (rival.evidence_gap, pair)
+                })
+            })
+            .filter(|(_, pair)| pair.rival.0 != CauseLabel::Unknown)
+            .collect();
+        doubted.sort_by(|a, b| a.0.total_cmp(&b.0));
+        let (physics, closest): (Vec<_>, Vec<_>) =
+            doubted.into_iter().map(|(_, pair)| pair).partition(Self::same_by_physics::<N>);
+        closest.into_iter().next().or_else(|| Self::one_way(scene, findings)).or_else(|| physics.into_iter().next())
+    }
+
+    /// Coulomb friction against an offset on a joint that moves in one direction only: a found one, or else a small one.
+    fn one_way<const N: usize>(scene: &Scene<N>, findings: &[Finding]) -> Option<Self> {
+        let one_way: Vec<usize> = (0..N).filter(|joint| scene.moves(*joint) && moves_one_way(scene, *joint)).collect();
+        let pair = |effect: Effect, joint: usize| {
+            let (coulomb, offset) = (CauseLabel::Coulomb, CauseLabel::TorqueOffset);
+            let found = CauseLabel::of(&effect);
+            let rival = if found == coulomb { offset } else { coulomb };
+            Self { found: (found, Location::Joint(joint)), rival: (rival, Location::Joint(joint)), effect }
+        };
+        for finding in findings {
+            match finding.effect {
+                Some(Effect::Coulomb { joint, .. } | Effect::TorqueOffset { joint, .. })
+                    if one_way.contains(&joint) =>
+                {
+                    return finding.effect.clone().map(|effect| pair(effect, joint));
+                }
+                _ => {}
+            }
+        }
+        let joint = *one_way.first()?;
+        let delta_coulomb_nm = (ASSUMED_ERROR * scene.nominal.dry_nm(joint)).max(scene.noise_floor_nm[joint]);
+        Some(pair(Effect::Coulomb { joint, delta_coulomb_nm }, joint))
+    }
+
+    /// Whether the two give the same torque whatever the motion.
+    pub fn same_by_physics<const N: usize>(&self) -> bool {
+        same_by_physics::<N>(self.found, self.rival)
+    }
+
+    /// Whether either is this cause.
+    pub fn names(&self, label: CauseLabel) -> bool {
+        self.found.0 == label || self.rival.0 == label
+    }
+
+    /// The joint that alone need move: both causes sit there, and neither feels the other joints.
+    pub fn own_joint(&self) -> Option<usize> {
+        use CauseLabel::{JointElasticity, LoadFriction, RotorInertia, TorqueGain};
+        let feels_others = [JointElasticity, LoadFriction, RotorInertia, TorqueGain].into_iter().any(|l| self.names(l));
+        match (self.found.1, self.rival.1) {
+            (Location::Joint(a), Location::Joint(b)) if a == b && !feels_others => Some(a),
+            _ => None,
+        }
+    }
+}
+
+fn moves_one_way<const N: usize>(scene: &Scene<N>, joint: usize) -> bool {
+    let count = |way: f64| scene.samples.iter().filter(|at| way * at.sign[joint] > 0.9).count();
+    (count(1.0).min(count(-1.0)) as f64) < OTHER_WAY * scene.samples.len() as f64
+}
