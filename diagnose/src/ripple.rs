@@ -180,12 +180,15 @@ fn strongest_line<const N: usize>(
         q.iter().map(|q| (order * q).cos()).collect::<Vec<f64>>(),
     ];
     let whiten = |x: &[f64]| bursts.iter().flat_map(|burst| whitening.apply(&x[burst.clone()])).collect::<Vec<f64>>();
-    let (white, target) = (columns.map(|column| whiten(&column)), whiten(left));
+    let (white, target) = (columns.each_ref().map(|column| whiten(column)), whiten(left));
     let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
     let square = DMatrix::from_fn(2, 2, |a, b| dot(&white[a], &white[b]));
     let score = DVector::from_fn(2, |a, _| dot(&white[a], &target));
     let norms = DVector::from_fn(2, |a, _| square[(a, a)].sqrt());
     let fit = solve_truncated(&square, &score, &norms, 1e-6);
+    let clipped_target: Vec<f64> = target.iter().copied().map(clipped).collect();
+    let clipped_score = DVector::from_fn(2, |a, _| dot(&white[a], &clipped_target));
+    let explained = solve_truncated(&square, &clipped_score, &norms, 1e-6).explained;
     let n = target.len().max(2) as f64;
 
     // The background without the line itself: short strokes smear it over many orders.
@@ -199,7 +202,7 @@ fn strongest_line<const N: usize>(
     let near = peak.saturating_sub(half)..(peak + half).min(orders.len());
     let around: Vec<f64> = orders[near].iter().map(|order| power_of(&bins_rest, *order)).collect();
     let background = background(&around, around.len() / 2);
-    let evidence = fit.explained / background - 3.0 * n.ln() - 2.0 * (orders.len() as f64 * N as f64).ln();
+    let evidence = explained / background - 3.0 * n.ln() - 2.0 * (orders.len() as f64 * N as f64).ln();
     let variance = 2.0 * background / square.trace().max(1e-300);
     let line = RippleLine {
         joint,
@@ -207,7 +210,7 @@ fn strongest_line<const N: usize>(
         sine_nm: fit.coefficients[0],
         cosine_nm: fit.coefficients[1],
         standard_error_nm: variance.sqrt(),
-        order_error: cell * 0.4 / (fit.explained / background).max(1.0).sqrt(),
+        order_error: cell * 0.4 / (explained / background).max(1.0).sqrt(),
         evidence,
     };
     let rms = line.amplitude_nm() / 2f64.sqrt();
@@ -215,11 +218,19 @@ fn strongest_line<const N: usize>(
     (evidence > crate::search::LEAST_EVIDENCE && strong).then_some(line)
 }
 
-/// WᵀW x per burst: scores of any column are then plain sums.
+/// A whitened residual no farther out than a few standard deviations: what reversals leave over is no ripple.
+fn clipped(white: f64) -> f64 {
+    white.clamp(-FARTHEST_SD, FARTHEST_SD)
+}
+
+/// Standard deviations.
+const FARTHEST_SD: f64 = 3.5;
+
+/// WᵀW x per burst, clipped between: scores of any column are then plain sums.
 fn doubly_whitened(whitening: &Whitening, bursts: &[Range<usize>], x: &[f64]) -> Vec<f64> {
     let mut out = vec![0.0; x.len()];
     for burst in bursts {
-        let white = whitening.apply(&x[burst.clone()]);
+        let white: Vec<f64> = whitening.apply(&x[burst.clone()]).into_iter().map(clipped).collect();
         let adjoint = whitening.apply_adjoint(&white);
         out[burst.clone()].iter_mut().zip(adjoint).for_each(|(out, value)| *out = value);
     }

@@ -24,10 +24,12 @@ pub struct LogColumns {
     pub q_rad: Vec<Vec<f64>>,
     /// Joint velocities (rad/s).
     pub dq_rad_s: Vec<Vec<f64>>,
-    /// Measured joint torques (Nm).
+    /// Measured joint torques (Nm): of the motor side where `tau_link_nm` is there, else of the robot's one measurement.
     pub tau_j_nm: Vec<Vec<f64>>,
     /// Commanded joint torques (Nm).
     pub tau_j_d_nm: Option<Vec<Vec<f64>>>,
+    /// Joint torques measured on the link side (Nm), beside motor-side `tau_j_nm`.
+    pub tau_link_nm: Option<Vec<Vec<f64>>>,
     /// Motor positions through the gear (rad).
     pub theta_rad: Option<Vec<Vec<f64>>>,
     /// Motor velocities through the gear (rad/s).
@@ -68,6 +70,7 @@ impl LogColumns {
             Quantity::Velocity => all(&self.dq_rad_s),
             Quantity::Torque => all(&self.tau_j_nm),
             Quantity::TorqueDesired => optional(self.tau_j_d_nm.as_ref()),
+            Quantity::LinkTorque => optional(self.tau_link_nm.as_ref()),
             Quantity::MotorPosition => optional(self.theta_rad.as_ref()),
             Quantity::MotorVelocity => optional(self.dtheta_rad_s.as_ref()),
             Quantity::Temperature => optional(self.temperature_c.as_ref()),
@@ -135,6 +138,7 @@ impl LogColumns {
             Quantity::Velocity => self.dq_rad_s = columns,
             Quantity::Torque => self.tau_j_nm = columns,
             Quantity::TorqueDesired => self.tau_j_d_nm = Some(columns),
+            Quantity::LinkTorque => self.tau_link_nm = Some(columns),
             Quantity::MotorPosition => self.theta_rad = Some(columns),
             Quantity::MotorVelocity => self.dtheta_rad_s = Some(columns),
             Quantity::Temperature => self.temperature_c = Some(columns),
@@ -157,6 +161,7 @@ impl LogColumns {
     fn is_given(&self, quantity: Quantity) -> bool {
         match quantity {
             Quantity::TorqueDesired => self.tau_j_d_nm.is_some(),
+            Quantity::LinkTorque => self.tau_link_nm.is_some(),
             Quantity::MotorPosition => self.theta_rad.is_some(),
             Quantity::MotorVelocity => self.dtheta_rad_s.is_some(),
             Quantity::Temperature => self.temperature_c.is_some(),

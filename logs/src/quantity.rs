@@ -1,10 +1,15 @@
 //! The canonical columns: which physical quantity a column holds, in which unit, under which name.
 //!
 //! ```text
-//! time | q_i  dq_i  tau_J_i | tau_J_d_i  theta_i  dtheta_i  temperature_i | temperature_ambient | O_F_ext_0..5
+//! time | q_i  dq_i  tau_J_i | tau_J_d_i  tau_link_i  theta_i  dtheta_i  temperature_i | temperature_ambient | O_F_ext_0..5
 //! ```
 //!
-//! i = 0..N-1 over the joints; the names are those of libfranka's `RobotState`. Names are exact: case matters.
+//! i = 0..N-1 over the joints; the names are those of libfranka's `RobotState`, except `tau_link_i` and the
+//! temperatures, which libfranka does not know. Names are exact: case matters.
+//!
+//! `tau_J_i` is the joint torque that a log always has: of a link-side sensor where the robot has only that, of the
+//! motor current where the robot reports that too. `tau_link_i` appears only beside a motor-side `tau_J_i`; then
+//! `tau_J_i − tau_link_i` is what the transmission takes: friction and rotor inertia.
 
 use std::fmt;
 
@@ -27,6 +32,8 @@ pub enum Quantity {
     Torque,
     /// `tau_J_d_i`: commanded joint torque (Nm).
     TorqueDesired,
+    /// `tau_link_i`: torque measured on the link side (Nm), beside a `tau_J_i` measured on the motor side.
+    LinkTorque,
     /// `theta_i`: motor position through the gear (rad).
     MotorPosition,
     /// `dtheta_i`: motor velocity through the gear (rad/s).
@@ -41,12 +48,13 @@ pub enum Quantity {
 
 impl Quantity {
     /// All quantities, in the order of the canonical columns.
-    pub const ALL: [Self; 10] = [
+    pub const ALL: [Self; 11] = [
         Self::Time,
         Self::Position,
         Self::Velocity,
         Self::Torque,
         Self::TorqueDesired,
+        Self::LinkTorque,
         Self::MotorPosition,
         Self::MotorVelocity,
         Self::Temperature,
@@ -73,7 +81,7 @@ impl Quantity {
             Self::Time => "s",
             Self::Position | Self::MotorPosition => "rad",
             Self::Velocity | Self::MotorVelocity => "rad/s",
-            Self::Torque | Self::TorqueDesired => "Nm",
+            Self::Torque | Self::TorqueDesired | Self::LinkTorque => "Nm",
             Self::Temperature | Self::TemperatureAmbient => "degC",
             Self::ExternalWrench => "N, Nm",
         }
@@ -123,6 +131,7 @@ impl Quantity {
             Self::Velocity => "dq_",
             Self::Torque => "tau_J_",
             Self::TorqueDesired => "tau_J_d_",
+            Self::LinkTorque => "tau_link_",
             Self::MotorPosition => "theta_",
             Self::MotorVelocity => "dtheta_",
             Self::Temperature => "temperature_",

@@ -76,7 +76,7 @@ pub fn resample(log: &RobotLog, settings: &Resampling) -> Result<Resampled, LogE
                     six_point(time_s, column, &grid_s, &places)
                 }
                 Quantity::Position | Quantity::MotorPosition => cubic(time_s, column, &places),
-                Quantity::Torque if period_s > FAST_PERIOD_S => cubic(time_s, column, &places),
+                Quantity::Torque | Quantity::LinkTorque if period_s > FAST_PERIOD_S => cubic(time_s, column, &places),
                 _ => linear(column, &places),
             }
         });

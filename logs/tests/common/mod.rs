@@ -19,6 +19,7 @@ pub fn synthetic_log(joints: usize, rows: usize, full: bool) -> RobotLog {
         dq_rad_s: per_joint(0.2),
         tau_j_nm: per_joint(0.3),
         tau_j_d_nm: some(0.4),
+        tau_link_nm: some(0.45),
         theta_rad: some(0.5),
         dtheta_rad_s: some(0.6),
         temperature_c: some(0.7),
