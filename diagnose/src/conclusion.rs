@@ -153,7 +153,7 @@ pub(crate) fn conclude<const N: usize>(
     step("validation", 0.97)?;
     let effects: Vec<Effect> = findings.iter().filter_map(|finding| finding.effect.clone()).collect();
     let validation = validated(&scene.nominal, &effects, validate, evaluated.seed)?;
-    let next_experiment = next_experiment(scene, &findings, &joints);
+    let next_experiment = if scene.transmission { None } else { next_experiment(scene, &findings, &joints) };
     Ok(Diagnosis {
         verdict,
         findings,

@@ -10,7 +10,7 @@ use crate::system::System;
 /// Pieces that a log is cut into for the coarse scan.
 const PIECES: usize = 220;
 /// Shortest window (s).
-const SHORTEST_S: f64 = 0.25;
+const SHORTEST_S: f64 = 0.4;
 /// Longest window, part of the log: a push that never ends is a payload.
 const LONGEST_PART: f64 = 0.6;
 /// Evidence per row of the window that is worth building its columns.
@@ -30,6 +30,9 @@ pub(crate) fn best_window<const N: usize>(
     given: &[usize],
 ) -> Option<(usize, f64, f64)> {
     let scene = system.scene;
+    if scene.transmission {
+        return None;
+    }
     let left = residual(system, given);
 
     let mut best: Option<(f64, usize, usize, usize)> = None;

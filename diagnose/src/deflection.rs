@@ -10,7 +10,7 @@
 use nalgebra::{DMatrix, DVector, SVector};
 use tribo_sim::Effect;
 
-use crate::cause::transmitted_sign;
+use crate::cause::{Backlash, Candidate, transmitted_sign};
 use crate::diagnosis::CauseLabel;
 use crate::evidence::solve_truncated;
 use crate::filter::central_difference;
@@ -26,15 +26,10 @@ pub(crate) struct DeflectionFinding {
     /// Relative standard error of stiffness or gap.
     pub relative_error: f64,
     pub evidence: f64,
-    /// RMS of theta − q (rad), without offset and skew, before and after.
-    pub before_rad: f64,
-    pub after_rad: f64,
     /// RMS of the held-out deflection before and after (rad), per block.
     pub blocks: Vec<[f64; 2]>,
     /// Link torque (Nm) against theta − q (rad), and the fit.
     pub cloud: [Vec<f64>; 3],
-    /// Skew of the encoders' clocks (s).
-    pub skew_s: f64,
 }
 
 /// Widths of the smooth sign that are tried (Nm).
@@ -43,6 +38,8 @@ const WIDTHS_NM: [f64; 4] = [0.03, 0.1, 0.3, 1.0];
 const STIFFNESS_NM_RAD: [f64; 2] = [100.0, 1e6];
 /// Deflection in standard deviations of the encoder noise in the band that is worth naming.
 const LEAST_OVER_NOISE: f64 = 0.3;
+/// Evidence of both over that of the better one: how a gap closes is no spring, how a spring bends no gap.
+const SECOND_CAUSE: f64 = 1.01;
 /// Evidence that either needs.
 const LEAST_EVIDENCE: f64 = 15.0;
 
@@ -89,8 +86,11 @@ fn joint_deflection<const N: usize>(
     let load = sample(&|k| scene.samples[k].link_nm[joint]);
     let nuisance = [sample(&|_| 1.0), sample(&|k| scene.samples[k].qd[joint])];
     let spring = [load.clone(), own(rates)];
-    let gaps: Vec<Vec<f64>> =
-        WIDTHS_NM.iter().map(|width| sample(&|k| transmitted_sign(scene.samples[k].link_nm[joint], *width))).collect();
+    let gap = Backlash { joint };
+    let gaps: Vec<Vec<f64>> = WIDTHS_NM
+        .iter()
+        .map(|width| gap.filtered(scene, &[*width]).swap_remove(0).rows[joint].clone().unwrap_or_default())
+        .collect();
 
     // Whiten by the colour of what everything together leaves.
     let all: Vec<&[f64]> =
@@ -120,15 +120,15 @@ fn joint_deflection<const N: usize>(
             .max_by(|a, b| a.1.total_cmp(&b.1))
             .unwrap_or((0, 0.0))
     };
-    let (gap_width, gap) = best_gap(&[]);
-    let only_gap = gap - none - 2.0 * n.ln();
+    let (gap_width, gap_explained) = best_gap(&[]);
+    let only_gap = gap_explained - none - 2.0 * n.ln();
     let (both_width, both) = best_gap(&stiff);
     let both = both - none - 4.0 * n.ln();
     let best = only_spring.max(only_gap).max(both);
     if best < LEAST_EVIDENCE {
         return Vec::new();
     }
-    let (has_spring, gap_index) = if both >= best && both > only_spring.max(only_gap) + LEAST_EVIDENCE {
+    let (has_spring, gap_index) = if both >= best && both > SECOND_CAUSE * only_spring.max(only_gap) + LEAST_EVIDENCE {
         (true, Some(both_width))
     } else if only_spring >= only_gap {
         (true, None)
@@ -163,11 +163,8 @@ fn joint_deflection<const N: usize>(
         effect,
         relative_error,
         evidence,
-        before_rad,
-        after_rad,
         blocks: blocks.clone(),
         cloud: [load.clone(), corrected.clone(), fitted.clone()],
-        skew_s: gain.coefficients[1],
     };
     let mut findings = Vec::new();
     if has_spring {
@@ -187,9 +184,10 @@ fn joint_deflection<const N: usize>(
         let place = chosen.len() - 1;
         let half_gap_rad = gain.coefficients[place];
         if half_gap_rad > 0.0 {
-            let effect = Effect::Backlash { joint, half_gap_rad };
             let evidence = if has_spring { both - only_spring } else { only_gap };
-            findings.push(template(CauseLabel::Backlash, effect, errors[place] / half_gap_rad, evidence));
+            if let Some(effect) = Candidate::<N>::effect(&gap, scene, &[], &[half_gap_rad]) {
+                findings.push(template(CauseLabel::Backlash, effect, errors[place] / half_gap_rad, evidence));
+            }
         }
     }
     findings

@@ -97,6 +97,8 @@ pub(crate) struct Scene<const N: usize> {
     /// RMS of the torque sensor's noise in the band (Nm).
     pub torque_floor_nm: SVector<f64, N>,
     pub skipped_bursts: usize,
+    /// Whether link-side torque was measured too: the residual is that of the transmission, no rigid body in it.
+    pub transmission: bool,
     /// Filtered regressors of every link, ten columns each, on first use.
     link_regressors: OnceLock<Vec<[Column<N>; 10]>>,
 }
@@ -163,6 +165,7 @@ impl<const N: usize> Scene<N> {
             noise_floor_nm: SVector::zeros(),
             torque_floor_nm: SVector::zeros(),
             skipped_bursts: 0,
+            transmission: logs.iter().all(|log| log.tau_link_nm.is_some()),
             link_regressors: OnceLock::new(),
         };
         let mut deflection = Some(Vec::new());
@@ -197,9 +200,10 @@ impl<const N: usize> Scene<N> {
         let link_arm = nominal.arm.clone().link_side();
         for (index, (motion, torque)) in rigid.motion().iter().zip(rigid.raw_torque_nm()).enumerate() {
             let start = self.samples.len();
-            self.samples.extend(motion.iter().zip(torque).map(|(at, measured)| {
+            let measured_link = rigid.link_torque_nm().filter(|_| self.transmission).map(|bursts| &bursts[index]);
+            self.samples.extend(motion.iter().zip(torque).enumerate().map(|(k, (at, measured))| {
                 let MotionSample { time_s, q, qd, qdd } = *at;
-                let link_nm = rnea(&link_arm, &q, &qd, &qdd);
+                let link_nm = measured_link.map_or_else(|| rnea(&link_arm, &q, &qd, &qdd), |link| link[k]);
                 let friction_nm = nominal.friction.torque(&qd, nominal.smoothing_rad_s);
                 let rotor_nm = nominal.arm.rotor_inertia_kg_m2.component_mul(&qdd);
                 let model_nm = link_nm + rotor_nm + friction_nm;
@@ -439,6 +443,7 @@ fn without_repeats(log: &RobotLog) -> (RobotLog, bool) {
         dq_rad_s: all(&log.dq_rad_s),
         tau_j_nm: all(&log.tau_j_nm),
         theta_rad: log.theta_rad.as_ref().map(all),
+        tau_link_nm: log.tau_link_nm.as_ref().map(all),
         ..LogColumns::default()
     };
     fresh.validate().map_or_else(|_| (log.clone(), false), |fresh| (fresh, true))

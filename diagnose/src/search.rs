@@ -246,6 +246,7 @@ impl<'s, 'a, const N: usize> Search<'s, 'a, N> {
             let mut changed = self.swap();
             changed |= self.delete();
             changed |= self.consolidate();
+            changed |= self.do_without_unknown();
             if !changed {
                 break;
             }
@@ -355,6 +356,23 @@ impl<'s, 'a, const N: usize> Search<'s, 'a, N> {
             }
             None => false,
         }
+    }
+
+    /// Drops a nameless cause if the named ones, refined without it, do as well: it may have bent their shapes.
+    fn do_without_unknown(&mut self) -> bool {
+        let nameless: Vec<usize> =
+            self.selected.iter().copied().filter(|group| self.place(*group).0 == CauseLabel::Unknown).collect();
+        for group in nameless {
+            let before = (self.selected.clone(), self.total(&self.selected));
+            self.selected = self.others(group);
+            self.reshape();
+            self.reshape();
+            if self.total(&self.selected) > before.1 - SWAP_EVIDENCE {
+                return true;
+            }
+            self.selected = before.0;
+        }
+        false
     }
 
     /// Penalised evidence of a whole selection.

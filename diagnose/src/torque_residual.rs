@@ -109,6 +109,8 @@ pub struct TorqueResidual<const N: usize> {
     motion: Vec<Vec<MotionSample<N>>>,
     /// Measured torque of each burst at the same stamps as the motion, unfiltered (Nm).
     raw_torque_nm: Vec<Vec<SVector<f64, N>>>,
+    /// Measured link-side torque of each burst at the same stamps, smoothed like the motion (Nm).
+    link_torque_nm: Option<Vec<Vec<SVector<f64, N>>>>,
     /// Motor position through the gear less joint position of each burst, smoothed like the motion (rad).
     deflection_rad: Option<Vec<Vec<SVector<f64, N>>>>,
 }
@@ -143,6 +145,7 @@ impl<const N: usize> TorqueResidual<N> {
         // Motion from positions; measured torque through the same smoother.
         let motion: Vec<_> = kept.iter().map(|burst| motion_of(burst, &chain)).collect();
         let raw_torque_nm = kept.iter().map(|burst| rows(&burst.tau_j_nm, &chain)).collect();
+        let link_torque_nm = kept.iter().map(|burst| smoothed(burst.tau_link_nm.as_ref(), &chain)).collect();
         let deflection_rad = kept.iter().map(|burst| deflection_of(burst, &chain)).collect();
         let mut residual = Self {
             time_s: Vec::new(),
@@ -155,6 +158,7 @@ impl<const N: usize> TorqueResidual<N> {
             chain,
             motion,
             raw_torque_nm,
+            link_torque_nm,
             deflection_rad,
         };
         for burst in kept {
@@ -195,6 +199,11 @@ impl<const N: usize> TorqueResidual<N> {
         &self.raw_torque_nm
     }
 
+    /// Measured link-side torque at the stamps of [`Self::motion`], smoothed (Nm), where the log has it.
+    pub fn link_torque_nm(&self) -> Option<&[Vec<SVector<f64, N>>]> {
+        self.link_torque_nm.as_deref()
+    }
+
     /// Motor position through the gear less joint position at the stamps of [`Self::motion`] (rad), with two encoders.
     pub fn deflection_rad(&self) -> Option<&[Vec<SVector<f64, N>>]> {
         self.deflection_rad.as_deref()
@@ -225,6 +234,12 @@ fn rows<const N: usize>(columns: &[Vec<f64>], chain: &SignalChain) -> Vec<SVecto
     let settled: Vec<&[f64]> = columns.iter().map(|column| chain.settled(column)).collect();
     let count = settled.first().map_or(0, |column| column.len());
     (0..count).map(|k| SVector::from_fn(|j, _| settled[j][k])).collect()
+}
+
+/// Smoothed, settled rows of a quantity that a log may lack.
+fn smoothed<const N: usize>(columns: Option<&Vec<Vec<f64>>>, chain: &SignalChain) -> Option<Vec<SVector<f64, N>>> {
+    let columns: Vec<Vec<f64>> = columns?.iter().map(|column| chain.smooth(column)).collect();
+    Some(rows(&columns, chain))
 }
 
 /// Smoothed, settled `theta − q` where the log has two encoders.

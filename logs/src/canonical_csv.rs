@@ -17,7 +17,7 @@ use flate2::Compression;
 use flate2::write::GzEncoder;
 
 use crate::atomic::write_atomic;
-use crate::csv_lines::{Lines, header_names, parse_number, split_cells};
+use crate::csv_lines::{Lines, RowLayout};
 use crate::error::LogError;
 use crate::format::LogFormat;
 use crate::header::Header;
@@ -45,35 +45,17 @@ pub fn read_csv_from(reader: impl BufRead, path: &Path) -> Result<(RobotLog, Log
     let mut lines = Lines::new(reader, path);
 
     // Header: which cell of a line belongs to which column.
-    if !lines.advance()? {
-        return Err(LogError::Empty { path: path.to_path_buf() });
-    }
-    let Some((names, delimiter)) = header_names(lines.text()) else {
-        return Err(lines.bad_line("the header has an unclosed quote or is not UTF-8"));
-    };
+    let (names, delimiter) = lines.header()?;
     let header = Header::from_names(&names).map_err(|error| error.in_file(path))?;
-    let column_names = header.column_names();
+    let wanted = header.column_names().into_iter().zip(header.positions.iter().copied()).collect();
+    let layout = RowLayout { cell_count: names.len(), delimiter, columns: wanted };
 
     // Rows, straight into columns.
-    let mut columns: Vec<Vec<f64>> = vec![Vec::new(); column_names.len()];
-    let mut row = vec![0.0; column_names.len()];
+    let mut columns: Vec<Vec<f64>> = vec![Vec::new(); layout.columns.len()];
+    let mut row = vec![0.0; layout.columns.len()];
     let (mut cells, mut dropped_repeats) = (Vec::new(), 0);
     while lines.advance()? {
-        let line = lines.text();
-        if !split_cells(line, delimiter, &mut cells) {
-            return Err(lines.bad_line("a quote is not closed"));
-        }
-        if cells.len() != names.len() {
-            let (path, line) = (path.to_path_buf(), lines.number);
-            return Err(LogError::CellCount { path, line, got: cells.len(), expected: names.len() });
-        }
-        for (slot, &position) in header.positions.iter().enumerate() {
-            let cell = &line[cells[position].clone()];
-            row[slot] = match parse_number(cell, delimiter) {
-                Some(value) => value,
-                None => return Err(lines.bad_cell(&column_names[slot], cell)),
-            };
-        }
+        layout.read(&lines, &mut cells, &mut row)?;
         // Time is the first canonical column.
         if let Some(&previous_s) = columns[0].last()
             && row[0] <= previous_s
@@ -91,9 +73,7 @@ pub fn read_csv_from(reader: impl BufRead, path: &Path) -> Result<(RobotLog, Log
 
     let log = header.assemble(columns).validate().map_err(|error| error.in_file(path))?;
     let mut summary = LogSummary::new(LogFormat::Csv, &log, dropped_repeats, header.unknown);
-    if !lines.ended {
-        summary.warnings.push(format!("line {} has no line ending: the file may be cut off", lines.number));
-    }
+    summary.warnings.extend(lines.cut_off());
     Ok((log, summary))
 }
 

@@ -24,7 +24,7 @@ pub(crate) struct Lines<'p, R> {
     /// Number of the current line, from 1.
     pub number: u64,
     /// Whether the current line ended with a line feed.
-    pub ended: bool,
+    ended: bool,
 }
 
 impl<'p, R: BufRead> Lines<'p, R> {
@@ -60,6 +60,19 @@ impl<'p, R: BufRead> Lines<'p, R> {
         self.buffer.trim_ascii()
     }
 
+    /// Column names and delimiter of the first line.
+    pub fn header(&mut self) -> Result<(Vec<String>, u8), LogError> {
+        if !self.advance()? {
+            return Err(LogError::Empty { path: self.path.to_path_buf() });
+        }
+        header_names(self.text()).ok_or_else(|| self.bad_line("the header has an unclosed quote or is not UTF-8"))
+    }
+
+    /// At the end of the file: what to suspect if the last line has no line feed.
+    pub fn cut_off(&self) -> Option<String> {
+        (!self.ended).then(|| format!("line {} has no line ending: the file may be cut off", self.number))
+    }
+
     /// An error about the whole current line.
     pub fn bad_line(&self, detail: impl Into<String>) -> LogError {
         LogError::BadLine { path: self.path.to_path_buf(), line: self.number, detail: detail.into() }
@@ -69,6 +82,39 @@ impl<'p, R: BufRead> Lines<'p, R> {
     pub fn bad_cell(&self, column: &str, cell: &[u8]) -> LogError {
         let (path, column) = (self.path.to_path_buf(), column.to_owned());
         LogError::BadCell { path, line: self.number, column, value: shown(cell) }
+    }
+}
+
+/// Which cells of every line are read, and what errors call them.
+pub(crate) struct RowLayout {
+    /// Cells in a line.
+    pub cell_count: usize,
+    pub delimiter: u8,
+    /// Name of each column read, and its position in a line.
+    pub columns: Vec<(String, usize)>,
+}
+
+impl RowLayout {
+    /// The numbers of the current line, in the order of `columns`; `cells` is scratch.
+    pub fn read<R: BufRead>(
+        &self,
+        lines: &Lines<R>,
+        cells: &mut Vec<Range<usize>>,
+        row: &mut [f64],
+    ) -> Result<(), LogError> {
+        let line = lines.text();
+        if !split_cells(line, self.delimiter, cells) {
+            return Err(lines.bad_line("a quote is not closed"));
+        }
+        if cells.len() != self.cell_count {
+            let (path, line) = (lines.path.to_path_buf(), lines.number);
+            return Err(LogError::CellCount { path, line, got: cells.len(), expected: self.cell_count });
+        }
+        for ((column, position), slot) in self.columns.iter().zip(row) {
+            let cell = &line[cells[*position].clone()];
+            *slot = parse_number(cell, self.delimiter).ok_or_else(|| lines.bad_cell(column, cell))?;
+        }
+        Ok(())
     }
 }
 

@@ -6,6 +6,7 @@
 //! | `PAR1` | [`LogFormat::Parquet`] |
 //! | text whose first line names at least one canonical column | [`LogFormat::Csv`] |
 //! | gzip of such text | [`LogFormat::CsvGz`] |
+//! | text, or gzip of text, whose first line names `Time`, `Position1`, `TorqueSm1` and `TorqueCur1` | [`LogFormat::KinovaGen3`] |
 
 use std::path::Path;
 
@@ -13,6 +14,7 @@ use crate::canonical_csv::read_csv;
 use crate::csv_lines::{BYTE_ORDER_MARK, header_names};
 use crate::error::{LogError, shown};
 use crate::format::LogFormat;
+use crate::kinova_gen3::{is_kinova_gen3, read_kinova_gen3};
 use crate::log::RobotLog;
 use crate::panda_gaz::{is_panda_gaz, read_panda_gaz};
 use crate::parquet_log::read_parquet;
@@ -37,9 +39,13 @@ pub fn detect(path: impl AsRef<Path>) -> Result<LogFormat, LogError> {
         [] => Err(LogError::Empty { path: path.to_path_buf() }),
         [b'P', b'A', b'R', b'1', ..] if !packed => Ok(LogFormat::Parquet),
         [0x89, b'M', b'C', b'A', b'P', ..] => Err(unknown(path, "MCAP".to_owned())),
-        _ if !names_a_canonical_column(start) => Err(unknown(path, format!("starts with `{}`", shown(start)))),
-        _ if packed => Ok(LogFormat::CsvGz),
-        _ => Ok(LogFormat::Csv),
+        _ => match header_of(start) {
+            Some(names) if names.iter().any(|name| Quantity::from_column_name(name).is_some()) => {
+                Ok(if packed { LogFormat::CsvGz } else { LogFormat::Csv })
+            }
+            Some(names) if is_kinova_gen3(&names) => Ok(LogFormat::KinovaGen3),
+            _ => Err(unknown(path, format!("starts with `{}`", shown(start)))),
+        },
     }
 }
 
@@ -53,16 +59,15 @@ pub fn read_log(path: impl AsRef<Path>) -> Result<(RobotLog, LogSummary), LogErr
         LogFormat::Csv | LogFormat::CsvGz => read_csv(path),
         LogFormat::Parquet => read_parquet(path),
         LogFormat::PandaGaz => read_panda_gaz(path),
+        LogFormat::KinovaGen3 => read_kinova_gen3(path),
     }
 }
 
-/// Whether the first line with content is a header in which we know at least one name.
-fn names_a_canonical_column(start: &[u8]) -> bool {
+/// The cells of the first line with content, if it can be a header.
+fn header_of(start: &[u8]) -> Option<Vec<String>> {
     let start = start.strip_prefix(BYTE_ORDER_MARK).unwrap_or(start);
-    let first_line = start.split(|&b| b == b'\n').find(|line| !line.trim_ascii().is_empty());
-    first_line
-        .and_then(|line| header_names(line.trim_ascii()))
-        .is_some_and(|(names, _)| names.iter().any(|name| Quantity::from_column_name(name).is_some()))
+    let first_line = start.split(|&b| b == b'\n').find(|line| !line.trim_ascii().is_empty())?;
+    header_names(first_line.trim_ascii()).map(|(names, _)| names)
 }
 
 fn unknown(path: &Path, found: String) -> LogError {

@@ -57,7 +57,8 @@ pub enum LogError {
     /// The content is none of the known formats.
     #[error(
         "{path}: unknown format ({found}); known: canonical CSV (columns time, q_0.., dq_0.., tau_J_0..), plain or gzip; \
-         Parquet with the same columns; directory of exciting_traj_*.txt (Gaz 2019)"
+         Parquet with the same columns; directory of exciting_traj_*.txt (Gaz 2019); Kinova Gen3 CSV (Time, Position1.., TorqueSm1.., \
+         TorqueCur1..), plain or gzip"
     )]
     UnknownFormat {
         /// The file or directory.
@@ -159,6 +160,14 @@ pub enum LogError {
         missing: Vec<String>,
         /// Names that are there and mean nothing to us.
         unknown: Vec<String>,
+    },
+    /// A column that holds zero in every row, as recorders write what they did not measure.
+    #[error("column {column} is zero in all {rows} rows: not logged")]
+    NotLogged {
+        /// Column name.
+        column: String,
+        /// Rows of the file.
+        rows: usize,
     },
     /// A quantity of a log in memory has the wrong number of columns.
     #[error("{quantity}: {got} columns, expected {expected}")]

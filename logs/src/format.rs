@@ -13,6 +13,8 @@ pub enum LogFormat {
     Parquet,
     /// Directory of text files of the Panda data of Gaz et al. 2019.
     PandaGaz,
+    /// CSV of the Kinova Gen3 data of `dynamic-identification`, plain or gzip.
+    KinovaGen3,
 }
 
 impl fmt::Display for LogFormat {
@@ -22,6 +24,7 @@ impl fmt::Display for LogFormat {
             Self::CsvGz => "canonical CSV (gzip)",
             Self::Parquet => "Parquet",
             Self::PandaGaz => "Panda text files (Gaz 2019)",
+            Self::KinovaGen3 => "Kinova Gen3 CSV",
         })
     }
 }

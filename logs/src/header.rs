@@ -24,15 +24,7 @@ pub(crate) struct Header {
 impl Header {
     /// Reads the column names of a file.
     pub fn from_names<S: AsRef<str>>(names: &[S]) -> Result<Self, LogError> {
-        // Positions by name; a second column of one name is an error, canonical or not.
-        let mut position_of = HashMap::with_capacity(names.len());
-        for (position, name) in names.iter().enumerate() {
-            let name = name.as_ref();
-            if let Some(first) = position_of.insert(name, position) {
-                let column = name.to_owned();
-                return Err(LogError::DuplicateColumn { column, first: first + 1, second: position + 1 });
-            }
-        }
+        let position_of = positions_by_name(names)?;
 
         // What the names stand for.
         let mut unknown = Vec::new();
@@ -85,6 +77,19 @@ impl Header {
         }
         log
     }
+}
+
+/// Where each name stands. A second column of one name is an error, understood or not.
+pub(crate) fn positions_by_name<S: AsRef<str>>(names: &[S]) -> Result<HashMap<&str, usize>, LogError> {
+    let mut position_of = HashMap::with_capacity(names.len());
+    for (position, name) in names.iter().enumerate() {
+        let name = name.as_ref();
+        if let Some(first) = position_of.insert(name, position) {
+            let column = name.to_owned();
+            return Err(LogError::DuplicateColumn { column, first: first + 1, second: position + 1 });
+        }
+    }
+    Ok(position_of)
 }
 
 #[cfg(test)]

@@ -212,17 +212,34 @@ mod tests {
         assert!(log.duration_s() - burst.duration_s() < resampled.period_s);
     }
 
+    /// Third order for the cubic pieces of a fast grid, sixth for the polynomials of a slow one.
     #[test]
-    fn halving_the_period_divides_the_error_by_eight() {
+    fn halving_the_period_divides_the_error_by_eight_or_by_sixty_four() {
         let error = |period_s: f64| {
             let log = swing(period_s);
             let settings = Resampling { period_s: Some(period_s / 3.0), gap_tolerance: 2.0, min_rows: 2 };
             let burst = resample(&log, &settings).unwrap().bursts.remove(0);
-            let inner = (0..burst.rows()).filter(|&k| (0.1..3.0).contains(&burst.time_s[k]));
+            let inner = (0..burst.rows()).filter(|&k| (0.1..1.0).contains(&burst.time_s[k]));
             inner.map(|k| (burst.q_rad[0][k] - burst.time_s[k].sin()).abs()).fold(0.0, f64::max)
         };
-        let ratio = error(0.02) / error(0.01);
-        assert!((7.0..9.5).contains(&ratio), "{ratio}");
+        let fast = error(0.006) / error(0.003);
+        assert!((7.0..9.5).contains(&fast), "{fast}");
+        let slow = error(0.02) / error(0.01);
+        assert!((50.0..80.0).contains(&slow), "{slow}");
+    }
+
+    /// Both torques are measured alike, and `tau_J − tau_link` must not come from two interpolants.
+    #[test]
+    fn link_torque_is_resampled_as_torque() {
+        for period_s in [0.001, 0.01] {
+            let mut columns = swing(period_s).into_columns();
+            columns.tau_j_nm = columns.q_rad.clone();
+            columns.tau_link_nm = Some(columns.q_rad.clone());
+            let settings = Resampling { period_s: Some(0.7 * period_s), gap_tolerance: 2.0, min_rows: 2 };
+            let resampled = resample(&columns.validate().unwrap(), &settings).unwrap();
+            let burst = &resampled.bursts[0];
+            assert_eq!(burst.tau_link_nm.as_ref(), Some(&burst.tau_j_nm));
+        }
     }
 
     #[test]

@@ -18,6 +18,8 @@ pub struct LogSummary {
     pub rows: usize,
     /// Rows of the file that repeated the row before and are not in the log.
     pub dropped_repeats: usize,
+    /// Rows of the file that lack a measurement the other rows have, and are not in the log.
+    pub dropped_incomplete: usize,
     /// First to last stamp (s).
     pub duration_s: f64,
     /// One over the median period (Hz).
@@ -45,6 +47,7 @@ impl LogSummary {
             joints: log.joints(),
             rows: log.rows(),
             dropped_repeats,
+            dropped_incomplete: 0,
             duration_s: log.duration_s(),
             rate_hz: median_period_s(&log.time_s).map_or(0.0, f64::recip),
             bursts: bursts(&log.time_s, GAP_TOLERANCE).len(),
@@ -56,10 +59,10 @@ impl LogSummary {
         }
     }
 
-    /// Rows of the file, repeats included.
+    /// Rows of the file, dropped ones included.
     #[must_use]
     pub fn rows_read(&self) -> usize {
-        self.rows + self.dropped_repeats
+        self.rows + self.dropped_repeats + self.dropped_incomplete
     }
 }
 
@@ -68,7 +71,11 @@ impl fmt::Display for LogSummary {
         let list = |quantities: &[Quantity]| quantities.iter().map(ToString::to_string).collect::<Vec<_>>().join(", ");
         writeln!(f, "format       {}", self.format)?;
         writeln!(f, "joints       {}", self.joints)?;
-        writeln!(f, "rows         {} ({} repeated rows dropped)", self.rows, self.dropped_repeats)?;
+        write!(f, "rows         {} ({} repeated rows dropped", self.rows, self.dropped_repeats)?;
+        if self.dropped_incomplete > 0 {
+            write!(f, ", {} incomplete", self.dropped_incomplete)?;
+        }
+        writeln!(f, ")")?;
         writeln!(f, "duration     {:.3} s at {:.1} Hz", self.duration_s, self.rate_hz)?;
         writeln!(f, "bursts       {} (longest gap {:.2} ms)", self.bursts, 1e3 * self.longest_gap_s)?;
         write!(f, "columns      {}", list(&self.present))?;

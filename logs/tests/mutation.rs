@@ -6,7 +6,7 @@ mod common;
 
 use std::fs;
 
-use common::{XorShift, bits, mutated, scratch, synthetic_log};
+use common::{XorShift, bits, kinova_csv, mutated, scratch, synthetic_log};
 use tribo_logs::{read_csv_from, read_log, write_csv, write_parquet};
 
 const MUTATIONS: usize = 20_000;
@@ -56,6 +56,21 @@ fn damaged_files_of_every_format_are_an_error_or_a_valid_log() {
                 Ok((read, _)) => assert!(read.into_columns().validate().is_ok()),
                 Err(error) => assert!(error.to_string().contains(name), "{error}"),
             }
+        }
+    }
+}
+
+#[test]
+fn damaged_kinova_files_are_an_error_or_a_valid_log() {
+    let directory = scratch();
+    let path = directory.path().join("small.csv");
+    let whole = kinova_csv(4);
+    let mut random = XorShift(0x5eed_0005);
+    for _ in 0..MUTATIONS {
+        fs::write(&path, mutated(whole.as_bytes(), &mut random)).unwrap();
+        match read_log(&path) {
+            Ok((read, _)) => assert!(read.into_columns().validate().is_ok()),
+            Err(error) => assert!(error.to_string().contains("small.csv"), "{error}"),
         }
     }
 }

@@ -4,7 +4,7 @@ use nalgebra::{Rotation3, Unit, Vector3};
 use tribo_robot::{Arm, gravity_torque};
 use tribo_sim::Effect;
 
-use super::Candidate;
+use super::{Candidate, RIGID_UNASKED};
 use crate::diagnosis::{CauseLabel, Location};
 use crate::scene::{FineColumn, Scene};
 
@@ -48,6 +48,10 @@ impl<const N: usize> Candidate<N> for BaseTilt {
 
     fn location(&self) -> Location {
         Location::Arm
+    }
+
+    fn unavailable(&self, scene: &Scene<N>) -> Option<String> {
+        scene.transmission.then(|| RIGID_UNASKED.to_owned())
     }
 
     fn columns(&self, scene: &Scene<N>, _shape: &[f64]) -> Vec<FineColumn<N>> {

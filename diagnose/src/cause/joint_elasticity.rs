@@ -4,7 +4,7 @@ use nalgebra::SVector;
 use tribo_robot::{mass_matrix, rnea};
 use tribo_sim::Effect;
 
-use super::{Candidate, log_grid, only};
+use super::{Candidate, RIGID_UNASKED, log_grid, only};
 use crate::diagnosis::{CauseLabel, Location};
 use crate::scene::{FineColumn, Scene};
 
@@ -39,6 +39,9 @@ impl<const N: usize> Candidate<N> for JointElasticity {
     }
 
     fn unavailable(&self, scene: &Scene<N>) -> Option<String> {
+        if scene.transmission {
+            return Some(RIGID_UNASKED.to_owned());
+        }
         scene.deflection_rad.is_some().then(|| "theta − q shows it directly".to_owned())
     }
 

@@ -4,7 +4,7 @@ use nalgebra::{Matrix3, SVector, Vector3};
 use tribo_robot::{LinkInertia, inverse_dynamics_regressor};
 use tribo_sim::Effect;
 
-use super::Candidate;
+use super::{Candidate, RIGID_UNASKED};
 use crate::diagnosis::{CauseLabel, Location};
 use crate::scene::{Column, FineColumn, Scene, combined};
 
@@ -97,6 +97,10 @@ impl<const N: usize> Candidate<N> for LinkInertial {
 
     fn location(&self) -> Location {
         Location::Link(self.link)
+    }
+
+    fn unavailable(&self, scene: &Scene<N>) -> Option<String> {
+        scene.transmission.then(|| RIGID_UNASKED.to_owned())
     }
 
     fn columns(&self, scene: &Scene<N>, _shape: &[f64]) -> Vec<FineColumn<N>> {

@@ -28,7 +28,7 @@ mod torque_ripple;
 mod unknown;
 mod viscous;
 
-pub(crate) use backlash::transmitted_sign;
+pub(crate) use backlash::{Backlash, transmitted_sign};
 pub(crate) use external_contact::ExternalContact;
 pub(crate) use joint_elasticity::JointElasticity;
 pub(crate) use torque_ripple::TorqueRipple;
@@ -205,6 +205,9 @@ pub(crate) fn candidate_of_effect<const N: usize>(effect: &Effect) -> Option<Pla
     };
     Some(placed)
 }
+
+/// Why causes of the rigid body are left out where the link torque is measured.
+const RIGID_UNASKED: &str = "the link torque is measured: the residual is the transmission's alone";
 
 /// Logarithmic grid from `low` to `high`.
 fn log_grid(low: f64, high: f64, count: usize) -> Vec<Vec<f64>> {

@@ -4,7 +4,7 @@ use nalgebra::{Matrix3, SMatrix, SVector, Vector3};
 use tribo_robot::{Arm, inverse_dynamics_regressor};
 use tribo_sim::Effect;
 
-use super::Candidate;
+use super::{Candidate, RIGID_UNASKED};
 use crate::diagnosis::{CauseLabel, Location};
 use crate::scene::{Column, FineColumn, Scene, combined};
 
@@ -35,6 +35,10 @@ impl<const N: usize> Candidate<N> for Payload {
 
     fn location(&self) -> Location {
         Location::Arm
+    }
+
+    fn unavailable(&self, scene: &Scene<N>) -> Option<String> {
+        scene.transmission.then(|| RIGID_UNASKED.to_owned())
     }
 
     fn columns(&self, scene: &Scene<N>, _shape: &[f64]) -> Vec<FineColumn<N>> {

@@ -42,7 +42,7 @@ impl<const N: usize> Candidate<N> for ThermalFriction {
     }
 
     fn shapes(&self, _scene: &Scene<N>) -> Vec<Vec<f64>> {
-        log_grid(TIME_CONSTANT_S[0], TIME_CONSTANT_S[1], 5)
+        log_grid(TIME_CONSTANT_S[0], TIME_CONSTANT_S[1], 8)
     }
 
     fn profile(&self) -> Option<[f64; 2]> {

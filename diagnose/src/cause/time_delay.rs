@@ -14,6 +14,8 @@ pub(super) struct TimeDelay;
 
 /// Longest believable delay (s).
 const LONGEST_S: f64 = 0.1;
+/// Shortest believable delay (s): below it, filters and stamps decide.
+const SHORTEST_BELIEVED_S: f64 = 4e-4;
 /// Shortest difference (s).
 const SHORTEST_S: f64 = 1e-4;
 
@@ -50,7 +52,7 @@ impl<const N: usize> Candidate<N> for TimeDelay {
     }
 
     fn admissible(&self, _scene: &Scene<N>, _shape: &[f64], coefficients: &[f64]) -> bool {
-        coefficients[0].abs() < LONGEST_S
+        (SHORTEST_BELIEVED_S..LONGEST_S).contains(&coefficients[0].abs())
     }
 
     fn effect(&self, _scene: &Scene<N>, _shape: &[f64], coefficients: &[f64]) -> Option<Effect> {

@@ -40,6 +40,18 @@ pub fn bits(log: &RobotLog) -> Vec<(String, Vec<u64>)> {
     log.named().into_iter().map(|(name, column)| (name, column.iter().map(|v| v.to_bits()).collect())).collect()
 }
 
+/// A Kinova Gen3 file: in row k, joint j of quantity s reads `100 s + j + k / 8`, s = 0 for `Position`, 4 for `Temp`.
+pub fn kinova_csv(rows: usize) -> String {
+    let stems = ["Position", "Velocity", "TorqueCur", "TorqueSm", "Temp", "Torque"];
+    let names = stems.iter().flat_map(|stem| (1..=7).map(move |joint| format!("{stem}{joint}")));
+    let line = |k: usize| -> Vec<String> {
+        let values = (0..stems.len()).flat_map(|s| (1..=7).map(move |j| (100 * s + j) as f64 + k as f64 / 8.0));
+        [k.to_string()].into_iter().chain(values.map(|v| v.to_string())).collect()
+    };
+    let header: Vec<String> = ["Time".to_owned()].into_iter().chain(names).collect();
+    [header].into_iter().chain((0..rows).map(line)).map(|cells| cells.join(",") + "\n").collect()
+}
+
 /// A file `name` with `content` in its own directory, which lives as long as the first value.
 pub fn file(name: &str, content: impl AsRef<[u8]>) -> (TempDir, PathBuf) {
     let directory = tempfile::tempdir().unwrap();
