@@ -10,7 +10,11 @@ const PAIRS: [(CauseLabel, CauseLabel, &str); 22] = {
         TorqueRipple, Viscous,
     };
     [
-        (Payload, LinkInertial, "a body at the flange and a heavier link load the joints alike; weigh or remove the payload"),
+        (
+            Payload,
+            LinkInertial,
+            "a body at the flange and a heavier link load the joints alike; weigh or remove the payload",
+        ),
         (RotorInertia, LinkInertial, "a joint feels the sum of rotor and link inertia; torques alone cannot split it"),
         (TorqueOffset, Coulomb, "motion in one direction only: dry friction is a constant there; move both ways"),
         (TorqueOffset, CoulombAsymmetry, "they differ only while the joint stands; add holds"),
@@ -27,7 +31,11 @@ const PAIRS: [(CauseLabel, CauseLabel, &str); 22] = {
         (Coulomb, ThermalFriction, "only a warm-up separates less friction from warm friction"),
         (TorqueGain, LinkInertial, "gravity dominates this joint; add dynamics or change the payload"),
         (TorqueGain, Payload, "gravity dominates this joint; weigh the payload"),
-        (TimeDelay, JointElasticity, "both go with the rate of the torque; a second encoder or fast motion separates them"),
+        (
+            TimeDelay,
+            JointElasticity,
+            "both go with the rate of the torque; a second encoder or fast motion separates them",
+        ),
         (TimeDelay, Viscous, "accelerations are too small to tell a delay from viscous friction"),
         (ExternalContact, Payload, "a push that lasts is a weight; repeat the motion untouched"),
         (BaseTilt, LinkInertial, "gravity of another direction and a first moment differ only over several postures"),

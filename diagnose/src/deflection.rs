@@ -75,7 +75,8 @@ fn joint_deflection<const N: usize>(
     joint: usize,
 ) -> Vec<DeflectionFinding> {
     let predicted = nominal_deflection(scene, joint);
-    let own = |values: Vec<f64>| scene.filter(&FineColumn::Joint(joint, values)).rows[joint].clone().unwrap_or_default();
+    let own =
+        |values: Vec<f64>| scene.filter(&FineColumn::Joint(joint, values)).rows[joint].clone().unwrap_or_default();
     let sample = |value: &dyn Fn(usize) -> f64| own((0..scene.samples.len()).map(value).collect());
     let target = sample(&|k| deflection[k][joint] - predicted(scene.samples[k].link_nm[joint]));
     let mut rates = Vec::with_capacity(scene.samples.len());
@@ -93,8 +94,7 @@ fn joint_deflection<const N: usize>(
         .collect();
 
     // Whiten by the colour of what everything together leaves.
-    let all: Vec<&[f64]> =
-        nuisance.iter().chain(&spring).chain(&gaps).map(Vec::as_slice).collect();
+    let all: Vec<&[f64]> = nuisance.iter().chain(&spring).chain(&gaps).map(Vec::as_slice).collect();
     let bursts: Vec<_> = scene.bursts.iter().map(|burst| burst.out.clone()).collect();
     let left = subtract(&target, &all, &least_squares(&all, &target));
     let noise = deflection_noise(scene, joint);
@@ -155,7 +155,8 @@ fn joint_deflection<const N: usize>(
         return Vec::new();
     }
     let block = (2.0 * scene.chains[0].output_rate_hz()).ceil().max(1.0) as usize;
-    let blocks: Vec<[f64; 2]> = corrected.chunks(block).zip(predicted.chunks(block)).map(|(b, a)| [rms(b), rms(a)]).collect();
+    let blocks: Vec<[f64; 2]> =
+        corrected.chunks(block).zip(predicted.chunks(block)).map(|(b, a)| [rms(b), rms(a)]).collect();
     let fitted: Vec<f64> = corrected.iter().zip(&predicted).map(|(before, after)| before - after).collect();
     let template = |label, effect, relative_error, evidence| DeflectionFinding {
         joint,
@@ -217,9 +218,10 @@ fn standard_errors(columns: &[&[f64]]) -> Vec<f64> {
     let k = columns.len();
     let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
     let square = DMatrix::from_fn(k, k, |a, b| dot(columns[a], columns[b]));
-    square
-        .try_inverse()
-        .map_or_else(|| vec![f64::INFINITY; k], |inverse| inverse.diagonal().iter().map(|v| v.max(0.0).sqrt()).collect())
+    square.try_inverse().map_or_else(
+        || vec![f64::INFINITY; k],
+        |inverse| inverse.diagonal().iter().map(|v| v.max(0.0).sqrt()).collect(),
+    )
 }
 
 fn subtract(target: &[f64], columns: &[&[f64]], coefficients: &[f64]) -> Vec<f64> {

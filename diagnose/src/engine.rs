@@ -81,7 +81,8 @@ pub fn diagnose<const N: usize>(
     settings: &DiagnoseSettings,
     progress: &(dyn Fn(&str, f64) -> bool + Sync),
 ) -> Result<Diagnosis, DiagnoseError> {
-    let step = |stage: &str, fraction: f64| if progress(stage, fraction) { Ok(()) } else { Err(DiagnoseError::Cancelled) };
+    let step =
+        |stage: &str, fraction: f64| if progress(stage, fraction) { Ok(()) } else { Err(DiagnoseError::Cancelled) };
     if logs.is_empty() {
         return Err(DiagnoseError::NoLog);
     }

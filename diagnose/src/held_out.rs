@@ -220,6 +220,7 @@ pub(crate) fn resampled<T>(blocks: usize, seed: u64, mut statistic: impl FnMut(&
 pub(crate) fn interval(mut draws: Vec<f64>) -> [f64; 2] {
     draws.retain(|x| x.is_finite());
     draws.sort_by(f64::total_cmp);
-    let at = |p: f64| draws.get(((draws.len() as f64 - 1.0) * p).round().max(0.0) as usize).copied().unwrap_or(f64::NAN);
+    let at =
+        |p: f64| draws.get(((draws.len() as f64 - 1.0) * p).round().max(0.0) as usize).copied().unwrap_or(f64::NAN);
     [at(0.025), at(0.975)]
 }

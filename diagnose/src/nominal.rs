@@ -42,7 +42,9 @@ impl<const N: usize> Nominal<N> {
             JointFriction::CoulombViscous(law) => law.viscous_nm_s_per_rad,
             JointFriction::Stribeck(law) => law.viscous_nm_s_per_rad,
             JointFriction::GazSigmoid(_) => 0.0,
-            JointFriction::Asymmetric(law) => 0.5 * (law.viscous_positive_nm_s_per_rad + law.viscous_negative_nm_s_per_rad),
+            JointFriction::Asymmetric(law) => {
+                0.5 * (law.viscous_positive_nm_s_per_rad + law.viscous_negative_nm_s_per_rad)
+            }
             JointFriction::Lugre(law) => law.viscous_nm_s_per_rad,
         };
         let added = self.effects.iter().map(|effect| match effect {

@@ -22,10 +22,9 @@ pub(crate) fn parameters_of(effect: &Effect) -> Vec<(&'static str, Vec<f64>)> {
         Effect::LoadFriction { load_coefficient, .. } => vec![("load_coefficient", vec![load_coefficient])],
         Effect::Payload { mass_kg, com_m, .. } => vec![("mass_kg", vec![mass_kg]), ("com_m", com_m.to_vec())],
         Effect::BaseTilt { angle_rad, axis } => vec![("angle_rad", vec![angle_rad]), ("axis", axis.to_vec())],
-        Effect::LinkInertial { delta_mass_kg, delta_first_moment_kg_m, .. } => vec![
-            ("delta_mass_kg", vec![delta_mass_kg]),
-            ("delta_first_moment_kg_m", delta_first_moment_kg_m.to_vec()),
-        ],
+        Effect::LinkInertial { delta_mass_kg, delta_first_moment_kg_m, .. } => {
+            vec![("delta_mass_kg", vec![delta_mass_kg]), ("delta_first_moment_kg_m", delta_first_moment_kg_m.to_vec())]
+        }
         Effect::RotorInertia { delta_rotor_inertia_kg_m2, .. } => {
             vec![("delta_rotor_inertia_kg_m2", vec![delta_rotor_inertia_kg_m2])]
         }

@@ -62,7 +62,11 @@ pub(crate) fn of_member<const N: usize>(
         title: format!("{} at {}: torque of joint {joint} against {name}", candidate.label(), candidate.location()),
         x_label: x_label.to_owned(),
         y_label: "torque that the other findings leave [Nm]".to_owned(),
-        series: vec![cloud("measured − model", &x, &partial), mean_curve("mean", &x, &partial), mean_curve("fit", &x, &fit)],
+        series: vec![
+            cloud("measured − model", &x, &partial),
+            mean_curve("mean", &x, &partial),
+            mean_curve("fit", &x, &fit),
+        ],
     }]
 }
 

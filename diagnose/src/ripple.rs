@@ -88,7 +88,8 @@ fn joint_ripples<const N: usize>(
             let (sine, cosine) = (line.cycles_per_rev * q).sin_cos();
             *left -= line.sine_nm * sine + line.cosine_nm * cosine;
         });
-        let seen = lines.iter().any(|other: &RippleLine| (line.cycles_per_rev / other.cycles_per_rev - 1.0).abs() < DISTINCT);
+        let seen =
+            lines.iter().any(|other: &RippleLine| (line.cycles_per_rev / other.cycles_per_rev - 1.0).abs() < DISTINCT);
         if seen {
             break;
         }
@@ -98,11 +99,7 @@ fn joint_ripples<const N: usize>(
 }
 
 /// The raw residual without what slow causes of the joint explain: sign, velocity, acceleration, load, angle, constant.
-fn slow_part_removed<const N: usize>(
-    scene: &Scene<N>,
-    explained: &[nalgebra::SVector<f64, N>],
-    j: usize,
-) -> Vec<f64> {
+fn slow_part_removed<const N: usize>(scene: &Scene<N>, explained: &[nalgebra::SVector<f64, N>], j: usize) -> Vec<f64> {
     let rows = scene.samples.len();
     let y: Vec<f64> = scene
         .samples

@@ -131,7 +131,8 @@ impl<const N: usize> Scene<N> {
         };
         let torque_sd_nm = mean_square(&|log, j| white_noise_sd(&log.time_s, &log.tau_j_nm[j]));
         let position_sd_rad = mean_square(&|log, j| white_noise_sd(&log.time_s, &log.q_rad[j]));
-        let rate_hz = logs.iter().filter_map(|log| tribo_logs::median_period_s(&log.time_s)).fold(0.0, f64::max).recip();
+        let rate_hz =
+            logs.iter().filter_map(|log| tribo_logs::median_period_s(&log.time_s)).fold(0.0, f64::max).recip();
         let middle = logs.first().map(|log| log.rows() / 2).unwrap_or_default();
         let inertia = logs.first().map_or_else(SVector::zeros, |log| {
             let q = SVector::<f64, N>::from_fn(|j, _| log.q_rad[j][middle]);
@@ -142,10 +143,8 @@ impl<const N: usize> Scene<N> {
             None => band_from_noise(&torque_sd_nm, &position_sd_rad, &inertia, rate_hz),
         };
         // Pauses between bursts do not count.
-        let duration_s: f64 = logs
-            .iter()
-            .map(|log| log.rows() as f64 * tribo_logs::median_period_s(&log.time_s).unwrap_or(0.0))
-            .sum();
+        let duration_s: f64 =
+            logs.iter().map(|log| log.rows() as f64 * tribo_logs::median_period_s(&log.time_s).unwrap_or(0.0)).sum();
 
         let mut scene = Self {
             nominal: nominal.clone(),
@@ -330,12 +329,10 @@ impl<const N: usize> Scene<N> {
             out
         };
         let rows = match column {
-            FineColumn::Joint(joint, values) => {
-                std::array::from_fn(|j| (j == *joint).then(|| finish(&|k| values[k])))
+            FineColumn::Joint(joint, values) => std::array::from_fn(|j| (j == *joint).then(|| finish(&|k| values[k]))),
+            FineColumn::Arm(values) => {
+                std::array::from_fn(|j| values.iter().any(|value| value[j] != 0.0).then(|| finish(&|k| values[k][j])))
             }
-            FineColumn::Arm(values) => std::array::from_fn(|j| {
-                values.iter().any(|value| value[j] != 0.0).then(|| finish(&|k| values[k][j]))
-            }),
         };
         Column { rows }
     }

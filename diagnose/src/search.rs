@@ -140,7 +140,9 @@ impl<'s, 'a, const N: usize> Search<'s, 'a, N> {
     /// The group of most evidence given the selection; a contact window is searched for on the way.
     fn best_addition(&mut self) -> Option<(usize, f64)> {
         let given = Conditional::on(self.system, &self.system.columns_of(&self.selected));
-        if let Some((log, start_s, end_s)) = best_window(self.system, &self.push, &self.system.columns_of(&self.selected)) {
+        if let Some((log, start_s, end_s)) =
+            best_window(self.system, &self.push, &self.system.columns_of(&self.selected))
+        {
             let contact: Arc<dyn Candidate<N>> = Arc::new(ExternalContact { log: Some(log) });
             let shape = vec![start_s, end_s];
             let columns = self.system.evaluate(contact.as_ref(), &shape);
@@ -299,7 +301,11 @@ impl<'s, 'a, const N: usize> Search<'s, 'a, N> {
                 .selected
                 .iter()
                 .map(|group| {
-                    (*group, self.evidence_given(&self.others(*group), *group).map_or(f64::NEG_INFINITY, |(evidence, _)| evidence))
+                    (
+                        *group,
+                        self.evidence_given(&self.others(*group), *group)
+                            .map_or(f64::NEG_INFINITY, |(evidence, _)| evidence),
+                    )
                 })
                 .min_by(|a, b| a.1.total_cmp(&b.1));
             match weakest {

@@ -14,6 +14,9 @@ const BLOCK_S: f64 = 0.25;
 /// Number of flips.
 const FLIPS: usize = 200;
 
+/// A group that flipped data are asked about: index, columns, their Gram matrix and norms given the selection.
+type Questioned = (usize, Vec<usize>, DMatrix<f64>, DVector<f64>);
+
 /// What flipped data say.
 #[derive(Clone, Debug)]
 pub(crate) struct Chance {
@@ -65,7 +68,7 @@ impl Chance {
                 sums
             })
             .collect();
-        let groups: Vec<(usize, Vec<usize>, DMatrix<f64>, DVector<f64>)> = (0..system.groups.len())
+        let groups: Vec<Questioned> = (0..system.groups.len())
             .filter(|g| !search.selected.contains(g))
             .map(|g| {
                 let columns: Vec<usize> = system.groups[g].columns.clone().collect();

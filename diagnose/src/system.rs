@@ -40,6 +40,9 @@ pub(crate) struct System<'a, const N: usize> {
     pub row_bursts: Vec<usize>,
 }
 
+/// A candidate at a shape with its filtered columns.
+type Shaped<const N: usize> = (Arc<dyn Candidate<N>>, Vec<f64>, Vec<Column<N>>);
+
 /// The filtered columns of all candidates that a scene can show, on their grids of shapes.
 pub(crate) struct EvaluatedColumns<const N: usize> {
     pub groups: Vec<Group<N>>,
@@ -49,7 +52,7 @@ pub(crate) struct EvaluatedColumns<const N: usize> {
 impl<const N: usize> EvaluatedColumns<N> {
     /// Evaluates candidate by candidate.
     pub fn of(scene: &Scene<N>, candidates: &[Arc<dyn Candidate<N>>]) -> Self {
-        let evaluated: Vec<(Arc<dyn Candidate<N>>, Vec<f64>, Vec<Column<N>>)> = candidates
+        let evaluated: Vec<Shaped<N>> = candidates
             .par_iter()
             .filter(|candidate| candidate.unavailable(scene).is_none())
             .flat_map_iter(|candidate| {
@@ -191,10 +194,8 @@ impl<'a, const N: usize> System<'a, N> {
         let mut gram = gram.resize(old + new, old + new, 0.0);
         let mut score = std::mem::replace(&mut self.score, DVector::zeros(0)).resize_vertically(old + new, 0.0);
         for c in old..old + new {
-            let products: Vec<f64> = (0..old + new)
-                .into_par_iter()
-                .map(|other| dot(&self.columns[c], &self.columns[other]))
-                .collect();
+            let products: Vec<f64> =
+                (0..old + new).into_par_iter().map(|other| dot(&self.columns[c], &self.columns[other])).collect();
             for (other, product) in products.into_iter().enumerate() {
                 gram[(c, other)] = product;
                 gram[(other, c)] = product;
@@ -306,4 +307,3 @@ fn rest_weights<const N: usize>(scene: &Scene<N>, left: &[f64], joint: usize) ->
         vec![1.0; left.len()]
     }
 }
-

@@ -3,11 +3,11 @@
 use tribo_logs::RobotLog;
 use tribo_sim::Effect;
 
+use crate::Nominal;
 use crate::diagnosis::Validation;
 use crate::engine::DiagnoseError;
 use crate::held_out::gain_of_pairs;
 use crate::scene::Scene;
-use crate::Nominal;
 
 /// Length of a block of the interval (s).
 const BLOCK_S: f64 = 2.0;

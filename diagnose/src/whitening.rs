@@ -135,7 +135,8 @@ mod tests {
             let next = 1.2 * x[k - 1] - 0.5 * x[k - 2] + 0.3 * gauss();
             x.push(next);
         }
-        let whitening = Whitening::of(&x, &[0..x.len()], 0.0);
+        let whole = 0..x.len();
+        let whitening = Whitening::of(&x, std::slice::from_ref(&whole), 0.0);
         assert!((whitening.coefficients[0] - 1.2).abs() < 0.05, "{:?}", whitening.coefficients);
         assert!((whitening.coefficients[1] + 0.5).abs() < 0.05);
         assert!((whitening.scale / 0.3 - 1.0).abs() < 0.05);

@@ -136,11 +136,9 @@ pub(crate) fn candidate_of_effect<const N: usize>(effect: &Effect) -> Option<Pla
         Effect::Viscous { joint, delta_viscous_nm_s_per_rad } => {
             (Box::new(viscous::Viscous { joint }), vec![], vec![delta_viscous_nm_s_per_rad])
         }
-        Effect::Stribeck { joint, breakaway_minus_coulomb_nm, stribeck_velocity_rad_s } => (
-            Box::new(stribeck::Stribeck { joint }),
-            vec![stribeck_velocity_rad_s],
-            vec![breakaway_minus_coulomb_nm],
-        ),
+        Effect::Stribeck { joint, breakaway_minus_coulomb_nm, stribeck_velocity_rad_s } => {
+            (Box::new(stribeck::Stribeck { joint }), vec![stribeck_velocity_rad_s], vec![breakaway_minus_coulomb_nm])
+        }
         Effect::CoulombAsymmetry { joint, asymmetry_nm } => {
             (Box::new(coulomb_asymmetry::CoulombAsymmetry { joint }), vec![], vec![asymmetry_nm])
         }
@@ -150,11 +148,9 @@ pub(crate) fn candidate_of_effect<const N: usize>(effect: &Effect) -> Option<Pla
         Effect::TorqueGain { joint, gain_error } => {
             (Box::new(torque_gain::TorqueGain { joint }), vec![], vec![gain_error])
         }
-        Effect::ThermalFriction { joint, drop_fraction, time_constant_s } => (
-            Box::new(thermal_friction::ThermalFriction { joint }),
-            vec![time_constant_s],
-            vec![drop_fraction],
-        ),
+        Effect::ThermalFriction { joint, drop_fraction, time_constant_s } => {
+            (Box::new(thermal_friction::ThermalFriction { joint }), vec![time_constant_s], vec![drop_fraction])
+        }
         Effect::LoadFriction { joint, load_coefficient } => {
             (Box::new(load_friction::LoadFriction { joint }), vec![], vec![load_coefficient])
         }
@@ -163,11 +159,9 @@ pub(crate) fn candidate_of_effect<const N: usize>(effect: &Effect) -> Option<Pla
             vec![],
             payload::coefficients(mass_kg, &com_m, &inertia_kg_m2),
         ),
-        Effect::BaseTilt { angle_rad, axis } => (
-            Box::new(base_tilt::BaseTilt { large: true }),
-            vec![],
-            base_tilt::gravity_change(angle_rad, &axis),
-        ),
+        Effect::BaseTilt { angle_rad, axis } => {
+            (Box::new(base_tilt::BaseTilt { large: true }), vec![], base_tilt::gravity_change(angle_rad, &axis))
+        }
         Effect::LinkInertial { link, delta_mass_kg, delta_first_moment_kg_m, delta_inertia_kg_m2 } => {
             let mut coefficients = vec![delta_mass_kg];
             coefficients.extend(delta_first_moment_kg_m);
@@ -185,11 +179,9 @@ pub(crate) fn candidate_of_effect<const N: usize>(effect: &Effect) -> Option<Pla
         Effect::Presliding { joint, presliding_distance_rad } => {
             (Box::new(presliding::Presliding { joint }), vec![presliding_distance_rad], vec![f64::NAN])
         }
-        Effect::JointElasticity { joint, stiffness_nm_per_rad, damping_nm_s_per_rad } => (
-            Box::new(JointElasticity { joint }),
-            vec![stiffness_nm_per_rad, damping_nm_s_per_rad],
-            vec![1.0],
-        ),
+        Effect::JointElasticity { joint, stiffness_nm_per_rad, damping_nm_s_per_rad } => {
+            (Box::new(JointElasticity { joint }), vec![stiffness_nm_per_rad, damping_nm_s_per_rad], vec![1.0])
+        }
         Effect::TimeDelay { delay_s } => (Box::new(time_delay::TimeDelay), vec![delay_s], vec![delay_s]),
         Effect::ExternalContact { force_n, moment_nm, start_s, end_s } => (
             Box::new(ExternalContact { log: None }),

@@ -112,8 +112,7 @@ fn link_from_flange<const N: usize>(arm: &Arm<N>) -> SMatrix<f64, 10, 10> {
     for i in 0..10 {
         let unit = SVector::<f64, 10>::from_fn(|row, _| if row == i { 1.0 } else { 0.0 });
         let (m, h) = (unit[0], r * Vector3::new(unit[1], unit[2], unit[3]));
-        let flange =
-            Matrix3::new(unit[4], unit[5], unit[6], unit[5], unit[7], unit[8], unit[6], unit[8], unit[9]);
+        let flange = Matrix3::new(unit[4], unit[5], unit[6], unit[5], unit[7], unit[8], unit[6], unit[8], unit[9]);
         let inertia = r * flange * r.transpose()
             + (Matrix3::identity() * p.dot(&p) - p * p.transpose()) * m
             + Matrix3::identity() * (2.0 * p.dot(&h))

@@ -29,7 +29,9 @@ impl<const N: usize> Candidate<N> for PositionSpring {
         let limits = &scene.nominal.arm.limits;
         let rest = -coefficients[0] / coefficients[1];
         let turn = 2.0 * std::f64::consts::PI;
-        coefficients[1] > 0.0 && rest > limits.q_min_rad[self.joint] - turn && rest < limits.q_max_rad[self.joint] + turn
+        coefficients[1] > 0.0
+            && rest > limits.q_min_rad[self.joint] - turn
+            && rest < limits.q_max_rad[self.joint] + turn
     }
 
     fn effect(&self, _scene: &Scene<N>, _shape: &[f64], coefficients: &[f64]) -> Option<Effect> {

@@ -60,11 +60,7 @@ impl<const N: usize> Candidate<N> for ThermalFriction {
     }
 
     fn effect(&self, _scene: &Scene<N>, shape: &[f64], coefficients: &[f64]) -> Option<Effect> {
-        Some(Effect::ThermalFriction {
-            joint: self.joint,
-            drop_fraction: coefficients[0],
-            time_constant_s: shape[0],
-        })
+        Some(Effect::ThermalFriction { joint: self.joint, drop_fraction: coefficients[0], time_constant_s: shape[0] })
     }
 }
 

@@ -115,11 +115,9 @@ impl<const N: usize> Candidate<N> for Unknown {
             Family::Load => {
                 vec![column(&|at| at.link_nm[j] * at.link_nm[j].abs()), column(&|at| at.link_nm[j].powi(3))]
             }
-            Family::Neighbour(other) => vec![
-                column(&|at| at.sign[other]),
-                column(&|at| at.qd[other]),
-                column(&|at| at.qdd[other]),
-            ],
+            Family::Neighbour(other) => {
+                vec![column(&|at| at.sign[other]), column(&|at| at.qd[other]), column(&|at| at.qdd[other])]
+            }
         }
     }
 

@@ -143,7 +143,9 @@ fn write(
     if let Some(path) = &outputs.trajectory {
         match &diagnosis.next_experiment {
             Some(next) if next.via_points.is_empty() => {
-                extras.remarks.push(format!("{}: not written, the next experiment is no motion of its own", path.display()));
+                extras
+                    .remarks
+                    .push(format!("{}: not written, the next experiment is no motion of its own", path.display()));
             }
             Some(next) => {
                 files::write_trajectory(path, next)?;

@@ -1,0 +1,230 @@
+//! Findings with their parameters, intervals, gains and plots.
+
+use crate::conclusion::Evaluated;
+use crate::deflection::DeflectionFinding;
+use crate::diagnosis::{Alternative, CauseLabel, Finding, Location, Parameter};
+use crate::engine::{DiagnoseError, ripple_effect};
+use crate::evidence::joint_fit;
+use crate::held_out::{
+    BlockGram, BlockSquares, TimeBlocks, gain_of_pairs, gain_with_interval, held_out_squares, interval, plain_squares,
+    resampled,
+};
+use crate::parameters::parameters_of;
+use crate::plots;
+use crate::pruning::{LARGEST_P, evidence_of, plain_columns, torque_rms};
+use crate::ripple::RippleLine;
+use crate::rivals::rivals;
+use crate::scene::{Column, Scene};
+use crate::search::Search;
+use crate::significance::Chance;
+
+/// A selected cause with everything that is reported of it.
+pub(crate) struct Selected<const N: usize> {
+    pub group: usize,
+    evidence: f64,
+    p_value: f64,
+    pub plain: Vec<Column<N>>,
+    /// Derivative of its torque by its refined shape, unwhitened and whitened.
+    slope: Option<Column<N>>,
+    alternatives: Vec<Alternative>,
+}
+
+/// Step of the numerical derivative by a shape, relative.
+const SHAPE_STEP: f64 = 0.03;
+
+/// Rivals, significance and columns of every member.
+pub(crate) fn describe<const N: usize>(
+    search: &mut Search<'_, '_, N>,
+    chance: &Chance,
+    step: &dyn Fn(&str, f64) -> Result<(), DiagnoseError>,
+) -> Result<Vec<Selected<N>>, DiagnoseError> {
+    let members = search.selected.clone();
+    let mut described = Vec::new();
+    for &group in &members {
+        step("rivals", 0.88)?;
+        let evidence = evidence_of(search, group);
+        let alternatives = rivals(search, group, evidence);
+        let plain = plain_columns(search, group);
+        let candidate = search.system.groups[group].candidate.clone();
+        let shape = search.system.groups[group].shape.clone();
+        let slope = candidate.profile().map(|_| {
+            let scene = search.system.scene;
+            let columns = search.system.columns_of(&search.selected);
+            let fit = joint_fit(search.system, &columns).coefficients;
+            let place = columns.iter().position(|c| *c == search.system.groups[group].columns.start).unwrap_or(0);
+            let moved = [shape[0] * (1.0 + SHAPE_STEP)];
+            let up = candidate.filtered(scene, &moved).swap_remove(0);
+            let scale = fit[place] / (shape[0] * SHAPE_STEP);
+            Column {
+                rows: std::array::from_fn(|j| {
+                    let (up, here) = (up.rows[j].as_ref()?, plain[0].rows[j].as_ref()?);
+                    Some(up.iter().zip(here).map(|(up, here)| (up - here) * scale).collect())
+                }),
+            }
+        });
+        described.push(Selected { group, evidence, p_value: chance.p_value(evidence), plain, slope, alternatives });
+    }
+    search.selected = members;
+    Ok(described)
+}
+
+/// What the fit of all findings has left behind.
+pub(crate) struct Fitted<'f, const N: usize> {
+    pub gram: &'f BlockGram,
+    pub plain: &'f [Column<N>],
+    pub blocks: &'f TimeBlocks,
+    pub after: &'f BlockSquares<N>,
+    pub residual_after: &'f [Vec<f64>; N],
+}
+
+pub(crate) fn finding_of<const N: usize>(
+    search: &Search<'_, '_, N>,
+    member: &Selected<N>,
+    own: &std::ops::Range<usize>,
+    coefficients: &[f64],
+    fitted: &Fitted<'_, N>,
+    seed: u64,
+) -> Finding {
+    let system = &*search.system;
+    let scene = system.scene;
+    let group = &system.groups[member.group];
+    let candidate = &group.candidate;
+    let own_coefficients = &coefficients[own.clone()];
+    let effect = candidate.effect(scene, &group.shape, own_coefficients);
+
+    // Gain of this finding, given the others, on the joints it acts on.
+    let keep: Vec<usize> = (0..coefficients.len()).filter(|c| !own.contains(c)).collect();
+    let without = held_out_squares(&scene.residual_nm, fitted.plain, fitted.gram, fitted.blocks, &keep);
+    let affected: Vec<usize> = (0..N).filter(|j| member.plain.iter().any(|column| column.rows[*j].is_some())).collect();
+    let (held_out_gain, held_out_gain_ci95) = gain_with_interval(&without, fitted.after, &affected, seed);
+
+    // Intervals: coefficients (and the shape, linearised) of resampled blocks.
+    let parameters = effect.as_ref().map_or_else(Vec::new, |effect| {
+        let slope = member.slope.as_ref().map(|slope| system.whiten(slope));
+        let mut columns: Vec<&Column<N>> = search_columns(search);
+        let base = columns.len();
+        columns.extend(slope.as_ref());
+        let selected = system.columns_of(&search.selected);
+        let ridge = selected.iter().map(|c| system.ridge(*c)).chain(slope.iter().map(|_| 0.0)).collect();
+        let gram = BlockGram::of(system, &columns, ridge, fitted.blocks);
+        let kept: Vec<usize> = (0..columns.len()).collect();
+        let draws = resampled(gram.blocks(), seed, |weights| {
+            let fit = gram.fit(weights, &kept);
+            let mut shape = group.shape.clone();
+            if slope.is_some() {
+                shape[0] = (shape[0] + fit[base]).max(1e-9);
+            }
+            candidate.effect(scene, &shape, &fit[own.clone()])
+        });
+        let drawn: Vec<_> = draws.into_iter().flatten().map(|effect| parameters_of(&effect)).collect();
+        parameters_of(effect)
+            .into_iter()
+            .enumerate()
+            .map(|(p, (name, value))| {
+                let ci95 =
+                    (0..value.len()).map(|i| interval(drawn.iter().map(|draw| draw[p].1[i]).collect())).collect();
+                Parameter { name, value, ci95 }
+            })
+            .collect()
+    });
+    let explained = (0..N).map(|j| torque_rms(&member.plain, own_coefficients, j));
+    let plots = plots::of_member(scene, candidate.as_ref(), &member.plain, own_coefficients, fitted.residual_after);
+    Finding {
+        label: candidate.label(),
+        location: candidate.location(),
+        effect,
+        parameters,
+        signature: candidate.signature(),
+        p_value: member.p_value,
+        held_out_gain,
+        held_out_gain_ci95,
+        explained_rms_nm: explained.fold(0.0, f64::max),
+        evidence: member.evidence,
+        alternatives: member.alternatives.clone(),
+        plots,
+    }
+}
+
+pub(crate) fn search_columns<'s, const N: usize>(search: &'s Search<'_, '_, N>) -> Vec<&'s Column<N>> {
+    search.system.columns_of(&search.selected).into_iter().map(|c| &search.system.columns[c]).collect()
+}
+
+pub(crate) fn ripple_finding<const N: usize>(
+    scene: &Scene<N>,
+    line: &RippleLine,
+    evaluated: &Evaluated<'_, N>,
+    after: &BlockSquares<N>,
+    blocks: &TimeBlocks,
+) -> Finding {
+    // Without this line its torque is back in the residual.
+    let column = scene.filter(&line.torque(scene));
+    let torque = column.rows[line.joint].clone().unwrap_or_default();
+    let mut back = evaluated.original.clone();
+    back[line.joint] = scene.residual_nm[line.joint].iter().zip(&torque).map(|(r, x)| r + x).collect();
+    let (with, without) = (plain_squares(&scene.residual_nm, blocks), plain_squares(&back, blocks));
+    // The other findings' part cancels but for the cross term, which is small: a ripple is orthogonal to slow causes.
+    let raised: BlockSquares<N> = after
+        .iter()
+        .zip(with.iter().zip(&without))
+        .map(|(after, (with, without))| std::array::from_fn(|j| (after[j] + without[j] - with[j]).max(0.0)))
+        .collect();
+    let (held_out_gain, held_out_gain_ci95) = gain_with_interval(&raised, after, &[line.joint], evaluated.seed);
+    let error = 1.96 * line.standard_error_nm;
+    let effect = ripple_effect(scene, line);
+    let amplitude = line.amplitude_nm();
+    let phase_error = error / amplitude;
+    let half = [1.96 * line.order_error, error, phase_error];
+    let parameters = effect.as_ref().map_or_else(Vec::new, |effect| {
+        parameters_of(effect)
+            .into_iter()
+            .zip(half)
+            .map(|((name, value), half)| Parameter { name, ci95: vec![[value[0] - half, value[0] + half]], value })
+            .collect()
+    });
+    Finding {
+        label: CauseLabel::TorqueRipple,
+        location: Location::Joint(line.joint),
+        effect,
+        parameters,
+        signature: None,
+        p_value: (-0.5 * line.evidence).exp().min(LARGEST_P),
+        held_out_gain,
+        held_out_gain_ci95,
+        explained_rms_nm: amplitude / 2f64.sqrt(),
+        evidence: line.evidence,
+        alternatives: Vec::new(),
+        plots: plots::of_ripple(scene, line),
+    }
+}
+
+pub(crate) fn squares(rms: &[[f64; 2]]) -> Vec<[f64; 2]> {
+    rms.iter().map(|pair| [pair[0] * pair[0], pair[1] * pair[1]]).collect()
+}
+
+pub(crate) fn deflection_finding(found: &DeflectionFinding, seed: u64) -> Finding {
+    let (held_out_gain, held_out_gain_ci95) = gain_of_pairs(&squares(&found.blocks), seed);
+    let parameters = parameters_of(&found.effect)
+        .into_iter()
+        .enumerate()
+        .map(|(i, (name, value))| {
+            // The damping of a quasi-static deflection is weakly determined.
+            let relative = if i == 0 { 1.96 * found.relative_error } else { 1.0 };
+            let ci95 = vec![[value[0] * (1.0 - relative), value[0] * (1.0 + relative)]];
+            Parameter { name, value, ci95 }
+        })
+        .collect();
+    Finding {
+        label: found.label,
+        location: Location::Joint(found.joint),
+        effect: Some(found.effect.clone()),
+        parameters,
+        signature: None,
+        p_value: (-0.5 * found.evidence).exp().min(LARGEST_P),
+        held_out_gain,
+        held_out_gain_ci95,
+        explained_rms_nm: 0.0,
+        evidence: found.evidence,
+        alternatives: Vec::new(),
+        plots: plots::of_deflection(found),
+    }
+}

@@ -1,0 +1,167 @@
+//! What the selection keeps: enough evidence, enough torque, a gain on unseen blocks, the likelier of two stories.
+
+use crate::confusable::same_by_physics;
+use crate::diagnosis::{CauseLabel, Location};
+use crate::evidence::joint_fit;
+use crate::held_out::{BlockGram, BlockSquares, TimeBlocks, held_out_squares};
+use crate::rivals::RIVAL_EVIDENCE;
+use crate::scene::Column;
+use crate::search::Search;
+use crate::significance::Chance;
+
+/// Largest family-wise probability of chance for a finding.
+pub(crate) const LARGEST_P: f64 = 0.01;
+/// Least RMS of a finding's torque (Nm).
+const LEAST_RMS_NM: f64 = 2.5e-3;
+/// The same over the torque sensor's noise in the band.
+const LEAST_OVER_NOISE: f64 = 0.25;
+
+/// Evidence of a member given the other members.
+pub(crate) fn evidence_of<const N: usize>(search: &Search<'_, '_, N>, group: usize) -> f64 {
+    search.evidence_given(&search.others(group), group).map_or(f64::NEG_INFINITY, |(evidence, _)| evidence)
+}
+
+/// Of two causes with the same torque by physics, tells the likelier story: a payload rather than a heavier last link, a
+/// rotor rather than the first link.
+pub(crate) fn prefer_likelier<const N: usize>(search: &mut Search<'_, '_, N>) {
+    for place in 0..search.selected.len() {
+        let group = search.selected[place];
+        let own = search.place(group);
+        if own.0 != CauseLabel::LinkInertial {
+            continue;
+        }
+        let others = search.others(group);
+        let evidence = evidence_of(search, group);
+        let likelier = (0..search.system.groups.len())
+            .filter(|rival| same_by_physics::<N>(own, search.place(*rival)) && search.place(*rival) != own)
+            .filter(|rival| !others.iter().any(|other| search.place(*other) == search.place(*rival)))
+            .filter_map(|rival| Some((rival, search.evidence_given(&others, rival)?.0)))
+            .max_by(|a, b| a.1.total_cmp(&b.1));
+        if let Some((rival, value)) = likelier
+            && value > evidence - RIVAL_EVIDENCE
+        {
+            search.selected[place] = rival;
+        }
+    }
+}
+
+/// Drops what chance may explain.
+pub(crate) fn drop_chance<const N: usize>(search: &mut Search<'_, '_, N>, chance: &Chance) {
+    loop {
+        let weakest = search
+            .selected
+            .iter()
+            .map(|group| (*group, evidence_of(search, *group)))
+            .min_by(|a, b| a.1.total_cmp(&b.1));
+        match weakest {
+            Some((group, evidence)) if chance.p_value(evidence) > LARGEST_P => search.selected = search.others(group),
+            _ => return,
+        }
+    }
+}
+
+/// Drops what is too small to matter on every joint.
+pub(crate) fn drop_small<const N: usize>(search: &mut Search<'_, '_, N>) {
+    let scene = search.system.scene;
+    let columns = search.system.columns_of(&search.selected);
+    let coefficients = joint_fit(search.system, &columns).coefficients;
+    let mut first = 0;
+    let mut kept = Vec::new();
+    for &group in &search.selected {
+        let plain = plain_columns(search, group);
+        let own = &coefficients[first..first + plain.len()];
+        first += plain.len();
+        let matters = (0..N).any(|j| {
+            let rms = torque_rms(&plain, own, j);
+            rms > LEAST_RMS_NM && rms > LEAST_OVER_NOISE * scene.torque_floor_nm[j]
+        });
+        if matters {
+            kept.push(group);
+        }
+    }
+    search.selected = kept;
+}
+
+/// Drops what does not help on blocks that its coefficients have not seen: on no joint, in no stretch where it acts.
+pub(crate) fn drop_worthless<const N: usize>(search: &mut Search<'_, '_, N>) {
+    loop {
+        let system = &*search.system;
+        let blocks = TimeBlocks::of(system);
+        let columns = system.columns_of(&search.selected);
+        let white: Vec<&Column<N>> = columns.iter().map(|c| &system.columns[*c]).collect();
+        let plain: Vec<Column<N>> = search.selected.iter().flat_map(|group| plain_columns(search, *group)).collect();
+        let ridge: Vec<f64> = columns.iter().map(|c| system.ridge(*c)).collect();
+        let gram = BlockGram::of(system, &white, ridge, &blocks);
+        let everything: Vec<usize> = (0..columns.len()).collect();
+        let residual = &system.scene.residual_nm;
+        let after = held_out_squares(residual, &plain, &gram, &blocks, &everything);
+        let mut first = 0;
+        let mut worst: Option<(usize, f64)> = None;
+        for &group in &search.selected {
+            let own = first..first + system.groups[group].columns.len();
+            first = own.end;
+            let keep: Vec<usize> = everything.iter().copied().filter(|c| !own.contains(c)).collect();
+            let without = held_out_squares(residual, &plain, &gram, &blocks, &keep);
+            let acts = |block: usize, j: usize| {
+                let range = blocks.ranges[block].clone();
+                plain[own.clone()]
+                    .iter()
+                    .filter_map(|column| column.rows[j].as_ref())
+                    .any(|x| x[range.clone()].iter().any(|x| *x != 0.0))
+            };
+            let best = (0..N)
+                .filter_map(|j| {
+                    let touched: Vec<usize> = (0..blocks.ranges.len()).filter(|block| acts(*block, j)).collect();
+                    let sum = |squares: &BlockSquares<N>| touched.iter().map(|block| squares[*block][j]).sum::<f64>();
+                    (!touched.is_empty()).then(|| 1.0 - (sum(&after) / sum(&without).max(1e-300)).sqrt())
+                })
+                .fold(f64::NEG_INFINITY, f64::max);
+            if best < LEAST_GAIN && worst.is_none_or(|(_, gain)| best < gain) {
+                worst = Some((group, best));
+            }
+        }
+        match worst {
+            Some((group, _)) => search.selected = search.others(group),
+            None => return,
+        }
+    }
+}
+
+/// Held-out gain on its best joint that a finding must have.
+const LEAST_GAIN: f64 = 0.015;
+
+/// A named cause on a joint where a nameless one explains more is part of what has no name.
+pub(crate) fn yield_to_unknown<const N: usize>(search: &mut Search<'_, '_, N>) {
+    let strength: Vec<(usize, CauseLabel, Location, f64)> =
+        search.selected.iter().map(|g| (*g, search.place(*g).0, search.place(*g).1, evidence_of(search, *g))).collect();
+    search.selected.retain(|group| {
+        let Some((_, label, location, own)) = strength.iter().find(|entry| entry.0 == *group) else { return false };
+        *label == CauseLabel::Unknown
+            || !strength
+                .iter()
+                .any(|(_, other, place, evidence)| *other == CauseLabel::Unknown && place == location && evidence > own)
+    });
+}
+
+pub(crate) fn plain_columns<const N: usize>(search: &Search<'_, '_, N>, group: usize) -> Vec<Column<N>> {
+    let scene = search.system.scene;
+    let group = &search.system.groups[group];
+    group.candidate.filtered(scene, &group.shape)
+}
+
+pub(crate) fn torque_rms<const N: usize>(plain: &[Column<N>], coefficients: &[f64], joint: usize) -> f64 {
+    let Some(rows) = plain.iter().find_map(|column| column.rows[joint].as_ref()) else { return 0.0 };
+    let acting = |k: &usize| plain.iter().any(|column| column.rows[joint].as_ref().is_some_and(|x| x[*k] != 0.0));
+    let count = (0..rows.len()).filter(acting).count();
+    let sum: f64 = (0..rows.len())
+        .map(|k| {
+            let torque: f64 = plain
+                .iter()
+                .zip(coefficients)
+                .filter_map(|(column, c)| Some(column.rows[joint].as_ref()?[k] * c))
+                .sum();
+            torque * torque
+        })
+        .sum();
+    (sum / count.max(1) as f64).sqrt()
+}

@@ -1,0 +1,114 @@
+//! What surrounds the findings: the misfit of every joint, notes, assumptions, and what was rejected.
+
+use crate::diagnosis::{CauseLabel, Finding, JointMisfit, Rejected};
+use crate::evidence::Conditional;
+use crate::held_out::BlockSquares;
+use crate::plots;
+use crate::scene::Scene;
+use crate::search::Search;
+use crate::significance::Chance;
+
+pub(crate) fn misfits<const N: usize>(
+    scene: &Scene<N>,
+    before: &[Vec<f64>; N],
+    after: &[Vec<f64>; N],
+    held_out_before: &BlockSquares<N>,
+    held_out_after: &BlockSquares<N>,
+) -> Vec<JointMisfit> {
+    let mean = |x: &[f64]| x.iter().sum::<f64>() / x.len().max(1) as f64;
+    let rms = |x: &[f64]| (x.iter().map(|x| x * x).sum::<f64>() / x.len().max(1) as f64).sqrt();
+    let variance = |x: &[f64]| rms(x).powi(2) - mean(x).powi(2);
+    let samples = scene.time_s.len().max(1) as f64;
+    let block_rms =
+        |squares: &BlockSquares<N>, j: usize| (squares.iter().map(|block| block[j]).sum::<f64>() / samples).sqrt();
+    (0..N)
+        .map(|j| JointMisfit {
+            rms_nm: rms(&before[j]),
+            bias_nm: mean(&before[j]),
+            // A torque that hardly varies leaves no variance to explain.
+            unexplained: variance(&before[j])
+                / variance(&scene.measured_nm[j]).max(scene.noise_floor_nm[j].powi(2)).max(1e-12),
+            noise_floor_nm: scene.noise_floor_nm[j],
+            goes_with: plots::goes_with(scene, &before[j], j),
+            rms_after_nm: rms(&after[j]),
+            held_out_nm: [block_rms(held_out_before, j), block_rms(held_out_after, j)],
+        })
+        .collect()
+}
+
+pub(crate) fn notes_of<const N: usize>(scene: &Scene<N>) -> Vec<String> {
+    let mut notes = Vec::new();
+    for j in 0..N {
+        if !scene.moves(j) {
+            notes.push(format!("joint {j} hardly moves: nothing but an offset can be said about its friction"));
+            continue;
+        }
+        let (forwards, backwards) = scene.samples.iter().fold((0usize, 0usize), |(f, b), at| {
+            (f + usize::from(at.sign[j] > 0.9), b + usize::from(at.sign[j] < -0.9))
+        });
+        if forwards.min(backwards) * 50 < scene.samples.len() {
+            notes.push(format!(
+                "joint {j} moves in one direction only: Coulomb friction and offset cannot be separated"
+            ));
+        }
+    }
+    if scene.skipped_bursts > 0 {
+        notes.push(format!("{} bursts were too short for the band and were left out", scene.skipped_bursts));
+    }
+    notes
+}
+
+pub(crate) fn assumptions_of<const N: usize>(search: &Search<'_, '_, N>, chance: &Chance) -> Vec<String> {
+    let scene = search.system.scene;
+    let mut assumptions: Vec<String> = scene.chains.iter().map(ToString::to_string).collect();
+    assumptions.dedup();
+    assumptions.push(format!(
+        "sign(qd) is tanh(qd/{} rad/s); coefficients are fitted on whitened residuals of all joints together",
+        scene.nominal.smoothing_rad_s
+    ));
+    assumptions.push(format!(
+        "held-out figures: coefficients of each fold come from the other contiguous blocks, shapes (speeds, distances, \
+         time constants, orders) from the whole log; chance is {:.2} times white noise's",
+        chance.inflation
+    ));
+    assumptions.push("RMS gains are 1 − rms after / rms before, in the band".to_owned());
+    assumptions
+}
+
+/// The best of every named cause that was not selected, and why it is out.
+pub(crate) fn rejected<const N: usize>(search: &Search<'_, '_, N>, findings: &[Finding]) -> Vec<Rejected> {
+    let scene = search.system.scene;
+    let given = Conditional::on(search.system, &search.system.columns_of(&search.selected));
+    let mut all: Vec<Rejected> = Vec::new();
+    for group in 0..search.system.groups.len() {
+        let (label, location) = search.place(group);
+        let found = findings.iter().any(|finding| (finding.label, finding.location) == (label, location));
+        if found || label == CauseLabel::Unknown || label == CauseLabel::ExternalContact {
+            continue;
+        }
+        let columns: Vec<usize> = search.system.groups[group].columns.clone().collect();
+        let gain = given.gain(search.system, &columns);
+        let (evidence, reason) = if gain.directions == 0 {
+            (None, "this motion cannot tell it from the findings".to_owned())
+        } else {
+            let shape = &search.system.groups[group].shape;
+            let allowed = search.system.groups[group].candidate.admissible(scene, shape, &gain.coefficients);
+            let value = gain.explained / search.inflation - search.price(group, &gain);
+            let reason =
+                if allowed { "does not pay for its parameters" } else { "only with values that physics forbids" };
+            (Some(value), reason.to_owned())
+        };
+        match all.iter_mut().find(|other| (other.label, other.location) == (label, location)) {
+            Some(other) if evidence > other.evidence => *other = Rejected { label, location, evidence, reason },
+            Some(_) => {}
+            None => all.push(Rejected { label, location, evidence, reason }),
+        }
+    }
+    for candidate in crate::cause::candidates::<N>() {
+        if let Some(reason) = candidate.unavailable(scene) {
+            all.push(Rejected { label: candidate.label(), location: candidate.location(), evidence: None, reason });
+        }
+    }
+    all.sort_by(|a, b| b.evidence.unwrap_or(f64::NEG_INFINITY).total_cmp(&a.evidence.unwrap_or(f64::NEG_INFINITY)));
+    all
+}
