@@ -34,6 +34,8 @@ pub(crate) struct Evaluated<'e, const N: usize> {
 const UNEXPLAINED_OVER_NOISE: f64 = 3.0;
 /// The same in Nm.
 const UNEXPLAINED_NM: f64 = 0.01;
+/// How much larger both are where other joints have findings: those leave traces everywhere.
+const BESIDE_FINDINGS: f64 = 4.0;
 
 /// Draws the conclusion.
 pub(crate) fn conclude<const N: usize>(
@@ -112,7 +114,11 @@ pub(crate) fn conclude<const N: usize>(
     let worst = (0..N)
         .filter(|j| !explained(*j))
         .max_by(|a, b| over_noise(&joints[*a]).total_cmp(&over_noise(&joints[*b])))
-        .filter(|j| over_noise(&joints[*j]) > UNEXPLAINED_OVER_NOISE && joints[*j].rms_after_nm > UNEXPLAINED_NM);
+        .filter(|j| {
+            let factor = if findings.is_empty() { 1.0 } else { BESIDE_FINDINGS };
+            over_noise(&joints[*j]) > factor * UNEXPLAINED_OVER_NOISE
+                && joints[*j].rms_after_nm > factor * UNEXPLAINED_NM
+        });
     let verdict = if findings.iter().any(|finding| finding.label == CauseLabel::Unknown) || worst.is_some() {
         Verdict::Unknown
     } else if findings.iter().any(doubted) {

@@ -48,6 +48,7 @@ mod parameters;
 mod plots;
 mod pruning;
 mod remarks;
+mod repeats;
 pub mod report;
 mod ripple;
 mod rivals;

@@ -6,7 +6,7 @@ use std::sync::OnceLock;
 use nalgebra::{SMatrix, SVector};
 use rayon::prelude::*;
 use tribo_friction::law::smooth_sign;
-use tribo_logs::{LogColumns, RobotLog};
+use tribo_logs::RobotLog;
 use tribo_robot::{Kinematics, inverse_dynamics_regressor, mass_matrix, rnea};
 use tribo_sim::Effect;
 
@@ -122,8 +122,6 @@ impl<const N: usize> Scene<N> {
                 return Err(DiagnoseError::JointCount { log: index, got: log.joints(), expected: N });
             }
         }
-        let fresh: Vec<(RobotLog, bool)> = logs.iter().map(without_repeats).collect();
-        let logs: Vec<&RobotLog> = fresh.iter().map(|(log, _)| log).collect();
         let mean_square = |of: &dyn Fn(&RobotLog, usize) -> f64| {
             SVector::<f64, N>::from_fn(|j, _| {
                 (logs.iter().map(|log| of(log, j).powi(2)).sum::<f64>() / logs.len().max(1) as f64).sqrt()
@@ -168,16 +166,14 @@ impl<const N: usize> Scene<N> {
             link_regressors: OnceLock::new(),
         };
         let mut deflection = Some(Vec::new());
-        for (index, (log, repeats)) in fresh.iter().enumerate() {
+        for (index, log) in logs.iter().enumerate() {
             let log_rate_hz = tribo_logs::median_period_s(&log.time_s).unwrap_or(1.0).recip();
             // A 30 Hz log carries 10 Hz at most; the average follows the band, or the number of samples allowed.
             let band_hz = band_hz.min(HIGHEST_BAND * log_rate_hz);
             let by_band = log_rate_hz / (SAMPLES_PER_BAND * band_hz);
             let by_size = duration_s * log_rate_hz / MOST_SAMPLES;
             let average_samples = by_band.max(by_size).floor().max(1.0) as usize;
-            // A dropped repeat leaves a hole of two periods, which is no gap.
-            let longest_gap_s = repeats.then(|| f64::max(2.6 / log_rate_hz, 0.1 / band_hz));
-            let settings = ResidualSettings { band_hz, longest_gap_s, average_samples };
+            let settings = ResidualSettings { band_hz, longest_gap_s: None, average_samples };
             let rigid = TorqueResidual::of_log(log, &nominal.arm, &settings)?;
             scene.append(index, &rigid);
             match (rigid.deflection_rad(), &mut deflection) {
@@ -422,28 +418,6 @@ pub(crate) fn combined<const N: usize>(columns: &[Column<N>; 10], weights: &SVec
         sum
     });
     Column { rows }
-}
-
-/// The log without rows that say the same as the row before (positions and torques of all joints alike), and whether
-/// there were any: such a row was sent twice under a new stamp, and its velocity is a lie.
-fn without_repeats(log: &RobotLog) -> (RobotLog, bool) {
-    let same = |k: usize| log.q_rad.iter().chain(&log.tau_j_nm).all(|column| column[k] == column[k - 1]);
-    let kept: Vec<usize> = (0..log.rows()).filter(|k| *k == 0 || !same(*k)).collect();
-    if kept.len() == log.rows() || kept.len() < log.rows() / 2 {
-        return (log.clone(), false);
-    }
-    let pick = |column: &Vec<f64>| kept.iter().map(|k| column[*k]).collect::<Vec<f64>>();
-    let all = |columns: &Vec<Vec<f64>>| columns.iter().map(pick).collect::<Vec<_>>();
-    let fresh = LogColumns {
-        time_s: pick(&log.time_s),
-        q_rad: all(&log.q_rad),
-        dq_rad_s: all(&log.dq_rad_s),
-        tau_j_nm: all(&log.tau_j_nm),
-        theta_rad: log.theta_rad.as_ref().map(all),
-        tau_link_nm: log.tau_link_nm.as_ref().map(all),
-        ..LogColumns::default()
-    };
-    fresh.validate().map_or_else(|_| (log.clone(), false), |fresh| (fresh, true))
 }
 
 /// Gain of the average of m samples at `frequency` (in sample rates).

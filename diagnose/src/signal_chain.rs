@@ -39,7 +39,7 @@ const TRIM_PERIODS: f64 = 0.5;
 /// Least time dropped at each end after the band filter (s).
 const LEAST_TRIM_S: f64 = 0.05;
 /// Longest default gap, in periods of the band.
-const GAP_PERIODS: f64 = 0.1;
+pub(crate) const GAP_PERIODS: f64 = 0.1;
 /// Distance at which a filtered sample has forgotten another, in periods of the band.
 const MEMORY_PERIODS: f64 = 2.0;
 

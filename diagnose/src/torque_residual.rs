@@ -3,11 +3,16 @@
 use std::ops::Range;
 
 use nalgebra::SVector;
-use tribo_logs::{LogError, Resampling, RobotLog, resample};
+use tribo_logs::{LogError, Resampling, RobotLog, median_period_s, resample};
 use tribo_robot::{Arm, rnea};
 
 use crate::filter::{FilterError, central_difference};
+use crate::repeats::without_repeats;
+use crate::signal_chain::GAP_PERIODS;
 use crate::{ResidualSettings, SignalChain};
+
+/// Longest hole of dropped repeats that is interpolated across, in periods of the log.
+const HOLE_PERIODS: f64 = 2.6;
 
 /// Why a log has no torque residual.
 #[derive(Debug, thiserror::Error)]
@@ -124,7 +129,11 @@ impl<const N: usize> TorqueResidual<N> {
         if log.joints() != N {
             return Err(ResidualError::JointCount { log: log.joints(), arm: N });
         }
-        let chain = SignalChain::resolve(log, settings)?;
+        let (log, repeats) = &without_repeats(log);
+        // A dropped repeat leaves a hole of two periods, which is no gap.
+        let hole_s = repeats.then(|| HOLE_PERIODS * median_period_s(&log.time_s).unwrap_or(0.0));
+        let longest_gap_s = settings.longest_gap_s.or(hole_s.map(|hole_s| hole_s.max(GAP_PERIODS / settings.band_hz)));
+        let chain = SignalChain::resolve(log, &ResidualSettings { longest_gap_s, ..*settings })?;
 
         // Bursts on uniform grids.
         let resampling = Resampling {

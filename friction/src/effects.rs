@@ -23,7 +23,7 @@ pub struct Ripple {
 /// ```
 ///
 /// s is the sign of qd, smoothed. With a presliding distance the dry part follows a bristle instead of s (see
-/// [`crate::law::Lugre`]); that needs a state, so [`Self::torque`] takes s from the caller.
+/// [`crate::law::Lugre`]); that needs a state, so [`Self::torque_nm`] takes s from the caller.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct JointEffects {
     /// Added Coulomb friction (Nm).

