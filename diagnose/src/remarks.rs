@@ -5,7 +5,7 @@ use crate::evidence::Conditional;
 use crate::held_out::BlockSquares;
 use crate::plots;
 use crate::scene::Scene;
-use crate::search::Search;
+use crate::search::{LEAST_EVIDENCE, Search};
 use crate::significance::Chance;
 
 pub(crate) fn misfits<const N: usize>(
@@ -94,8 +94,11 @@ pub(crate) fn rejected<const N: usize>(search: &Search<'_, '_, N>, findings: &[F
             let shape = &search.system.groups[group].shape;
             let allowed = search.system.groups[group].candidate.admissible(scene, shape, &gain.coefficients);
             let value = gain.explained / search.inflation - search.price(group, &gain);
-            let reason =
-                if allowed { "does not pay for its parameters" } else { "only with values that physics forbids" };
+            let reason = match allowed {
+                false => "only with values that physics forbids",
+                true if value > LEAST_EVIDENCE => "too small to matter, by chance or on unseen blocks",
+                true => "does not pay for its parameters",
+            };
             (Some(value), reason.to_owned())
         };
         match all.iter_mut().find(|other| (other.label, other.location) == (label, location)) {
