@@ -15,7 +15,7 @@ use crate::plots;
 use crate::pruning::{drop_chance, drop_small, drop_worthless, prefer_likelier, yield_to_unknown};
 use crate::remarks::{assumptions_of, misfits, notes_of, rejected};
 use crate::ripple::RippleLine;
-use crate::scene::Column;
+use crate::scene::{Column, subtracted};
 use crate::search::Search;
 use crate::significance::Chance;
 use crate::validation::validated;
@@ -59,10 +59,8 @@ pub(crate) fn conclude<const N: usize>(
     let groups: Vec<usize> = selected.iter().map(|s| s.group).collect();
     let columns = system.columns_of(&groups);
     let coefficients = joint_fit(system, &columns).coefficients;
-    let white: Vec<&Column<N>> = columns.iter().map(|c| &system.columns[*c]).collect();
     let plain: Vec<Column<N>> = selected.iter().flat_map(|s| s.plain.iter().cloned()).collect();
-    let ridge: Vec<f64> = columns.iter().map(|c| system.ridge(*c)).collect();
-    let gram = BlockGram::of(system, &white, ridge, &blocks);
+    let gram = BlockGram::of(system, &columns, None, &blocks);
     let everything: Vec<usize> = (0..columns.len()).collect();
     let before = plain_squares(evaluated.original, &blocks);
     let after = held_out_squares(&scene.residual_nm, &plain, &gram, &blocks, &everything);
@@ -164,16 +162,4 @@ pub(crate) fn conclude<const N: usize>(
 
 fn over_noise(joint: &JointMisfit) -> f64 {
     joint.rms_after_nm / joint.noise_floor_nm.max(1e-6)
-}
-
-fn subtracted<const N: usize>(residual: &[Vec<f64>; N], plain: &[Column<N>], coefficients: &[f64]) -> [Vec<f64>; N] {
-    let mut left = residual.clone();
-    for (column, coefficient) in plain.iter().zip(coefficients) {
-        for j in 0..N {
-            if let Some(values) = &column.rows[j] {
-                left[j].iter_mut().zip(values).for_each(|(left, x)| *left -= coefficient * x);
-            }
-        }
-    }
-    left
 }

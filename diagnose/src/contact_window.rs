@@ -2,9 +2,8 @@
 
 use nalgebra::{Matrix6, Vector6};
 
-use crate::cause::ExternalContact;
 use crate::evidence::joint_fit;
-use crate::scene::Column;
+use crate::scene::{Column, add_scaled};
 use crate::system::System;
 
 /// Pieces that a log is cut into for the coarse scan.
@@ -24,11 +23,7 @@ const LEAST_EXPLAINED: f64 = 100.0;
 ///
 /// Cumulative sums over pieces make every pair of edges a 6×6 solve; the edges of the best are then moved sample by
 /// sample. `None` if no window explains anything.
-pub(crate) fn best_window<const N: usize>(
-    system: &System<'_, N>,
-    jacobian: &[Column<N>],
-    given: &[usize],
-) -> Option<(usize, f64, f64)> {
+pub(crate) fn best_window<const N: usize>(system: &System<'_, N>, given: &[usize]) -> Option<(usize, f64, f64)> {
     let scene = system.scene;
     if scene.transmission {
         return None;
@@ -39,7 +34,7 @@ pub(crate) fn best_window<const N: usize>(
     for log in 0..scene.chains.len() {
         let rows: Vec<usize> =
             (0..system.joint_rows).filter(|row| scene.bursts[system.row_bursts[*row]].log == log).collect();
-        let sums = CumulativeSums::of(&rows, jacobian, &left);
+        let sums = CumulativeSums::of(&rows, system.push_columns(), &left);
         let step = (rows.len() / PIECES).max(1);
         let longest = (rows.len() as f64 * LONGEST_PART) as usize;
         let shortest = (SHORTEST_S * scene.chains[log].output_rate_hz()).ceil() as usize;
@@ -82,19 +77,14 @@ pub(crate) fn best_window<const N: usize>(
     })
 }
 
-/// Whitened columns of a push that lasts the whole log: −Jᵀ.
-pub(crate) fn whole_push<const N: usize>(system: &System<'_, N>) -> Vec<Column<N>> {
-    system.evaluate(&ExternalContact { log: None }, &[f64::NEG_INFINITY, f64::INFINITY])
-}
-
 /// Whitened residual after fitting `given`.
 pub(crate) fn residual<const N: usize>(system: &System<'_, N>, given: &[usize]) -> Column<N> {
     let fit = joint_fit(system, given);
     let mut left = system.target.clone();
     for (c, coefficient) in given.iter().zip(&fit.coefficients) {
-        for j in 0..N {
-            if let (Some(left), Some(column)) = (left.rows[j].as_mut(), system.columns[*c].rows[j].as_ref()) {
-                left.iter_mut().zip(column).for_each(|(left, x)| *left -= coefficient * x);
+        for (left, x) in left.rows.iter_mut().zip(&system.columns[*c].rows) {
+            if let (Some(left), Some(x)) = (left, x) {
+                add_scaled(left, x, -coefficient);
             }
         }
     }

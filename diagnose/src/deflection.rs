@@ -7,14 +7,15 @@
 //! The offset of the encoders and a skew of their clocks are always fitted along: a skew of 3 ms looks like a spring and
 //! a gap. Stiffness and gap are then named if they explain what these leave.
 
-use nalgebra::{DMatrix, DVector, SVector};
+use nalgebra::{DMatrix, SVector};
 use tribo_sim::Effect;
 
 use crate::cause::{Backlash, Candidate, transmitted_sign};
 use crate::diagnosis::CauseLabel;
-use crate::evidence::solve_truncated;
+use crate::evidence::{Gain, fit_rows, inner};
 use crate::filter::central_difference;
-use crate::scene::{FineColumn, Scene};
+use crate::noise_level::rms;
+use crate::scene::{FineColumn, Scene, add_scaled};
 use crate::whitening::Whitening;
 
 /// What the deflection of one joint shows.
@@ -96,7 +97,7 @@ fn joint_deflection<const N: usize>(
     // Whiten by the colour of what everything together leaves.
     let all: Vec<&[f64]> = nuisance.iter().chain(&spring).chain(&gaps).map(Vec::as_slice).collect();
     let bursts: Vec<_> = scene.bursts.iter().map(|burst| burst.out.clone()).collect();
-    let left = subtract(&target, &all, &least_squares(&all, &target));
+    let left = subtract(&target, &all, &fit(&all, &target).coefficients);
     let noise = deflection_noise(scene, joint);
     let whitening = Whitening::of(&left, &bursts, (0.05 * noise).max(1e-10));
     let white = |x: &[f64]| bursts.iter().flat_map(|burst| whitening.apply(&x[burst.clone()])).collect::<Vec<f64>>();
@@ -149,7 +150,6 @@ fn joint_deflection<const N: usize>(
 
     let corrected = subtract(&target, &base, &gain.coefficients[..2]);
     let predicted: Vec<f64> = subtract(&corrected, &chosen[2..], &gain.coefficients[2..]);
-    let rms = |x: &[f64]| (x.iter().map(|x| x * x).sum::<f64>() / x.len().max(1) as f64).sqrt();
     let (before_rad, after_rad) = (rms(&corrected), rms(&predicted));
     if (before_rad.powi(2) - after_rad.powi(2)).max(0.0).sqrt() < LEAST_OVER_NOISE * noise {
         return Vec::new();
@@ -181,7 +181,7 @@ fn joint_deflection<const N: usize>(
             findings.push(template(CauseLabel::JointElasticity, effect, errors[2] / compliance.abs(), evidence));
         }
     }
-    if let Some(_width) = gap_index {
+    if gap_index.is_some() {
         let place = chosen.len() - 1;
         let half_gap_rad = gain.coefficients[place];
         if half_gap_rad > 0.0 {
@@ -200,24 +200,14 @@ fn deflection_noise<const N: usize>(scene: &Scene<N>, joint: usize) -> f64 {
     scene.position_sd_rad[joint] * (2.0 * 2.0 * chain.band_hz / chain.rate_hz).sqrt()
 }
 
-fn fit(columns: &[&[f64]], target: &[f64]) -> crate::evidence::Gain {
-    let k = columns.len();
-    let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
-    let square = DMatrix::from_fn(k, k, |a, b| dot(columns[a], columns[b]));
-    let score = DVector::from_fn(k, |a, _| dot(columns[a], target));
-    let norms = DVector::from_fn(k, |a, _| square[(a, a)].sqrt());
-    solve_truncated(&square, &score, &norms, 1e-7)
-}
-
-fn least_squares(columns: &[&[f64]], target: &[f64]) -> Vec<f64> {
-    fit(columns, target).coefficients
+fn fit(columns: &[&[f64]], target: &[f64]) -> Gain {
+    fit_rows(columns, target, 1e-7)
 }
 
 /// Standard errors of whitened columns.
 fn standard_errors(columns: &[&[f64]]) -> Vec<f64> {
     let k = columns.len();
-    let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
-    let square = DMatrix::from_fn(k, k, |a, b| dot(columns[a], columns[b]));
+    let square = DMatrix::from_fn(k, k, |a, b| inner(columns[a], columns[b]));
     square.try_inverse().map_or_else(
         || vec![f64::INFINITY; k],
         |inverse| inverse.diagonal().iter().map(|v| v.max(0.0).sqrt()).collect(),
@@ -226,8 +216,6 @@ fn standard_errors(columns: &[&[f64]]) -> Vec<f64> {
 
 fn subtract(target: &[f64], columns: &[&[f64]], coefficients: &[f64]) -> Vec<f64> {
     let mut left = target.to_vec();
-    for (column, coefficient) in columns.iter().zip(coefficients) {
-        left.iter_mut().zip(*column).for_each(|(left, x)| *left -= coefficient * x);
-    }
+    columns.iter().zip(coefficients).for_each(|(column, coefficient)| add_scaled(&mut left, column, -coefficient));
     left
 }

@@ -9,8 +9,10 @@ use crate::cause::{Candidate, TorqueRipple, candidates};
 use crate::conclusion::{Evaluated, conclude};
 use crate::deflection::deflections;
 use crate::diagnosis::Diagnosis;
+use crate::evidence::joint_fit;
+use crate::pruning::plain_columns;
 use crate::ripple::{RippleLine, ripples};
-use crate::scene::{FineColumn, Scene};
+use crate::scene::{Column, Scene, subtracted};
 use crate::search::Search;
 use crate::significance::Chance;
 use crate::system::{EvaluatedColumns, System};
@@ -108,7 +110,7 @@ pub fn diagnose<const N: usize>(
         let (mut system, selected, inflation, chance) = loop {
             step("selection", at(0.3 + 0.3 * f64::from(colours)))?;
             let mut system = System::new(&scene, &evaluated_columns, &left);
-            let go_on = |_: usize| progress("selection", at(0.3 + 0.3 * f64::from(colours)));
+            let go_on = || progress("selection", at(0.3 + 0.3 * f64::from(colours)));
             let mut search = Search::new(&mut system, 1.0);
             if !search.run(&go_on) {
                 return Err(DiagnoseError::Cancelled);
@@ -160,52 +162,26 @@ pub fn diagnose<const N: usize>(
 
 /// The residual less the ripples.
 fn subtract_ripples<const N: usize>(scene: &mut Scene<N>, original: &[Vec<f64>; N], lines: &[RippleLine]) {
-    scene.residual_nm = original.clone();
-    for line in lines {
-        let column = scene.filter(&line.torque(scene));
-        if let Some(values) = &column.rows[line.joint] {
-            scene.residual_nm[line.joint].iter_mut().zip(values).for_each(|(r, x)| *r -= x);
-        }
-    }
+    let columns: Vec<Column<N>> = lines.iter().map(|line| scene.filter(&line.torque(scene))).collect();
+    scene.residual_nm = subtracted(original, &columns, &vec![1.0; columns.len()]);
 }
 
 /// What the selection leaves of the residual (Nm), unwhitened.
 fn residual_after<const N: usize>(search: &Search<'_, '_, N>) -> [Vec<f64>; N] {
-    let scene = search.system.scene;
-    let mut left = scene.residual_nm.clone();
-    let columns = search.system.columns_of(&search.selected);
-    let mut coefficients = crate::evidence::joint_fit(search.system, &columns).coefficients.into_iter();
-    for group in &search.selected {
-        let group = &search.system.groups[*group];
-        for column in group.candidate.filtered(scene, &group.shape) {
-            let coefficient = coefficients.next().unwrap_or(0.0);
-            for (left, torque) in left.iter_mut().zip(&column.rows) {
-                if let Some(torque) = torque {
-                    left.iter_mut().zip(torque).for_each(|(left, x)| *left -= coefficient * x);
-                }
-            }
-        }
-    }
-    left
+    let coefficients = joint_fit(search.system, &search.system.columns_of(&search.selected)).coefficients;
+    let plain: Vec<Column<N>> = search.selected.iter().flat_map(|group| plain_columns(search, *group)).collect();
+    subtracted(&search.system.scene.residual_nm, &plain, &coefficients)
 }
 
 /// Torque of the selected causes on the fine grid (Nm).
 fn explained_torque<const N: usize>(search: &Search<'_, '_, N>) -> Vec<SVector<f64, N>> {
     let scene = search.system.scene;
     let mut sum = vec![SVector::<f64, N>::zeros(); scene.samples.len()];
-    let columns = search.system.columns_of(&search.selected);
-    let mut coefficients = crate::evidence::joint_fit(search.system, &columns).coefficients.into_iter();
-    for group in &search.selected {
-        let group = &search.system.groups[*group];
-        for column in group.candidate.columns(scene, &group.shape) {
-            let coefficient = coefficients.next().unwrap_or(0.0);
-            match column {
-                FineColumn::Joint(j, values) => {
-                    sum.iter_mut().zip(values).for_each(|(sum, x)| sum[j] += coefficient * x);
-                }
-                FineColumn::Arm(values) => sum.iter_mut().zip(values).for_each(|(sum, x)| *sum += x * coefficient),
-            }
-        }
+    let coefficients = joint_fit(search.system, &search.system.columns_of(&search.selected)).coefficients;
+    let groups = search.selected.iter().map(|group| &search.system.groups[*group]);
+    let columns = groups.flat_map(|group| group.candidate.columns(scene, &group.shape));
+    for (column, coefficient) in columns.zip(coefficients) {
+        column.add_to(&mut sum, coefficient);
     }
     sum
 }

@@ -41,13 +41,10 @@ impl Conditional {
                 lower: DMatrix::zeros(0, 0),
             };
         }
-        let scale = |c: usize| system.gram[(c, c)].sqrt().max(1e-300);
-        let square = DMatrix::from_fn(selected.len(), selected.len(), |i, k| {
-            let value = system.gram[(selected[i], selected[k])] / (scale(selected[i]) * scale(selected[k]));
-            if i == k { value + 1e-9 } else { value }
+        let (square, score) = unit_gram(system, selected);
+        let rows = DMatrix::from_fn(selected.len(), count, |i, c| {
+            system.gram[(selected[i], c)] / column_norm(system, selected[i])
         });
-        let rows = DMatrix::from_fn(selected.len(), count, |i, c| system.gram[(selected[i], c)] / scale(selected[i]));
-        let score = DVector::from_fn(selected.len(), |i, _| system.score[selected[i]] / scale(selected[i]));
         let lower = square.cholesky().map_or_else(|| DMatrix::identity(selected.len(), selected.len()), |c| c.l());
         let projected = lower.solve_lower_triangular(&rows).unwrap_or(rows);
         let explained = lower.solve_lower_triangular(&score).unwrap_or(score);
@@ -83,8 +80,7 @@ impl Conditional {
         if selected.is_empty() {
             return scores.to_vec();
         }
-        let scale = |c: usize| system.gram[(c, c)].sqrt().max(1e-300);
-        let own = DVector::from_fn(selected.len(), |i, _| scores[selected[i]] / scale(selected[i]));
+        let own = DVector::from_fn(selected.len(), |i, _| scores[selected[i]] / column_norm(system, selected[i]));
         let explained = self.lower.solve_lower_triangular(&own).unwrap_or(own);
         (0..scores.len()).map(|c| scores[c] - self.projected.column(c).dot(&explained)).collect()
     }
@@ -131,18 +127,34 @@ pub(crate) fn solve_truncated(
 
 /// What a few columns of the system explain beyond others, without projecting the whole system.
 pub(crate) fn gain_given<const N: usize>(system: &System<'_, N>, columns: &[usize], given: &[usize]) -> Gain {
-    let (k, s) = (columns.len(), given.len());
-    let scale = |c: usize| system.gram[(c, c)].sqrt().max(1e-300);
-    let mut square = DMatrix::from_fn(k, k, |i, m| system.gram[(columns[i], columns[m])]);
-    let mut score = DVector::from_fn(k, |i, _| system.score[columns[i]]);
+    let k = columns.len();
+    let square = DMatrix::from_fn(k, k, |i, m| system.gram[(columns[i], columns[m])]);
+    let score = DVector::from_fn(k, |i, _| system.score[columns[i]]);
+    gain_beyond(system, given, square, score, |g, m| system.gram[(g, columns[m])])
+}
+
+/// What columns outside the system explain beyond columns of it.
+pub(crate) fn free_gain<const N: usize>(system: &System<'_, N>, columns: &[Column<N>], given: &[usize]) -> Gain {
+    let k = columns.len();
+    let square = DMatrix::from_fn(k, k, |i, m| dot(&columns[i], &columns[m]));
+    let score = DVector::from_fn(k, |i, _| dot(&columns[i], &system.target));
+    gain_beyond(system, given, square, score, |g, m| dot(&system.columns[g], &columns[m]))
+}
+
+/// Projects columns `given` of the system out of others with this Gram matrix and score; `product` of a given column and
+/// one of the others.
+fn gain_beyond<const N: usize>(
+    system: &System<'_, N>,
+    given: &[usize],
+    mut square: DMatrix<f64>,
+    mut score: DVector<f64>,
+    product: impl Fn(usize, usize) -> f64,
+) -> Gain {
+    let (k, s) = (score.len(), given.len());
     let norms = DVector::from_fn(k, |i, _| square[(i, i)].sqrt());
     if s > 0 {
-        let selected = DMatrix::from_fn(s, s, |i, m| {
-            let value = system.gram[(given[i], given[m])] / (scale(given[i]) * scale(given[m]));
-            if i == m { value + 1e-9 } else { value }
-        });
-        let cross = DMatrix::from_fn(s, k, |i, m| system.gram[(given[i], columns[m])] / scale(given[i]));
-        let selected_score = DVector::from_fn(s, |i, _| system.score[given[i]] / scale(given[i]));
+        let (selected, selected_score) = unit_gram(system, given);
+        let cross = DMatrix::from_fn(s, k, |i, m| product(given[i], m) / column_norm(system, given[i]));
         let Some(factor) = selected.cholesky() else {
             return Gain { explained: 0.0, directions: 0, coefficients: vec![0.0; k] };
         };
@@ -152,28 +164,36 @@ pub(crate) fn gain_given<const N: usize>(system: &System<'_, N>, columns: &[usiz
     solve_truncated(&square, &score, &norms, OWN_PART)
 }
 
-/// What columns outside the system explain beyond columns of it.
-pub(crate) fn free_gain<const N: usize>(system: &System<'_, N>, columns: &[Column<N>], given: &[usize]) -> Gain {
-    let (k, s) = (columns.len(), given.len());
-    let scale = |c: usize| system.gram[(c, c)].sqrt().max(1e-300);
-    let square = DMatrix::from_fn(k, k, |i, m| dot(&columns[i], &columns[m]));
-    let score = DVector::from_fn(k, |i, _| dot(&columns[i], &system.target));
-    let norms = DVector::from_fn(k, |i, _| square[(i, i)].sqrt());
-    if s == 0 {
-        return solve_truncated(&square, &score, &norms, OWN_PART);
-    }
-    let selected = DMatrix::from_fn(s, s, |i, m| {
-        let value = system.gram[(given[i], given[m])] / (scale(given[i]) * scale(given[m]));
-        if i == m { value + 1e-9 } else { value }
+/// Gram matrix and score of columns of the system scaled to unit length, with a ridge against exact twins.
+fn unit_gram<const N: usize>(system: &System<'_, N>, columns: &[usize]) -> (DMatrix<f64>, DVector<f64>) {
+    let k = columns.len();
+    let norm = |i: usize| column_norm(system, columns[i]);
+    let square = DMatrix::from_fn(k, k, |i, m| {
+        let value = system.gram[(columns[i], columns[m])] / (norm(i) * norm(m));
+        if i == m { value + TWIN_RIDGE } else { value }
     });
-    let cross = DMatrix::from_fn(s, k, |i, m| dot(&system.columns[given[i]], &columns[m]) / scale(given[i]));
-    let selected_score = DVector::from_fn(s, |i, _| system.score[given[i]] / scale(given[i]));
-    let Some(factor) = selected.cholesky() else {
-        return Gain { explained: 0.0, directions: 0, coefficients: vec![0.0; k] };
-    };
-    let square = square - cross.transpose() * factor.solve(&cross);
-    let score = score - cross.transpose() * factor.solve(&selected_score);
-    solve_truncated(&square, &score, &norms, OWN_PART)
+    (square, DVector::from_fn(k, |i, _| system.score[columns[i]] / norm(i)))
+}
+
+fn column_norm<const N: usize>(system: &System<'_, N>, column: usize) -> f64 {
+    system.gram[(column, column)].sqrt().max(1e-300)
+}
+
+/// Ridge of a projection, relative to unit columns.
+const TWIN_RIDGE: f64 = 1e-9;
+
+/// Least squares of a target on columns of the same length, see [`solve_truncated`].
+pub(crate) fn fit_rows<C: AsRef<[f64]>>(columns: &[C], target: &[f64], own_part: f64) -> Gain {
+    let k = columns.len();
+    let square = DMatrix::from_fn(k, k, |a, b| inner(columns[a].as_ref(), columns[b].as_ref()));
+    let score = DVector::from_fn(k, |a, _| inner(columns[a].as_ref(), target));
+    let norms = DVector::from_fn(k, |a, _| square[(a, a)].sqrt());
+    solve_truncated(&square, &score, &norms, own_part)
+}
+
+/// Inner product.
+pub(crate) fn inner(a: &[f64], b: &[f64]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| a * b).sum()
 }
 
 /// Sum of squares that columns explain together.

@@ -11,7 +11,7 @@ use crate::held_out::{
 };
 use crate::parameters::parameters_of;
 use crate::plots;
-use crate::pruning::{LARGEST_P, evidence_of, plain_columns, torque_rms};
+use crate::pruning::{LARGEST_P, plain_columns, torque_rms};
 use crate::ripple::RippleLine;
 use crate::rivals::rivals;
 use crate::scene::{Column, Scene};
@@ -42,7 +42,7 @@ pub(crate) fn describe<const N: usize>(
     let mut described = Vec::new();
     for &group in &members {
         step("rivals", 0.88)?;
-        let evidence = evidence_of(search, group);
+        let evidence = search.member_evidence(group);
         let alternatives = rivals(search, group, evidence);
         let plain = plain_columns(search, group);
         let candidate = search.system.groups[group].candidate.clone();
@@ -101,13 +101,12 @@ pub(crate) fn finding_of<const N: usize>(
     // Intervals: coefficients (and the shape, linearised) of resampled blocks.
     let parameters = effect.as_ref().map_or_else(Vec::new, |effect| {
         let slope = member.slope.as_ref().map(|slope| system.whiten(slope));
-        let mut columns: Vec<&Column<N>> = search_columns(search);
+        let columns = system.columns_of(&search.selected);
         let base = columns.len();
-        columns.extend(slope.as_ref());
-        let selected = system.columns_of(&search.selected);
-        let ridge = selected.iter().map(|c| system.ridge(*c)).chain(slope.iter().map(|_| 0.0)).collect();
-        let gram = BlockGram::of(system, &columns, ridge, fitted.blocks);
-        let kept: Vec<usize> = (0..columns.len()).collect();
+        // Without a refined shape the products are those of the held-out fit.
+        let with_slope = slope.as_ref().map(|slope| BlockGram::of(system, &columns, Some(slope), fitted.blocks));
+        let gram = with_slope.as_ref().unwrap_or(fitted.gram);
+        let kept: Vec<usize> = (0..base + usize::from(slope.is_some())).collect();
         let draws = resampled(gram.blocks(), seed, |weights| {
             let fit = gram.fit(weights, &kept);
             let mut shape = group.shape.clone();
@@ -143,10 +142,6 @@ pub(crate) fn finding_of<const N: usize>(
         alternatives: member.alternatives.clone(),
         plots,
     }
-}
-
-pub(crate) fn search_columns<'s, const N: usize>(search: &'s Search<'_, '_, N>) -> Vec<&'s Column<N>> {
-    search.system.columns_of(&search.selected).into_iter().map(|c| &search.system.columns[c]).collect()
 }
 
 pub(crate) fn ripple_finding<const N: usize>(

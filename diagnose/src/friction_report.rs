@@ -7,6 +7,7 @@ use tribo_friction::FrictionModel;
 use tribo_friction::identify::{JointTorqueFit, TorqueFitError, fit_columns};
 use tribo_friction::law::smooth_sign;
 
+use crate::noise_level::rms;
 use crate::{BlockSettings, Blocks, BlocksError, SignalChain, TorqueResidual};
 
 /// How friction is fitted and judged.
@@ -225,12 +226,6 @@ impl MeanSquare {
     fn root(&self) -> f64 {
         (self.sum / self.count.max(1) as f64).sqrt()
     }
-}
-
-fn rms(x: &[f64]) -> f64 {
-    let mut square = MeanSquare::default();
-    x.iter().for_each(|&x| square.add(x));
-    square.root()
 }
 
 fn sd(x: &[f64]) -> f64 {

@@ -70,13 +70,15 @@ pub(crate) struct BlockGram {
 const LEAST_PART: f64 = 1e-3;
 
 impl BlockGram {
-    /// Products of the columns with each other and with the target.
+    /// Products of columns of the system, and of one more whitened column if given, with each other and with the target.
     pub fn of<const N: usize>(
         system: &System<'_, N>,
-        columns: &[&Column<N>],
-        ridge: Vec<f64>,
+        of_system: &[usize],
+        extra: Option<&Column<N>>,
         blocks: &TimeBlocks,
     ) -> Self {
+        let columns: Vec<&Column<N>> = of_system.iter().map(|c| &system.columns[*c]).chain(extra).collect();
+        let ridge = of_system.iter().map(|c| system.ridge(*c)).chain(extra.map(|_| 0.0)).collect();
         let k = columns.len();
         let mut square = vec![DMatrix::zeros(k, k); blocks.ranges.len()];
         let mut score = vec![DVector::zeros(k); blocks.ranges.len()];

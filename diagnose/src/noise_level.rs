@@ -60,6 +60,11 @@ pub(crate) fn median(values: &mut [f64]) -> Option<f64> {
     Some(*values.select_nth_unstable_by(middle, f64::total_cmp).1)
 }
 
+/// Root mean square; 0 for no values.
+pub(crate) fn rms(x: &[f64]) -> f64 {
+    (x.iter().map(|x| x * x).sum::<f64>() / x.len().max(1) as f64).sqrt()
+}
+
 /// Robust standard deviation about zero: median |x| / 0.6745.
 pub(crate) fn robust_sd(x: impl Iterator<Item = f64>) -> f64 {
     median(&mut x.map(f64::abs).collect::<Vec<f64>>()).unwrap_or(0.0) / MEDIAN_OVER_SD

@@ -16,11 +16,6 @@ const LEAST_RMS_NM: f64 = 2.5e-3;
 /// The same over the torque sensor's noise in the band.
 const LEAST_OVER_NOISE: f64 = 0.25;
 
-/// Evidence of a member given the other members.
-pub(crate) fn evidence_of<const N: usize>(search: &Search<'_, '_, N>, group: usize) -> f64 {
-    search.evidence_given(&search.others(group), group).map_or(f64::NEG_INFINITY, |(evidence, _)| evidence)
-}
-
 /// Of two causes with the same torque by physics, tells the likelier story: a payload rather than a heavier last link, a
 /// rotor rather than the first link.
 pub(crate) fn prefer_likelier<const N: usize>(search: &mut Search<'_, '_, N>) {
@@ -31,7 +26,7 @@ pub(crate) fn prefer_likelier<const N: usize>(search: &mut Search<'_, '_, N>) {
             continue;
         }
         let others = search.others(group);
-        let evidence = evidence_of(search, group);
+        let evidence = search.member_evidence(group);
         let likelier = (0..search.system.groups.len())
             .filter(|rival| same_by_physics::<N>(own, search.place(*rival)) && search.place(*rival) != own)
             .filter(|rival| !others.iter().any(|other| search.place(*other) == search.place(*rival)))
@@ -48,12 +43,7 @@ pub(crate) fn prefer_likelier<const N: usize>(search: &mut Search<'_, '_, N>) {
 /// Drops what chance may explain.
 pub(crate) fn drop_chance<const N: usize>(search: &mut Search<'_, '_, N>, chance: &Chance) {
     loop {
-        let weakest = search
-            .selected
-            .iter()
-            .map(|group| (*group, evidence_of(search, *group)))
-            .min_by(|a, b| a.1.total_cmp(&b.1));
-        match weakest {
+        match search.weakest() {
             Some((group, evidence)) if chance.p_value(evidence) > LARGEST_P => search.selected = search.others(group),
             _ => return,
         }
@@ -88,10 +78,8 @@ pub(crate) fn drop_worthless<const N: usize>(search: &mut Search<'_, '_, N>) {
         let system = &*search.system;
         let blocks = TimeBlocks::of(system);
         let columns = system.columns_of(&search.selected);
-        let white: Vec<&Column<N>> = columns.iter().map(|c| &system.columns[*c]).collect();
         let plain: Vec<Column<N>> = search.selected.iter().flat_map(|group| plain_columns(search, *group)).collect();
-        let ridge: Vec<f64> = columns.iter().map(|c| system.ridge(*c)).collect();
-        let gram = BlockGram::of(system, &white, ridge, &blocks);
+        let gram = BlockGram::of(system, &columns, None, &blocks);
         let everything: Vec<usize> = (0..columns.len()).collect();
         let residual = &system.scene.residual_nm;
         let after = held_out_squares(residual, &plain, &gram, &blocks, &everything);
@@ -132,8 +120,11 @@ const LEAST_GAIN: f64 = 0.015;
 
 /// A named cause on a joint where a nameless one explains more is part of what has no name.
 pub(crate) fn yield_to_unknown<const N: usize>(search: &mut Search<'_, '_, N>) {
-    let strength: Vec<(usize, CauseLabel, Location, f64)> =
-        search.selected.iter().map(|g| (*g, search.place(*g).0, search.place(*g).1, evidence_of(search, *g))).collect();
+    let strength: Vec<(usize, CauseLabel, Location, f64)> = search
+        .selected
+        .iter()
+        .map(|g| (*g, search.place(*g).0, search.place(*g).1, search.member_evidence(*g)))
+        .collect();
     search.selected.retain(|group| {
         let Some((_, label, location, own)) = strength.iter().find(|entry| entry.0 == *group) else { return false };
         *label == CauseLabel::Unknown

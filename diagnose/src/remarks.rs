@@ -3,6 +3,7 @@
 use crate::diagnosis::{CauseLabel, Finding, JointMisfit, Rejected};
 use crate::evidence::Conditional;
 use crate::held_out::BlockSquares;
+use crate::noise_level::rms;
 use crate::plots;
 use crate::scene::Scene;
 use crate::search::{LEAST_EVIDENCE, Search};
@@ -16,7 +17,6 @@ pub(crate) fn misfits<const N: usize>(
     held_out_after: &BlockSquares<N>,
 ) -> Vec<JointMisfit> {
     let mean = |x: &[f64]| x.iter().sum::<f64>() / x.len().max(1) as f64;
-    let rms = |x: &[f64]| (x.iter().map(|x| x * x).sum::<f64>() / x.len().max(1) as f64).sqrt();
     let variance = |x: &[f64]| rms(x).powi(2) - mean(x).powi(2);
     let samples = scene.time_s.len().max(1) as f64;
     let block_rms =

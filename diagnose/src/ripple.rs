@@ -6,7 +6,7 @@ use std::ops::Range;
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 
-use crate::evidence::solve_truncated;
+use crate::evidence::{fit_rows, inner, solve_truncated};
 use crate::noise_level::median;
 use crate::scene::{FineColumn, Scene};
 use crate::whitening::Whitening;
@@ -117,13 +117,8 @@ fn slow_part_removed<const N: usize>(scene: &Scene<N>, explained: &[nalgebra::SV
         scene.samples.iter().map(|at| at.q[j].sin()).collect(),
         scene.samples.iter().map(|at| at.q[j].cos()).collect(),
     ];
-    let k = bases.len();
-    let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
-    let square = DMatrix::from_fn(k, k, |a, b| dot(&bases[a], &bases[b]));
-    let score = DVector::from_fn(k, |a, _| dot(&bases[a], &y));
-    let norms = DVector::from_fn(k, |a, _| square[(a, a)].sqrt());
-    let fit = solve_truncated(&square, &score, &norms, 1e-8);
-    (0..rows).map(|row| y[row] - (0..k).map(|c| fit.coefficients[c] * bases[c][row]).sum::<f64>()).collect()
+    let fit = fit_rows(&bases, &y, 1e-8);
+    (0..rows).map(|row| y[row] - (0..bases.len()).map(|c| fit.coefficients[c] * bases[c][row]).sum::<f64>()).collect()
 }
 
 fn strongest_line<const N: usize>(
@@ -178,13 +173,12 @@ fn strongest_line<const N: usize>(
     ];
     let whiten = |x: &[f64]| bursts.iter().flat_map(|burst| whitening.apply(&x[burst.clone()])).collect::<Vec<f64>>();
     let (white, target) = (columns.each_ref().map(|column| whiten(column)), whiten(left));
-    let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
-    let square = DMatrix::from_fn(2, 2, |a, b| dot(&white[a], &white[b]));
-    let score = DVector::from_fn(2, |a, _| dot(&white[a], &target));
+    let square = DMatrix::from_fn(2, 2, |a, b| inner(&white[a], &white[b]));
+    let score = DVector::from_fn(2, |a, _| inner(&white[a], &target));
     let norms = DVector::from_fn(2, |a, _| square[(a, a)].sqrt());
     let fit = solve_truncated(&square, &score, &norms, 1e-6);
     let clipped_target: Vec<f64> = target.iter().copied().map(clipped).collect();
-    let clipped_score = DVector::from_fn(2, |a, _| dot(&white[a], &clipped_target));
+    let clipped_score = DVector::from_fn(2, |a, _| inner(&white[a], &clipped_target));
     let explained = solve_truncated(&square, &clipped_score, &norms, 1e-6).explained;
     let n = target.len().max(2) as f64;
 

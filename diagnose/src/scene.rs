@@ -58,6 +58,16 @@ pub(crate) enum FineColumn<const N: usize> {
     Arm(Vec<SVector<f64, N>>),
 }
 
+impl<const N: usize> FineColumn<N> {
+    /// `sum += coefficient · column`.
+    pub fn add_to(&self, sum: &mut [SVector<f64, N>], coefficient: f64) {
+        match self {
+            Self::Joint(j, values) => sum.iter_mut().zip(values).for_each(|(sum, x)| sum[*j] += coefficient * x),
+            Self::Arm(values) => sum.iter_mut().zip(values).for_each(|(sum, x)| *sum += x * coefficient),
+        }
+    }
+}
+
 /// A regressor after band filter and averaging; a joint that it leaves alone has no row.
 #[derive(Clone, Debug)]
 pub(crate) struct Column<const N: usize> {
@@ -288,15 +298,8 @@ impl<const N: usize> Scene<N> {
             _ => c,
         });
         let mut sum = vec![SVector::<f64, N>::zeros(); self.samples.len()];
-        for (column, coefficient) in columns.into_iter().zip(coefficients) {
-            match column {
-                FineColumn::Joint(j, values) => {
-                    sum.iter_mut().zip(values).for_each(|(sum, value)| sum[j] += coefficient * value);
-                }
-                FineColumn::Arm(values) => {
-                    sum.iter_mut().zip(values).for_each(|(sum, value)| *sum += value * coefficient);
-                }
-            }
+        for (column, coefficient) in columns.iter().zip(coefficients) {
+            column.add_to(&mut sum, coefficient);
         }
         Some(FineColumn::Arm(sum))
     }
@@ -405,6 +408,28 @@ impl<const N: usize> Scene<N> {
     }
 }
 
+/// `sum += factor · x`.
+pub(crate) fn add_scaled(sum: &mut [f64], x: &[f64], factor: f64) {
+    sum.iter_mut().zip(x).for_each(|(sum, x)| *sum += factor * x);
+}
+
+/// A residual (Nm) less a combination of columns.
+pub(crate) fn subtracted<const N: usize>(
+    residual: &[Vec<f64>; N],
+    columns: &[Column<N>],
+    coefficients: &[f64],
+) -> [Vec<f64>; N] {
+    let mut left = residual.clone();
+    for (column, coefficient) in columns.iter().zip(coefficients) {
+        for (left, x) in left.iter_mut().zip(&column.rows) {
+            if let Some(x) = x {
+                add_scaled(left, x, -coefficient);
+            }
+        }
+    }
+    left
+}
+
 /// The combination of ten columns.
 pub(crate) fn combined<const N: usize>(columns: &[Column<N>; 10], weights: &SVector<f64, 10>) -> Column<N> {
     let rows = std::array::from_fn(|j| {
@@ -412,7 +437,7 @@ pub(crate) fn combined<const N: usize>(columns: &[Column<N>; 10], weights: &SVec
         for (column, weight) in columns.iter().zip(weights.iter()).filter(|(_, weight)| **weight != 0.0) {
             if let Some(values) = &column.rows[j] {
                 let sum = sum.get_or_insert_with(|| vec![0.0; values.len()]);
-                sum.iter_mut().zip(values).for_each(|(sum, x)| *sum += weight * x);
+                add_scaled(sum, values, *weight);
             }
         }
         sum

@@ -12,10 +12,9 @@ use std::sync::Arc;
 use rayon::prelude::*;
 
 use crate::cause::{Candidate, ExternalContact};
-use crate::contact_window::{best_window, whole_push};
+use crate::contact_window::best_window;
 use crate::diagnosis::{CauseLabel, Location};
 use crate::evidence::{Conditional, Gain, gain_given};
-use crate::scene::Column;
 use crate::system::System;
 
 /// Evidence that a cause must add.
@@ -46,8 +45,6 @@ pub(crate) struct Search<'s, 'a, const N: usize> {
     pub inflation: f64,
     /// Number of distinct causes.
     pub causes: usize,
-    /// Whitened columns of a push that lasts the whole log.
-    push: Vec<Column<N>>,
 }
 
 impl<'s, 'a, const N: usize> Search<'s, 'a, N> {
@@ -57,8 +54,7 @@ impl<'s, 'a, const N: usize> Search<'s, 'a, N> {
             system.groups.iter().map(|group| (group.candidate.label(), group.candidate.location())).collect();
         distinct.sort_unstable();
         distinct.dedup();
-        let push = whole_push(system);
-        Self { system, selected: Vec::new(), inflation, causes: distinct.len().max(1), push }
+        Self { system, selected: Vec::new(), inflation, causes: distinct.len().max(1) }
     }
 
     /// Price of a group.
@@ -92,6 +88,17 @@ impl<'s, 'a, const N: usize> Search<'s, 'a, N> {
         self.judged(group, gain_given(self.system, &columns, &self.system.columns_of(others)))
     }
 
+    /// Evidence of a group given the members of the selection but itself; −∞ where physics forbids it.
+    pub fn member_evidence(&self, group: usize) -> f64 {
+        self.evidence_given(&self.others(group), group).map_or(f64::NEG_INFINITY, |(evidence, _)| evidence)
+    }
+
+    /// The member of least evidence given the others.
+    pub fn weakest(&self) -> Option<(usize, f64)> {
+        let judged = self.selected.iter().map(|group| (*group, self.member_evidence(*group)));
+        judged.min_by(|a, b| a.1.total_cmp(&b.1))
+    }
+
     fn judged(&self, group: usize, gain: Gain) -> Option<(f64, Gain)> {
         let Self { system, .. } = self;
         let columns = system.groups[group].columns.clone();
@@ -111,9 +118,9 @@ impl<'s, 'a, const N: usize> Search<'s, 'a, N> {
     }
 
     /// Runs to the end; `go_on` false stops it.
-    pub fn run(&mut self, go_on: &dyn Fn(usize) -> bool) -> bool {
+    pub fn run(&mut self, go_on: &dyn Fn() -> bool) -> bool {
         while self.selected.len() < MOST_CAUSES {
-            if !go_on(self.selected.len()) {
+            if !go_on() {
                 return false;
             }
             let Some((group, evidence)) = self.best_addition() else { break };
@@ -139,19 +146,15 @@ impl<'s, 'a, const N: usize> Search<'s, 'a, N> {
 
     /// The group of most evidence given the selection; a contact window is searched for on the way.
     fn best_addition(&mut self) -> Option<(usize, f64)> {
-        let given = Conditional::on(self.system, &self.system.columns_of(&self.selected));
-        if let Some((log, start_s, end_s)) =
-            best_window(self.system, &self.push, &self.system.columns_of(&self.selected))
-        {
+        let selected = self.selected.clone();
+        let columns = self.system.columns_of(&selected);
+        if let Some((log, start_s, end_s)) = best_window(self.system, &columns) {
             let contact: Arc<dyn Candidate<N>> = Arc::new(ExternalContact { log: Some(log) });
             let shape = vec![start_s, end_s];
-            let columns = self.system.evaluate(contact.as_ref(), &shape);
-            self.system.push(contact, shape, columns);
-            // The Gram matrix has grown: project anew.
-            let given = Conditional::on(self.system, &self.system.columns_of(&self.selected));
-            return self.best_of(&given, &self.selected.clone());
+            let evaluated = self.system.evaluate(contact.as_ref(), &shape);
+            self.system.push(contact, shape, evaluated);
         }
-        self.best_of(&given, &self.selected.clone())
+        self.best_of(&Conditional::on(self.system, &columns), &selected)
     }
 
     fn best_of(&self, given: &Conditional, selected: &[usize]) -> Option<(usize, f64)> {
@@ -297,18 +300,7 @@ impl<'s, 'a, const N: usize> Search<'s, 'a, N> {
     fn delete(&mut self) -> bool {
         let mut changed = false;
         loop {
-            let weakest = self
-                .selected
-                .iter()
-                .map(|group| {
-                    (
-                        *group,
-                        self.evidence_given(&self.others(*group), *group)
-                            .map_or(f64::NEG_INFINITY, |(evidence, _)| evidence),
-                    )
-                })
-                .min_by(|a, b| a.1.total_cmp(&b.1));
-            match weakest {
+            match self.weakest() {
                 Some((group, evidence)) if evidence < KEEP_EVIDENCE => {
                     self.selected = self.others(group);
                     changed = true;

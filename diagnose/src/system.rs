@@ -1,12 +1,14 @@
 //! All candidate columns, whitened, and their Gram matrix: every question of the search is small dense algebra on it.
 
 use std::ops::Range;
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 
-use crate::cause::Candidate;
+use crate::cause::{Candidate, ExternalContact};
+use crate::evidence::inner;
+use crate::noise_level::rms;
 use crate::scene::{Column, Scene};
 use crate::whitening::Whitening;
 
@@ -32,6 +34,8 @@ pub(crate) struct System<'a, const N: usize> {
     pub joint_rows: usize,
     /// Whitening per joint and log.
     pub whitening: [Vec<Whitening>; N],
+    /// Columns of a push that lasts the whole log, on first use.
+    push: OnceLock<Vec<Column<N>>>,
     /// Weight of each output sample of a joint, before whitened rows are dropped.
     weights: [Vec<f64>; N],
     /// Output sample of each whitened row.
@@ -123,6 +127,7 @@ impl<'a, const N: usize> System<'a, N> {
             joint_rows: row_samples.len(),
             rows: row_samples.len() * N,
             whitening,
+            push: OnceLock::new(),
             weights,
             row_samples,
             row_bursts,
@@ -186,6 +191,11 @@ impl<'a, const N: usize> System<'a, N> {
         candidate.filtered(self.scene, shape).iter().map(|column| self.whiten(column)).collect()
     }
 
+    /// Whitened columns of a push that lasts the whole log: −Jᵀ.
+    pub fn push_columns(&self) -> &[Column<N>] {
+        self.push.get_or_init(|| self.evaluate(&ExternalContact { log: None }, &[f64::NEG_INFINITY, f64::INFINITY]))
+    }
+
     /// Adds a group with its rows of the Gram matrix; returns its index.
     pub fn push(&mut self, candidate: Arc<dyn Candidate<N>>, shape: Vec<f64>, columns: Vec<Column<N>>) -> usize {
         let (old, new) = (self.columns.len(), columns.len());
@@ -227,10 +237,7 @@ const BODY_RIDGE: f64 = 1e-4;
 
 /// Inner product over the joints that both have.
 pub(crate) fn dot<const N: usize>(a: &Column<N>, b: &Column<N>) -> f64 {
-    (0..N)
-        .filter_map(|j| a.rows[j].as_ref().zip(b.rows[j].as_ref()))
-        .map(|(a, b)| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>())
-        .sum()
+    (0..N).filter_map(|j| a.rows[j].as_ref().zip(b.rows[j].as_ref())).map(|(a, b)| inner(a, b)).sum()
 }
 
 /// Least relative eigenvalue of the saturated fit.
@@ -272,8 +279,7 @@ fn saturated_residual<const N: usize>(scene: &Scene<N>, columns: &[Column<N>], j
 
 fn whitening_of<const N: usize>(scene: &Scene<N>, left: &[f64], joint: usize) -> Vec<Whitening> {
     let measured = &scene.measured_nm[joint];
-    let rms = (measured.iter().map(|x| x * x).sum::<f64>() / measured.len().max(1) as f64).sqrt();
-    let least = (LEAST_SCALE * scene.noise_floor_nm[joint]).max(LEAST_RELATIVE_SCALE * rms).max(1e-9);
+    let least = (LEAST_SCALE * scene.noise_floor_nm[joint]).max(LEAST_RELATIVE_SCALE * rms(measured)).max(1e-9);
     (0..scene.chains.len())
         .map(|log| {
             let bursts: Vec<Range<usize>> =

@@ -7,6 +7,7 @@ use crate::Nominal;
 use crate::diagnosis::Validation;
 use crate::engine::DiagnoseError;
 use crate::held_out::gain_of_pairs;
+use crate::noise_level::rms;
 use crate::scene::Scene;
 
 /// Length of a block of the interval (s).
@@ -28,7 +29,6 @@ pub(crate) fn validated<const N: usize>(
             let one = std::slice::from_ref(log);
             let before = Scene::of_logs(one, nominal, None)?;
             let after = Scene::of_logs(one, &extended, Some(before.chains[0].band_hz))?;
-            let rms = |x: &[f64]| (x.iter().map(|x| x * x).sum::<f64>() / x.len().max(1) as f64).sqrt();
             let per_joint = |scene: &Scene<N>| scene.residual_nm.iter().map(|column| rms(column)).collect();
             let length = (BLOCK_S * before.chains[0].output_rate_hz()).ceil().max(1.0) as usize;
             let block = |scene: &Scene<N>, start: usize| {
