@@ -186,7 +186,16 @@ impl<const N: usize> ImpedanceController<N> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use tribo_robot::{forward_dynamics, presets};
+    use tribo_robot::{Arm, forward_dynamics, presets};
+
+    fn controller(arm: &Arm<7>, posture: SVector<f64, 7>) -> ImpedanceController<7> {
+        ImpedanceController {
+            settings: ImpedanceSettings::default(),
+            pseudo_inverse: DampedPseudoInverse::default(),
+            posture,
+            rotor_inertia_kg_m2: arm.rotor_inertia_kg_m2,
+        }
+    }
 
     /// Witness: forward dynamics (ABA) under the commanded torque must give exactly the impedance's acceleration.
     #[test]
@@ -197,12 +206,7 @@ mod tests {
         let terms = ControlTerms::at(&arm, &q, &qd);
         let mut reference = terms.base_from_flange;
         reference.translation.vector.x += 0.01;
-        let controller = ImpedanceController {
-            settings: ImpedanceSettings::default(),
-            pseudo_inverse: DampedPseudoInverse::default(),
-            posture: q,
-            rotor_inertia_kg_m2: arm.rotor_inertia_kg_m2,
-        };
+        let controller = controller(&arm, q);
         let (torque, task) = controller
             .tick(&terms, &q, &qd, &reference, &Vector6::zeros(), |_, _, _| (SVector::zeros(), SVector::zeros()))
             .unwrap();
@@ -223,12 +227,7 @@ mod tests {
         let q = presets::panda_ready_pose();
         let qd = SVector::<f64, 7>::from_fn(|i, _| 0.2 * (i as f64 + 1.0).sin());
         let terms = ControlTerms::at(&arm, &q, &qd);
-        let controller = ImpedanceController {
-            settings: ImpedanceSettings::default(),
-            pseudo_inverse: DampedPseudoInverse::default(),
-            posture: q,
-            rotor_inertia_kg_m2: arm.rotor_inertia_kg_m2,
-        };
+        let controller = controller(&arm, q);
         let mut load = SVector::zeros();
         let answer = controller.tick(&terms, &q, &qd, &terms.base_from_flange, &Vector6::zeros(), |_, _, given| {
             load = *given;
@@ -243,12 +242,7 @@ mod tests {
         let arm = presets::panda();
         let (q, qd) = (presets::panda_ready_pose(), SVector::<f64, 7>::repeat(f64::NAN));
         let terms = ControlTerms::at(&arm, &q, &qd);
-        let controller = ImpedanceController {
-            settings: ImpedanceSettings::default(),
-            pseudo_inverse: DampedPseudoInverse::default(),
-            posture: q,
-            rotor_inertia_kg_m2: arm.rotor_inertia_kg_m2,
-        };
+        let controller = controller(&arm, q);
         let answer = controller.tick(&terms, &q, &qd, &terms.base_from_flange, &Vector6::zeros(), |_, _, _| {
             (SVector::zeros(), SVector::zeros())
         });
