@@ -12,7 +12,7 @@ use tribo_sim::Effect;
 
 use crate::cause::candidate_of_effect;
 use crate::filter::central_difference;
-use crate::noise_level::white_noise_sd;
+use crate::noise_level::{sensor_share, white_noise_sd};
 use crate::{DiagnoseError, MotionSample, Nominal, ResidualSettings, SignalChain, TorqueResidual};
 
 /// One stamp on the uniform grid of a burst, before the band filter.
@@ -119,6 +119,10 @@ const SAMPLES_PER_BAND: f64 = 2.5;
 const MOST_SAMPLES: f64 = 15_000.0;
 /// Residual energy with the motor's encoder over that with the joint's, below which the motor's is believed.
 const MOTOR_SIDE_GAIN: f64 = 0.98;
+/// Joints slower than this many standard deviations of velocity noise count as standing.
+const STANDING_SD: f64 = 4.0;
+/// Widths of the smooth sign below which a joint may be stuck.
+const STANDING_WIDTHS: f64 = 3.0;
 /// Band limits (Hz).
 const BAND_HZ: [f64; 2] = [6.0, 60.0];
 /// Highest band over the sample rate.
@@ -137,7 +141,11 @@ impl<const N: usize> Scene<N> {
                 (logs.iter().map(|log| of(log, j).powi(2)).sum::<f64>() / logs.len().max(1) as f64).sqrt()
             })
         };
-        let torque_sd_nm = mean_square(&|log, j| white_noise_sd(&log.time_s, &log.tau_j_nm[j]));
+        let torque_sd_nm = mean_square(&|log, j| {
+            let torque = &log.tau_j_nm[j];
+            let share = log.tau_j_d_nm.as_ref().map_or(1.0, |command| sensor_share(&log.time_s, torque, &command[j]));
+            white_noise_sd(&log.time_s, torque) * share
+        });
         let position_sd_rad = mean_square(&|log, j| white_noise_sd(&log.time_s, &log.q_rad[j]));
         let rate_hz =
             logs.iter().filter_map(|log| tribo_logs::median_period_s(&log.time_s)).fold(0.0, f64::max).recip();
@@ -226,6 +234,14 @@ impl<const N: usize> Scene<N> {
         }
         self.chains.push(rigid.chain.clone());
         self.skipped_bursts += rigid.skipped_bursts;
+    }
+
+    /// Share of samples at rest that the band filter sees at each output sample of a joint.
+    pub fn standing(&self, joint: usize) -> Vec<f64> {
+        let threshold =
+            (STANDING_SD * self.velocity_sd_rad_s[joint]).max(STANDING_WIDTHS * self.nominal.smoothing_rad_s);
+        let standing = self.joint_column(joint, |at| f64::from(u8::from(at.qd[joint].abs() < threshold)));
+        self.filter(&standing).rows[joint].clone().unwrap_or_default()
     }
 
     /// With two encoders, friction and rotors follow the motor: `f(theta') + Ir theta''` in place of `f(q') + Ir q''`,

@@ -87,19 +87,21 @@ impl<const N: usize> EvaluatedColumns<N> {
 const LEAST_SCALE: f64 = 0.05;
 /// Least innovation scale over the RMS of the measured torque: arithmetic and interpolation are no better.
 const LEAST_RELATIVE_SCALE: f64 = 2e-5;
-/// Joints slower than this many standard deviations of velocity noise count as standing.
-const STANDING_SD: f64 = 4.0;
-/// Widths of the smooth sign below which a joint may be stuck.
-const STANDING_WIDTHS: f64 = 2.0;
-/// Residual at rest over residual in motion beyond which standing samples are down-weighted.
+/// Residual at rest over residual in motion beyond which standing samples are left out.
 const REST_RATIO: f64 = 1.5;
+/// Share of standing samples in the filter's window beyond which an output sample counts as one of a rest.
+const STANDING_SHARE: f64 = 0.003;
 
 impl<'a, const N: usize> System<'a, N> {
     /// Whitens and multiplies all columns; the colour is that of `left`, the residual (Nm) of a fit.
     pub fn new(scene: &'a Scene<N>, evaluated: &EvaluatedColumns<N>, left: &[Vec<f64>; N]) -> Self {
         let colour: Vec<(Vec<Whitening>, Vec<f64>)> = (0..N)
             .into_par_iter()
-            .map(|j| (whitening_of(scene, &left[j], j), rest_weights(scene, &left[j], j)))
+            .map(|j| {
+                let filters = whitening_of(scene, &left[j], j);
+                let order = filters.iter().map(Whitening::order).max().unwrap_or(0);
+                (filters, rest_weights(scene, &left[j], j, order))
+            })
             .collect();
         let mut whitening: [Vec<Whitening>; N] = std::array::from_fn(|_| Vec::new());
         let mut weights: [Vec<f64>; N] = std::array::from_fn(|_| Vec::new());
@@ -289,14 +291,13 @@ fn whitening_of<const N: usize>(scene: &Scene<N>, left: &[f64], joint: usize) ->
         .collect()
 }
 
-/// Weight of each output sample: 1, but less while the joint stands if friction is undefined there.
+/// Weight of each output sample: 1, but 0 while the joint stands if friction is undefined there.
 ///
 /// Below a few standard deviations of its velocity the dry friction of a stuck joint is anything in [−Fc, Fc]. Whether
-/// it is shows in the residual itself: where it is no larger at rest than in motion, nothing is thrown away.
-fn rest_weights<const N: usize>(scene: &Scene<N>, left: &[f64], joint: usize) -> Vec<f64> {
-    let threshold = (STANDING_SD * scene.velocity_sd_rad_s[joint]).max(STANDING_WIDTHS * scene.nominal.smoothing_rad_s);
-    let standing = scene.joint_column(joint, |at| f64::from(u8::from(at.qd[joint].abs() < threshold)));
-    let standing = scene.filter(&standing).rows[joint].clone().unwrap_or_default();
+/// it is shows in the residual itself: where it is no larger at rest than in motion, nothing is thrown away. The
+/// `order` rows after a rest go too, for their prediction reaches into it.
+fn rest_weights<const N: usize>(scene: &Scene<N>, left: &[f64], joint: usize, order: usize) -> Vec<f64> {
+    let standing = scene.standing(joint);
     let rms = |pick: &dyn Fn(f64) -> bool| {
         let (sum, count) = left
             .iter()
@@ -306,10 +307,18 @@ fn rest_weights<const N: usize>(scene: &Scene<N>, left: &[f64], joint: usize) ->
         (sum / count.max(1) as f64).sqrt()
     };
     let (rest, motion) = (rms(&|s| s > 0.5), rms(&|s| s < 0.1));
-    let ratio = if motion > 0.0 { rest / motion } else { 1.0 };
-    if ratio > REST_RATIO {
-        standing.iter().map(|s| 1.0 / (1.0 + (ratio * ratio - 1.0) * s.clamp(0.0, 1.0)).sqrt()).collect()
-    } else {
-        vec![1.0; left.len()]
+    let mut weights = vec![1.0; left.len()];
+    if rest <= REST_RATIO * motion {
+        return weights;
     }
+    for burst in &scene.bursts {
+        let mut since_rest = usize::MAX;
+        for k in burst.out.clone() {
+            since_rest = if standing[k] > STANDING_SHARE { 0 } else { since_rest.saturating_add(1) };
+            if since_rest <= order {
+                weights[k] = 0.0;
+            }
+        }
+    }
+    weights
 }
