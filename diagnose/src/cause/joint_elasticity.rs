@@ -26,8 +26,6 @@ const PROFILED_NM_RAD: [f64; 2] = [1e3, 6e4];
 const COEFFICIENT: [f64; 2] = [0.6, 1.6];
 /// Damping ratio assumed where the log cannot tell.
 const DAMPING_RATIO: f64 = 0.05;
-/// Steps of the integration per radian of its fastest oscillation.
-const STEPS_PER_RADIAN: f64 = 8.0;
 
 impl<const N: usize> Candidate<N> for JointElasticity {
     fn label(&self) -> CauseLabel {
@@ -62,21 +60,31 @@ impl<const N: usize> Candidate<N> for JointElasticity {
             let samples = &scene.samples[burst.fine.clone()];
             let dt_s = scene.period_s(burst);
             let Some(first) = samples.first() else { continue };
-            let (mut deflection, mut rate) = (first.link_nm[j] / stiffness, 0.0);
-            let mut inertia = mass_matrix(&link_arm, &first.q)[(j, j)];
-            for (k, at) in samples.iter().enumerate() {
-                if k % INERTIA_EVERY == 0 {
-                    inertia = mass_matrix(&link_arm, &at.q)[(j, j)].max(1e-4);
+            let factor: f64 = std::env::var("PF").ok().and_then(|x| x.parse().ok()).unwrap_or(0.0);
+            let mut drive: Vec<f64> = samples.iter().map(|at| at.link_nm[j]).collect();
+            if factor > 0.0 {
+                let chain = &scene.chains[burst.log];
+                let f = crate::filter::ZeroPhaseLowPass::butterworth(3, (factor * chain.band_hz).min(0.4 * chain.rate_hz), chain.rate_hz).unwrap();
+                drive = f.filter(&drive);
+            }
+            let mut inertia = mass_matrix(&link_arm, &first.q)[(j, j)].max(1e-4);
+            let mut before = drive[0];
+            let mut slope = drive.get(1).map_or(0.0, |next| (next - before) / dt_s);
+            let (mut deflection, mut rate) = ((before - damping * slope / stiffness) / stiffness, slope / stiffness);
+            for (k, (at, drive)) in samples.iter().zip(drive).enumerate() {
+                if k > 0 {
+                    if k % INERTIA_EVERY == 0 {
+                        inertia = mass_matrix(&link_arm, &at.q)[(j, j)].max(1e-4);
+                    }
+                    // Under a torque that rises linearly δ does too; what differs from that swings freely.
+                    slope = (drive - before) / dt_s;
+                    let steady = |torque: f64| (torque - damping * slope / stiffness) / stiffness;
+                    let swing = [deflection - steady(before), rate - slope / stiffness];
+                    let [swing, swing_rate] = free_swing(swing, stiffness / inertia, damping / inertia, dt_s);
+                    (deflection, rate) = (steady(drive) + swing, slope / stiffness + swing_rate);
+                    before = drive;
                 }
-                let steps = (dt_s * (stiffness / inertia).sqrt() * STEPS_PER_RADIAN).ceil().clamp(1.0, 500.0);
-                let h = dt_s / steps;
-                for _ in 0..steps as usize {
-                    // Implicit in stiffness and damping: stable at any step.
-                    let denominator = inertia + h * damping + h * h * stiffness;
-                    rate = (inertia * rate + h * (at.link_nm[j] - stiffness * deflection)) / denominator;
-                    deflection += h * rate;
-                }
-                let acceleration = (at.link_nm[j] - damping * rate - stiffness * deflection) / inertia;
+                let acceleration = (drive - damping * rate - stiffness * deflection) / inertia;
                 let tau = rnea(
                     &link_arm,
                     &(at.q - only(j, deflection)),
@@ -100,6 +108,22 @@ impl<const N: usize> Candidate<N> for JointElasticity {
             damping_nm_s_per_rad: assumed_damping(scene, self.joint, shape[0]),
         })
     }
+}
+
+/// `ẍ + d ẋ + w² x = 0` over the time h (s), exactly: from and to [x, ẋ]; `w2` [1/s²], `d` [1/s].
+fn free_swing([x, v]: [f64; 2], w2: f64, d: f64, h: f64) -> [f64; 2] {
+    // The step matrix is exp(−a h) [cosh + a s, s; −w² s, cosh − a s], with s = sinh(r h)/r and r² = a² − w².
+    let a = 0.5 * d;
+    let square = a * a - w2;
+    let r = square.abs().sqrt().max(1e-9);
+    let (c, s) = if square < 0.0 {
+        let decay = (-a * h).exp();
+        (decay * (r * h).cos(), decay * (r * h).sin() / r)
+    } else {
+        let (slow, fast) = (((r - a) * h).exp(), ((-r - a) * h).exp());
+        (0.5 * (slow + fast), 0.5 * (slow - fast) / r)
+    };
+    [x * (c + a * s) + v * s, v * (c - a * s) - w2 * x * s]
 }
 
 /// `2 ζ √(K M)`, ζ = 0.05: below its resonance a joint does not show its damping.

@@ -211,3 +211,6 @@ fn log_grid(low: f64, high: f64, count: usize) -> Vec<Vec<f64>> {
 fn only<const N: usize>(joint: usize, value: f64) -> SVector<f64, N> {
     SVector::from_fn(|j, _| if j == joint { value } else { 0.0 })
 }
+
+#[cfg(test)]
+mod tests;
