@@ -112,16 +112,6 @@ pub fn diagnose<const N: usize>(
             let mut system = System::new(&scene, &evaluated_columns, &left);
             let go_on = || progress("selection", at(0.3 + 0.3 * f64::from(colours)));
             let mut search = Search::new(&mut system, 1.0);
-            if std::env::var("DBG").is_ok() {
-                for g in 0..search.system.groups.len() {
-                    let gr = &search.system.groups[g];
-                    if matches!(gr.candidate.label(), crate::diagnosis::CauseLabel::JointElasticity) && matches!(gr.candidate.location(), crate::diagnosis::Location::Joint(1|3)) {
-                        let cols = search.system.columns_of(&[g]);
-                        let gain = crate::evidence::gain_given(search.system, &cols, &[]);
-                        eprintln!("colour {colours} {:?} {:?} gain {:.1} coef {:?} ev {:?} band {:?}", gr.candidate.location(), gr.shape, gain.explained, gain.coefficients, search.evidence_given(&[], g).map(|x|x.0), scene.chains[0].band_hz);
-                    }
-                }
-            }
             if !search.run(&go_on) {
                 return Err(DiagnoseError::Cancelled);
             }

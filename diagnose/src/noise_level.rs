@@ -140,7 +140,8 @@ mod tests {
         let time: Vec<f64> = (0..4000).map(|k| f64::from(k) * 1e-3).collect();
         let command: Vec<f64> = time.iter().map(|t| t.sin() + 0.07 * gauss()).collect();
         let own: Vec<f64> = time.iter().map(|_| 0.02 * gauss()).collect();
-        let measured: Vec<f64> = (0..command.len()).map(|k| own[k] + if k < 1 { 0.0 } else { command[k - 1] }).collect();
+        let measured: Vec<f64> =
+            (0..command.len()).map(|k| own[k] + if k < 1 { 0.0 } else { command[k - 1] }).collect();
         let share = sensor_share(&time, &measured, &command);
         assert!((share - 0.02 / 0.02f64.hypot(0.07)).abs() < 0.04, "{share}");
         assert_eq!(sensor_share(&time, &own, &command), 1.0);

@@ -144,6 +144,11 @@ impl SignalChain {
         self.trim_and_average(&self.band.filter(x))
     }
 
+    /// B x for settled x, as long as x.
+    pub(crate) fn in_band(&self, x: &[f64]) -> Vec<f64> {
+        self.band.filter(x)
+    }
+
     /// Settled x without its ends, averaged.
     pub(crate) fn trim_and_average(&self, x: &[f64]) -> Vec<f64> {
         let parts = self.without_ends(x, self.trim_s).chunks_exact(self.average_samples);

@@ -14,15 +14,15 @@ use crate::scene::{FineColumn, Scene};
 /// M_jj δ'' + D δ' + K δ = tau_link,j(q),   column = tau_link(q − δ) − tau_link(q), all joints
 /// ```
 ///
-/// Profiled over K; the coefficient of the right one is 1, and between two trials K/c is better. Confusable with a
+/// The coefficient of the right K is 1; K/c is better than a K with another c. Confusable with a
 /// delay: both go with the rate of the torque. With two encoders theta − q answers instead.
 pub(crate) struct JointElasticity {
     pub joint: usize,
 }
 
 /// Stiffness of joints of arms of this size [Nm/rad].
-const PROFILED_NM_RAD: [f64; 2] = [1e3, 6e4];
-/// Coefficients that a spring of the profiled stiffness may have.
+const STIFFNESS_NM_RAD: [f64; 2] = [1e3, 6e4];
+/// Coefficients that a spring of the tried stiffness may have.
 const COEFFICIENT: [f64; 2] = [0.6, 1.6];
 /// Damping ratio assumed where the log cannot tell.
 const DAMPING_RATIO: f64 = 0.05;
@@ -44,11 +44,13 @@ impl<const N: usize> Candidate<N> for JointElasticity {
     }
 
     fn shapes(&self, _scene: &Scene<N>) -> Vec<Vec<f64>> {
-        log_grid(PROFILED_NM_RAD[0], PROFILED_NM_RAD[1], 6)
+        log_grid(STIFFNESS_NM_RAD[0], STIFFNESS_NM_RAD[1], 6)
     }
 
-    fn profile(&self) -> Option<[f64; 2]> {
-        Some(PROFILED_NM_RAD)
+    fn fixed_point(&self, shape: &[f64], coefficients: &[f64]) -> Option<Vec<f64>> {
+        let stiffness = shape[0] / coefficients[0];
+        (stiffness.is_finite() && stiffness > 0.0)
+            .then(|| vec![stiffness.clamp(STIFFNESS_NM_RAD[0], STIFFNESS_NM_RAD[1])])
     }
 
     fn columns(&self, scene: &Scene<N>, shape: &[f64]) -> Vec<FineColumn<N>> {
@@ -60,13 +62,9 @@ impl<const N: usize> Candidate<N> for JointElasticity {
             let samples = &scene.samples[burst.fine.clone()];
             let dt_s = scene.period_s(burst);
             let Some(first) = samples.first() else { continue };
-            let factor: f64 = std::env::var("PF").ok().and_then(|x| x.parse().ok()).unwrap_or(0.0);
-            let mut drive: Vec<f64> = samples.iter().map(|at| at.link_nm[j]).collect();
-            if factor > 0.0 {
-                let chain = &scene.chains[burst.log];
-                let f = crate::filter::ZeroPhaseLowPass::butterworth(3, (factor * chain.band_hz).min(0.4 * chain.rate_hz), chain.rate_hz).unwrap();
-                drive = f.filter(&drive);
-            }
+            // At its resonance the spring would magnify the noise of the acceleration above the band.
+            let load: Vec<f64> = samples.iter().map(|at| at.link_nm[j]).collect();
+            let drive = scene.chains[burst.log].in_band(&load);
             let mut inertia = mass_matrix(&link_arm, &first.q)[(j, j)].max(1e-4);
             let mut before = drive[0];
             let mut slope = drive.get(1).map_or(0.0, |next| (next - before) / dt_s);
