@@ -176,7 +176,9 @@ fn unit_gram<const N: usize>(system: &System<'_, N>, columns: &[usize]) -> (DMat
 }
 
 fn column_norm<const N: usize>(system: &System<'_, N>, column: usize) -> f64 {
-    system.gram[(column, column)].sqrt().max(1e-300)
+    let norm = system.gram[(column, column)].sqrt();
+    // An empty column has no length to be scaled to.
+    if norm > 0.0 { norm } else { 1.0 }
 }
 
 /// Ridge of a projection, relative to unit columns.
@@ -240,4 +242,4 @@ pub(crate) fn solve_ridge(square: &DMatrix<f64>, score: &DVector<f64>, ridge: &[
 /// Ridge of a joint fit, relative to unit columns.
 const RIDGE: f64 = 1e-7;
 /// Norm of a column over the largest below which it is rounding.
-const ROUNDING: f64 = 1e-9;
+pub(crate) const ROUNDING: f64 = 1e-9;

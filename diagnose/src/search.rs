@@ -29,6 +29,10 @@ const UNKNOWN_HANDICAP: f64 = 20.0;
 const UNKNOWN_DISCOUNT: f64 = 0.05;
 /// Part of the whitened variance of a joint that a cause must explain: below it a statistical effect is no finding.
 const LEAST_SHARE: f64 = 0.004;
+/// Additions that come to nothing before the search ends.
+const MOST_FRUITLESS: usize = 3;
+/// Nats against friction with a preferred direction: where motion cannot tell, a sensor's offset is far commoner.
+const RARE: f64 = 3.0;
 /// Most causes of one log.
 const MOST_CAUSES: usize = 30;
 /// Rounds of improvement after each addition.
@@ -68,10 +72,10 @@ impl<'s, 'a, const N: usize> Search<'s, 'a, N> {
             places *= self.system.joint_rows as f64;
         }
         let n = (self.system.rows as f64).max(2.0);
-        let handicap = if group.candidate.label() == CauseLabel::Unknown {
-            UNKNOWN_HANDICAP + UNKNOWN_DISCOUNT * gain.explained / self.inflation
-        } else {
-            0.0
+        let handicap = match group.candidate.label() {
+            CauseLabel::Unknown => UNKNOWN_HANDICAP + UNKNOWN_DISCOUNT * gain.explained / self.inflation,
+            CauseLabel::CoulombAsymmetry => RARE,
+            _ => 0.0,
         };
         (gain.directions + shapes) as f64 * n.ln() + 2.0 * places.ln() + handicap
     }
@@ -119,11 +123,12 @@ impl<'s, 'a, const N: usize> Search<'s, 'a, N> {
 
     /// Runs to the end; `go_on` false stops it.
     pub fn run(&mut self, go_on: &dyn Fn() -> bool) -> bool {
-        while self.selected.len() < MOST_CAUSES {
+        let mut fruitless: Vec<(CauseLabel, Location)> = Vec::new();
+        while self.selected.len() < MOST_CAUSES && fruitless.len() <= MOST_FRUITLESS {
             if !go_on() {
                 return false;
             }
-            let Some((group, evidence)) = self.best_addition() else { break };
+            let Some((group, evidence)) = self.best_addition(&fruitless) else { break };
             if evidence < LEAST_EVIDENCE {
                 break;
             }
@@ -134,7 +139,7 @@ impl<'s, 'a, const N: usize> Search<'s, 'a, N> {
             if self.total(&self.selected) <= before.1 {
                 // The addition was undone, or bought nothing: more of the same would go round in circles.
                 self.selected = before.0;
-                break;
+                fruitless.push(self.place(group));
             }
         }
         // Shapes against each other, once the company is known.
@@ -145,7 +150,7 @@ impl<'s, 'a, const N: usize> Search<'s, 'a, N> {
     }
 
     /// The group of most evidence given the selection; a contact window is searched for on the way.
-    fn best_addition(&mut self) -> Option<(usize, f64)> {
+    fn best_addition(&mut self, fruitless: &[(CauseLabel, Location)]) -> Option<(usize, f64)> {
         let selected = self.selected.clone();
         let columns = self.system.columns_of(&selected);
         if let Some((log, start_s, end_s)) = best_window(self.system, &columns) {
@@ -154,14 +159,20 @@ impl<'s, 'a, const N: usize> Search<'s, 'a, N> {
             let evaluated = self.system.evaluate(contact.as_ref(), &shape);
             self.system.push(contact, shape, evaluated);
         }
-        self.best_of(&Conditional::on(self.system, &columns), &selected)
+        self.best_of(&Conditional::on(self.system, &columns), &selected, fruitless)
     }
 
-    fn best_of(&self, given: &Conditional, selected: &[usize]) -> Option<(usize, f64)> {
+    fn best_of(
+        &self,
+        given: &Conditional,
+        selected: &[usize],
+        fruitless: &[(CauseLabel, Location)],
+    ) -> Option<(usize, f64)> {
         let taken: Vec<(CauseLabel, Location)> = selected
             .iter()
             .map(|g| self.place(*g))
             .filter(|(label, _)| !matches!(label, CauseLabel::ExternalContact | CauseLabel::Unknown))
+            .chain(fruitless.iter().copied())
             .collect();
         (0..self.system.groups.len())
             .into_par_iter()
@@ -280,7 +291,7 @@ impl<'s, 'a, const N: usize> Search<'s, 'a, N> {
             let others = self.others(group);
             let given = Conditional::on(self.system, &self.system.columns_of(&others));
             let current = self.evidence(&given, group).map_or(f64::NEG_INFINITY, |(evidence, _)| evidence);
-            let Some((rival, evidence)) = self.best_of(&given, &others) else { continue };
+            let Some((rival, evidence)) = self.best_of(&given, &others, &[]) else { continue };
             if rival != group && evidence > current - LEAST_EVIDENCE && self.place(rival) != self.place(group) {
                 // The rival stands on the grid; the member has been refined.
                 let rival = self.refined(rival, &others);

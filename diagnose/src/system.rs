@@ -7,7 +7,7 @@ use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 
 use crate::cause::{Candidate, ExternalContact};
-use crate::evidence::inner;
+use crate::evidence::{ROUNDING, inner};
 use crate::noise_level::rms;
 use crate::scene::{Column, Scene};
 use crate::whitening::Whitening;
@@ -135,6 +135,9 @@ impl<'a, const N: usize> System<'a, N> {
             row_bursts,
         };
         system.columns = evaluated.columns.par_iter().map(|column| system.whiten(column)).collect();
+        for group in &system.groups {
+            drop_rounding(&mut system.columns[group.columns.clone()]);
+        }
         system.target = system.whiten(&Column { rows: std::array::from_fn(|j| Some(scene.residual_nm[j].clone())) });
         system.multiply();
         system
@@ -199,7 +202,8 @@ impl<'a, const N: usize> System<'a, N> {
     }
 
     /// Adds a group with its rows of the Gram matrix; returns its index.
-    pub fn push(&mut self, candidate: Arc<dyn Candidate<N>>, shape: Vec<f64>, columns: Vec<Column<N>>) -> usize {
+    pub fn push(&mut self, candidate: Arc<dyn Candidate<N>>, shape: Vec<f64>, mut columns: Vec<Column<N>>) -> usize {
+        drop_rounding(&mut columns);
         let (old, new) = (self.columns.len(), columns.len());
         self.columns.extend(columns);
         let gram = std::mem::replace(&mut self.gram, DMatrix::zeros(0, 0));
@@ -229,6 +233,16 @@ impl<'a, const N: usize> System<'a, N> {
     /// The columns of several groups.
     pub fn columns_of(&self, groups: &[usize]) -> Vec<usize> {
         groups.iter().flat_map(|g| self.groups[*g].columns.clone()).collect()
+    }
+}
+
+/// Empties the columns of a group that are nothing but rounding: scaled to unit length they would be noise.
+fn drop_rounding<const N: usize>(columns: &mut [Column<N>]) {
+    let largest = columns.iter().map(|column| dot(column, column)).fold(0.0, f64::max);
+    for column in columns {
+        if dot(column, column) < ROUNDING.powi(2) * largest {
+            column.rows = std::array::from_fn(|_| None);
+        }
     }
 }
 

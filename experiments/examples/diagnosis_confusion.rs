@@ -47,6 +47,11 @@ fn main() {
                             for finding in &outcome.diagnosis.findings {
                                 println!("               {:?} p {:.3}", finding.effect, finding.p_value);
                             }
+                            let rejected = &outcome.diagnosis.rejected;
+                            for out in rejected.iter().filter(|out| out.evidence.is_some_and(|evidence| evidence > 0.0))
+                            {
+                                println!("               rejected: {:?}", out);
+                            }
                         }
                     }
                     Some(outcome)
