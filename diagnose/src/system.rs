@@ -87,8 +87,10 @@ impl<const N: usize> EvaluatedColumns<N> {
 const LEAST_SCALE: f64 = 0.05;
 /// Least innovation scale over the RMS of the measured torque: arithmetic and interpolation are no better.
 const LEAST_RELATIVE_SCALE: f64 = 2e-5;
-/// Residual at rest over residual in motion beyond which standing samples are left out.
+/// Residual at rest over residual in motion beyond which standing samples are down-weighted.
 const REST_RATIO: f64 = 1.5;
+/// The same, beyond which they are left out.
+const STUCK_RATIO: f64 = 12.0;
 /// Share of standing samples in the filter's window beyond which an output sample counts as one of a rest.
 const STANDING_SHARE: f64 = 0.003;
 
@@ -305,11 +307,12 @@ fn whitening_of<const N: usize>(scene: &Scene<N>, left: &[f64], joint: usize) ->
         .collect()
 }
 
-/// Weight of each output sample: 1, but 0 while the joint stands if friction is undefined there.
+/// Weight of each output sample: 1, but less or 0 while the joint stands if friction is undefined there.
 ///
 /// Below a few standard deviations of its velocity the dry friction of a stuck joint is anything in [−Fc, Fc]. Whether
-/// it is shows in the residual itself: where it is no larger at rest than in motion, nothing is thrown away. The
-/// `order` rows after a rest go too, for their prediction reaches into it.
+/// it is shows in the residual itself: where it is no larger at rest than in motion, nothing is thrown away; a little
+/// larger may be a cause of low speed at a shape between two trials. Where samples of a rest are left out, the `order`
+/// rows after it go too, for their prediction reaches into it.
 fn rest_weights<const N: usize>(scene: &Scene<N>, left: &[f64], joint: usize, order: usize) -> Vec<f64> {
     let standing = scene.standing(joint);
     let rms = |pick: &dyn Fn(f64) -> bool| {
@@ -324,6 +327,10 @@ fn rest_weights<const N: usize>(scene: &Scene<N>, left: &[f64], joint: usize, or
     let mut weights = vec![1.0; left.len()];
     if rest <= REST_RATIO * motion {
         return weights;
+    }
+    if rest <= STUCK_RATIO * motion {
+        let excess = (rest / motion).powi(2) - 1.0;
+        return standing.iter().map(|s| 1.0 / (1.0 + excess * s.clamp(0.0, 1.0)).sqrt()).collect();
     }
     for burst in &scene.bursts {
         let mut since_rest = usize::MAX;
