@@ -112,6 +112,7 @@ pub fn diagnose<const N: usize>(
             let mut system = System::new(&scene, &evaluated_columns, &left);
             let go_on = || progress("selection", at(0.3 + 0.3 * f64::from(colours)));
             let mut search = Search::new(&mut system, 1.0);
+            search.thorough = colours > 0;
             if !search.run(&go_on) {
                 return Err(DiagnoseError::Cancelled);
             }

@@ -49,6 +49,8 @@ pub(crate) struct Search<'s, 'a, const N: usize> {
     pub inflation: f64,
     /// Number of distinct causes.
     pub causes: usize,
+    /// Whether to ask again what the nameless causes are worth, which takes most of the time; not for a first colour.
+    pub thorough: bool,
 }
 
 impl<'s, 'a, const N: usize> Search<'s, 'a, N> {
@@ -58,7 +60,7 @@ impl<'s, 'a, const N: usize> Search<'s, 'a, N> {
             system.groups.iter().map(|group| (group.candidate.label(), group.candidate.location())).collect();
         distinct.sort_unstable();
         distinct.dedup();
-        Self { system, selected: Vec::new(), inflation, causes: distinct.len().max(1) }
+        Self { system, selected: Vec::new(), inflation, causes: distinct.len().max(1), thorough: true }
     }
 
     /// Price of a group.
@@ -124,11 +126,29 @@ impl<'s, 'a, const N: usize> Search<'s, 'a, N> {
     /// Runs to the end; `go_on` false stops it.
     pub fn run(&mut self, go_on: &dyn Fn() -> bool) -> bool {
         let mut fruitless: Vec<(CauseLabel, Location)> = Vec::new();
-        while self.selected.len() < MOST_CAUSES && fruitless.len() <= MOST_FRUITLESS {
+        loop {
+            if !self.add(&mut fruitless, go_on) {
+                return false;
+            }
+            if !(self.thorough && self.do_without_unknown()) {
+                break;
+            }
+            self.improve();
+        }
+        // Shapes against each other, once the company is known.
+        if self.reshape() {
+            self.improve();
+        }
+        true
+    }
+
+    /// Additions until none is worth it; `go_on` false stops it.
+    fn add(&mut self, fruitless: &mut Vec<(CauseLabel, Location)>, go_on: &dyn Fn() -> bool) -> bool {
+        while self.selected.len() < MOST_CAUSES && fruitless.len() <= if self.thorough { MOST_FRUITLESS } else { 1 } {
             if !go_on() {
                 return false;
             }
-            let Some((group, evidence)) = self.best_addition(&fruitless) else { break };
+            let Some((group, evidence)) = self.best_addition(fruitless) else { break };
             if evidence < LEAST_EVIDENCE {
                 break;
             }
@@ -141,10 +161,6 @@ impl<'s, 'a, const N: usize> Search<'s, 'a, N> {
                 self.selected = before.0;
                 fruitless.push(self.place(group));
             }
-        }
-        // Shapes against each other, once the company is known.
-        if self.reshape() {
-            self.improve();
         }
         true
     }
@@ -262,7 +278,6 @@ impl<'s, 'a, const N: usize> Search<'s, 'a, N> {
             let mut changed = self.swap();
             changed |= self.delete();
             changed |= self.consolidate();
-            changed |= self.do_without_unknown();
             if !changed {
                 break;
             }

@@ -1,12 +1,14 @@
 //! All candidate columns, whitened, and their Gram matrix: every question of the search is small dense algebra on it.
 
+use std::collections::BTreeMap;
 use std::ops::Range;
-use std::sync::{Arc, OnceLock};
+use std::sync::{Arc, Mutex, OnceLock};
 
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 
 use crate::cause::{Candidate, ExternalContact};
+use crate::diagnosis::{CauseLabel, Location};
 use crate::evidence::{ROUNDING, inner};
 use crate::noise_level::rms;
 use crate::scene::{Column, Scene};
@@ -34,6 +36,8 @@ pub(crate) struct System<'a, const N: usize> {
     pub joint_rows: usize,
     /// Whitening per joint and log.
     pub whitening: [Vec<Whitening>; N],
+    /// Columns evaluated off the grid: the search comes back to the same shapes in other company.
+    evaluated: Mutex<BTreeMap<Place, Vec<Column<N>>>>,
     /// Columns of a push that lasts the whole log, on first use.
     push: OnceLock<Vec<Column<N>>>,
     /// Weight of each output sample of a joint, before whitened rows are dropped.
@@ -43,6 +47,11 @@ pub(crate) struct System<'a, const N: usize> {
     /// Burst of each whitened row.
     pub row_bursts: Vec<usize>,
 }
+
+/// A cause at a shape.
+type Place = (CauseLabel, Location, Vec<u64>);
+/// Evaluations kept.
+const MOST_KEPT: usize = 400;
 
 /// A candidate at a shape with its filtered columns.
 type Shaped<const N: usize> = (Arc<dyn Candidate<N>>, Vec<f64>, Vec<Column<N>>);
@@ -131,6 +140,7 @@ impl<'a, const N: usize> System<'a, N> {
             joint_rows: row_samples.len(),
             rows: row_samples.len() * N,
             whitening,
+            evaluated: Mutex::default(),
             push: OnceLock::new(),
             weights,
             row_samples,
@@ -195,7 +205,20 @@ impl<'a, const N: usize> System<'a, N> {
 
     /// Whitened columns of a candidate at a shape.
     pub fn evaluate(&self, candidate: &dyn Candidate<N>, shape: &[f64]) -> Vec<Column<N>> {
-        candidate.filtered(self.scene, shape).iter().map(|column| self.whiten(column)).collect()
+        let key = (candidate.label(), candidate.location(), shape.iter().map(|x| x.to_bits()).collect::<Vec<u64>>());
+        if let Ok(known) = self.evaluated.lock()
+            && let Some(columns) = known.get(&key)
+        {
+            return columns.clone();
+        }
+        let columns: Vec<Column<N>> =
+            candidate.filtered(self.scene, shape).iter().map(|column| self.whiten(column)).collect();
+        if let Ok(mut known) = self.evaluated.lock()
+            && known.len() < MOST_KEPT
+        {
+            known.insert(key, columns.clone());
+        }
+        columns
     }
 
     /// Whitened columns of a push that lasts the whole log: −Jᵀ.
