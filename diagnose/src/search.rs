@@ -49,7 +49,8 @@ pub(crate) struct Search<'s, 'a, const N: usize> {
     pub inflation: f64,
     /// Number of distinct causes.
     pub causes: usize,
-    /// Whether to ask again what the nameless causes are worth, which takes most of the time; not for a first colour.
+    /// Whether to swap members and to ask again what the nameless ones are worth, which takes most of the time; a first
+    /// colour needs neither.
     pub thorough: bool,
 }
 
@@ -275,7 +276,7 @@ impl<'s, 'a, const N: usize> Search<'s, 'a, N> {
     /// Swaps, deletions and consolidations until nothing improves.
     fn improve(&mut self) {
         for _ in 0..ROUNDS {
-            let mut changed = self.swap();
+            let mut changed = self.thorough && self.swap();
             changed |= self.delete();
             changed |= self.consolidate();
             if !changed {
@@ -301,26 +302,45 @@ impl<'s, 'a, const N: usize> Search<'s, 'a, N> {
 
     fn swap(&mut self) -> bool {
         let mut changed = false;
-        for place in 0..self.selected.len() {
+        let mut from = 0;
+        // All members are judged at once; what follows a swap is judged anew.
+        while let Some(place) = self.first_swap(from) {
+            changed = true;
+            from = place + 1;
+        }
+        changed
+    }
+
+    /// Swaps the first member at or after `from` that a rival outdoes; its place.
+    fn first_swap(&mut self, from: usize) -> Option<usize> {
+        let judged: Vec<(f64, Option<(usize, f64)>)> = (from..self.selected.len())
+            .into_par_iter()
+            .map(|place| {
+                let group = self.selected[place];
+                let others = self.others(group);
+                let given = Conditional::on(self.system, &self.system.columns_of(&others));
+                let current = self.evidence(&given, group).map_or(f64::NEG_INFINITY, |(evidence, _)| evidence);
+                (current, self.best_of(&given, &others, &[]))
+            })
+            .collect();
+        for (place, (current, rival)) in (from..self.selected.len()).zip(judged) {
             let group = self.selected[place];
+            let Some((rival, evidence)) = rival.filter(|(rival, _)| *rival != group) else { continue };
             let others = self.others(group);
-            let given = Conditional::on(self.system, &self.system.columns_of(&others));
-            let current = self.evidence(&given, group).map_or(f64::NEG_INFINITY, |(evidence, _)| evidence);
-            let Some((rival, evidence)) = self.best_of(&given, &others, &[]) else { continue };
-            if rival != group && evidence > current - LEAST_EVIDENCE && self.place(rival) != self.place(group) {
+            if evidence > current - LEAST_EVIDENCE && self.place(rival) != self.place(group) {
                 // The rival stands on the grid; the member has been refined.
                 let rival = self.refined(rival, &others);
                 let evidence = self.evidence_given(&others, rival).map_or(f64::NEG_INFINITY, |(evidence, _)| evidence);
                 if evidence > current + SWAP_EVIDENCE {
                     self.selected[place] = rival;
-                    changed = true;
+                    return Some(place);
                 }
-            } else if rival != group && evidence > current + SWAP_EVIDENCE {
+            } else if evidence > current + SWAP_EVIDENCE {
                 self.selected[place] = self.refined(rival, &others);
-                changed = true;
+                return Some(place);
             }
         }
-        changed
+        None
     }
 
     fn delete(&mut self) -> bool {
