@@ -399,12 +399,13 @@ impl<const N: usize> Scene<N> {
         moving * 20 > self.samples.len()
     }
 
-    /// Sensor noise in the band: torque noise, and position noise through two derivatives and the inertia.
+    /// Sensor noise in the band: torque noise, and position noise through two derivatives and the inertia and through one
+    /// and the slope of friction, which is steep where the joint turns back.
     fn set_noise_floor(&mut self, inertia: &SVector<f64, N>) {
         let Some(chain) = self.chains.first() else { return };
         const STEPS: usize = 400;
         let nyquist_hz = 0.5 * chain.rate_hz;
-        let (mut torque, mut velocity, mut acceleration) = (0.0, 0.0, 0.0);
+        let (mut torque, mut velocity, mut velocity_in_band, mut acceleration) = (0.0, 0.0, 0.0, 0.0);
         for step in 0..STEPS {
             let f = nyquist_hz * (step as f64 + 0.5) / STEPS as f64;
             let average = average_gain(f / chain.rate_hz, chain.average_samples);
@@ -412,15 +413,25 @@ impl<const N: usize> Scene<N> {
             torque += gain.powi(2);
             acceleration += (omega.powi(2) * gain).powi(2);
             velocity += (omega * chain.smoothing_gain(f)).powi(2);
+            velocity_in_band += (omega * gain).powi(2);
         }
         let mean = |sum: f64| sum / STEPS as f64;
+        self.velocity_sd_rad_s = self.position_sd_rad * mean(velocity).sqrt();
+        let nominal = &self.nominal;
         self.noise_floor_nm = SVector::from_fn(|j, _| {
+            let (law, step) = (&nominal.friction.joints[j], self.velocity_sd_rad_s[j].max(1e-6));
+            let slope = |qd: f64| {
+                let at = |qd: f64| law.torque(qd, nominal.smoothing_rad_s);
+                (at(qd + step) - at(qd - step)) / (2.0 * step)
+            };
+            let squares: f64 = self.samples.iter().map(|at| slope(at.qd[j]).powi(2)).sum();
+            let mean_slope = squares / self.samples.len().max(1) as f64;
+            let from_friction = mean_slope * self.position_sd_rad[j].powi(2) * mean(velocity_in_band);
             let from_torque = self.torque_sd_nm[j].powi(2) * mean(torque);
             let from_position = (inertia[j] * self.position_sd_rad[j]).powi(2) * mean(acceleration);
-            (from_torque + from_position).sqrt()
+            (from_torque + from_position + from_friction).sqrt()
         });
         self.torque_floor_nm = self.torque_sd_nm * mean(torque).sqrt();
-        self.velocity_sd_rad_s = self.position_sd_rad * mean(velocity).sqrt();
     }
 }
 

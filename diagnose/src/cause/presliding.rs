@@ -42,19 +42,8 @@ impl<const N: usize> Candidate<N> for Presliding {
 
     fn columns(&self, scene: &Scene<N>, shape: &[f64]) -> Vec<FineColumn<N>> {
         let j = self.joint;
-        let mut column = Vec::with_capacity(scene.samples.len());
-        for burst in &scene.bursts {
-            let mut z = 0.0;
-            let mut last = None;
-            for at in &scene.samples[burst.fine.clone()] {
-                let travel = at.q[j] - last.unwrap_or(at.q[j]);
-                let toward = travel.signum();
-                z = toward + (z - toward) * (-travel.abs() / shape[0]).exp();
-                last = Some(at.q[j]);
-                column.push(z - at.sign[j]);
-            }
-        }
-        vec![FineColumn::Joint(j, column)]
+        let z = bristle(scene, j, shape[0]);
+        vec![FineColumn::Joint(j, z.iter().zip(&scene.samples).map(|(z, at)| z - at.sign[j]).collect())]
     }
 
     fn admissible(&self, scene: &Scene<N>, _shape: &[f64], coefficients: &[f64]) -> bool {
@@ -66,4 +55,21 @@ impl<const N: usize> Candidate<N> for Presliding {
     fn effect(&self, _scene: &Scene<N>, shape: &[f64], _coefficients: &[f64]) -> Option<Effect> {
         Some(Effect::Presliding { joint: self.joint, presliding_distance_rad: shape[0] })
     }
+}
+
+/// Dahl's bristle ratio z along the samples of a joint, 0 at the start of each burst.
+pub(super) fn bristle<const N: usize>(scene: &Scene<N>, j: usize, distance_rad: f64) -> Vec<f64> {
+    let mut ratios = Vec::with_capacity(scene.samples.len());
+    for burst in &scene.bursts {
+        let mut z = 0.0;
+        let mut last = None;
+        for at in &scene.samples[burst.fine.clone()] {
+            let travel = at.q[j] - last.unwrap_or(at.q[j]);
+            let toward = travel.signum();
+            z = toward + (z - toward) * (-travel.abs() / distance_rad).exp();
+            last = Some(at.q[j]);
+            ratios.push(z);
+        }
+    }
+    ratios
 }

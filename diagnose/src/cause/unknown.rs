@@ -5,6 +5,7 @@ use std::fmt;
 use tribo_sim::Effect;
 
 use super::Candidate;
+use super::presliding::bristle;
 use crate::diagnosis::{CauseLabel, Location};
 use crate::scene::{FineColumn, Sample, Scene};
 
@@ -13,6 +14,12 @@ pub(super) struct Unknown {
     pub joint: usize,
     pub family: Family,
 }
+
+/// Torque at which a dead or saturated sensor bends, over its RMS.
+const SATURATES_AT: f64 = 0.2;
+
+/// Distances over which a hysteretic spring forgets (rad): beyond those of presliding.
+const PATH_RAD: [f64; 3] = [0.06, 0.22, 0.8];
 
 /// What a torque may go with.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -23,8 +30,10 @@ pub(super) enum Family {
     Time(Factor),
     /// `qd |qd|, qd³`.
     Speed,
-    /// `tau |tau|, tau³`.
+    /// `tau |tau|, tau³` of the link, and `tanh(tau/τ₀)` of all the joint transmits, τ₀ a fifth of its RMS.
     Load,
+    /// Bristles of 0.06 to 0.8 rad: springs that remember the way they came.
+    Path,
     /// Velocity, its sign and acceleration of another joint.
     Neighbour(usize),
 }
@@ -70,7 +79,7 @@ impl Family {
         let factors = [Factor::One, Factor::Dry, Factor::Viscous, Factor::Load];
         let mut all: Vec<Self> = factors.map(Self::Position).to_vec();
         all.extend([Factor::One, Factor::Dry, Factor::Viscous].map(Self::Time));
-        all.extend([Self::Speed, Self::Load]);
+        all.extend([Self::Speed, Self::Load, Self::Path]);
         all.extend((0..N).filter(|other| *other != joint).map(Self::Neighbour));
         all
     }
@@ -113,8 +122,15 @@ impl<const N: usize> Candidate<N> for Unknown {
                 vec![column(&|at| at.qd[j] * at.qd[j].abs()), column(&|at| at.qd[j].powi(3))]
             }
             Family::Load => {
-                vec![column(&|at| at.link_nm[j] * at.link_nm[j].abs()), column(&|at| at.link_nm[j].powi(3))]
+                let squares: f64 = scene.samples.iter().map(|at| at.model_nm[j].powi(2)).sum();
+                let knee_nm = (SATURATES_AT * (squares / scene.samples.len().max(1) as f64).sqrt()).max(1e-6);
+                vec![
+                    column(&|at| at.link_nm[j] * at.link_nm[j].abs()),
+                    column(&|at| at.link_nm[j].powi(3)),
+                    column(&|at| (at.model_nm[j] / knee_nm).tanh()),
+                ]
             }
+            Family::Path => PATH_RAD.iter().map(|d| FineColumn::Joint(j, bristle(scene, j, *d))).collect(),
             Family::Neighbour(other) => {
                 vec![column(&|at| at.sign[other]), column(&|at| at.qd[other]), column(&|at| at.qdd[other])]
             }
@@ -131,6 +147,7 @@ impl<const N: usize> Candidate<N> for Unknown {
             Family::Time(factor) => format!("{factor} drifts with time"),
             Family::Speed => "a torque that grows faster than velocity".to_owned(),
             Family::Load => "a torque that grows unevenly with the load".to_owned(),
+            Family::Path => "a torque that depends on the way the joint came".to_owned(),
             Family::Neighbour(other) => format!("a torque that goes with the motion of joint {other}"),
         })
     }
