@@ -12,7 +12,7 @@ use tribo_sim::Effect;
 
 use crate::cause::candidate_of_effect;
 use crate::filter::central_difference;
-use crate::noise_level::{sensor_share, white_noise_sd};
+use crate::noise_level::{resolution, sensor_share, white_noise_sd};
 use crate::{DiagnoseError, MotionSample, Nominal, ResidualSettings, SignalChain, TorqueResidual};
 
 /// One stamp on the uniform grid of a burst, before the band filter.
@@ -100,6 +100,8 @@ pub(crate) struct Scene<const N: usize> {
     pub torque_sd_nm: SVector<f64, N>,
     /// White noise of the positions (rad).
     pub position_sd_rad: SVector<f64, N>,
+    /// Error of positions on a coarse lattice (rad), which is not white where a joint is slow.
+    pub quantised_sd_rad: SVector<f64, N>,
     /// Noise of the smoothed velocity (rad/s).
     pub velocity_sd_rad_s: SVector<f64, N>,
     /// RMS of all sensor noise in the band (Nm).
@@ -147,6 +149,7 @@ impl<const N: usize> Scene<N> {
             white_noise_sd(&log.time_s, torque) * share
         });
         let position_sd_rad = mean_square(&|log, j| white_noise_sd(&log.time_s, &log.q_rad[j]));
+        let quantised_sd_rad = mean_square(&|log, j| resolution(&log.q_rad[j]) / 12f64.sqrt());
         let rate_hz =
             logs.iter().filter_map(|log| tribo_logs::median_period_s(&log.time_s)).fold(0.0, f64::max).recip();
         let middle = logs.first().map(|log| log.rows() / 2).unwrap_or_default();
@@ -176,6 +179,7 @@ impl<const N: usize> Scene<N> {
             deflection_rad: None,
             torque_sd_nm,
             position_sd_rad,
+            quantised_sd_rad,
             velocity_sd_rad_s: SVector::zeros(),
             noise_floor_nm: SVector::zeros(),
             torque_floor_nm: SVector::zeros(),
@@ -426,7 +430,9 @@ impl<const N: usize> Scene<N> {
             };
             let squares: f64 = self.samples.iter().map(|at| slope(at.qd[j]).powi(2)).sum();
             let mean_slope = squares / self.samples.len().max(1) as f64;
-            let from_friction = mean_slope * self.position_sd_rad[j].powi(2) * mean(velocity_in_band);
+            let coarse = self.quantised_sd_rad[j] * 2.0 * std::f64::consts::PI * chain.band_hz;
+            let velocity_variance = self.position_sd_rad[j].powi(2) * mean(velocity_in_band) + coarse.powi(2);
+            let from_friction = mean_slope * velocity_variance;
             let from_torque = self.torque_sd_nm[j].powi(2) * mean(torque);
             let from_position = (inertia[j] * self.position_sd_rad[j]).powi(2) * mean(acceleration);
             (from_torque + from_position + from_friction).sqrt()

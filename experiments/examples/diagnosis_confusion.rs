@@ -47,6 +47,9 @@ fn main() {
                             for finding in &outcome.diagnosis.findings {
                                 println!("               {:?} p {:.3}", finding.effect, finding.p_value);
                             }
+                            for note in &outcome.diagnosis.notes {
+                                println!("               note: {note}");
+                            }
                             let rejected = &outcome.diagnosis.rejected;
                             for out in rejected.iter().filter(|out| out.evidence.is_some_and(|evidence| evidence > 0.0))
                             {
