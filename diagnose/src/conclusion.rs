@@ -11,11 +11,12 @@ use crate::evidence::joint_fit;
 use crate::finding::{Fitted, deflection_finding, describe, finding_of, ripple_finding, squares};
 use crate::held_out::{BlockGram, TimeBlocks, gain_of_pairs, gain_with_interval, held_out_squares, plain_squares};
 use crate::next_experiment::next_experiment;
+use crate::noise_level::rms;
 use crate::plots;
 use crate::pruning::{drop_chance, drop_small, drop_worthless, prefer_likelier, yield_to_unknown};
 use crate::remarks::{assumptions_of, misfits, notes_of, rejected};
 use crate::ripple::RippleLine;
-use crate::scene::{Column, subtracted};
+use crate::scene::{Column, Scene, subtracted};
 use crate::search::Search;
 use crate::significance::Chance;
 use crate::validation::validated;
@@ -36,6 +37,11 @@ const UNEXPLAINED_OVER_NOISE: f64 = 3.0;
 const UNEXPLAINED_NM: f64 = 0.01;
 /// How much larger both are where other joints have findings: those leave traces everywhere.
 const BESIDE_FINDINGS: f64 = 4.0;
+
+/// Share of samples at rest in the filter's window from which on an output sample counts as one of a rest.
+const STANDING: f64 = 0.1;
+/// Parts of the log of which one at least must be motion, for motion alone to be judged.
+const LEAST_MOVING_PARTS: usize = 5;
 
 /// Draws the conclusion.
 pub(crate) fn conclude<const N: usize>(
@@ -114,8 +120,8 @@ pub(crate) fn conclude<const N: usize>(
         .max_by(|a, b| over_noise(&joints[*a]).total_cmp(&over_noise(&joints[*b])))
         .filter(|j| {
             let factor = if findings.is_empty() { 1.0 } else { BESIDE_FINDINGS };
-            over_noise(&joints[*j]) > factor * UNEXPLAINED_OVER_NOISE
-                && joints[*j].rms_after_nm > factor * UNEXPLAINED_NM
+            let left_nm = joints[*j].rms_after_nm.min(rms_in_motion(scene, &residual_after[*j], *j));
+            left_nm > factor * UNEXPLAINED_OVER_NOISE * joints[*j].noise_floor_nm && left_nm > factor * UNEXPLAINED_NM
         });
     let verdict = if findings.iter().any(|finding| finding.label == CauseLabel::Unknown) || worst.is_some() {
         Verdict::Unknown
@@ -158,6 +164,13 @@ pub(crate) fn conclude<const N: usize>(
         samples: scene.time_s.len(),
         bursts: scene.bursts.len(),
     })
+}
+
+/// RMS (Nm) of a residual where the joint moves: where it turns back, a slow log catches the jump of dry friction or not.
+fn rms_in_motion<const N: usize>(scene: &Scene<N>, residual: &[f64], joint: usize) -> f64 {
+    let pairs = residual.iter().zip(scene.standing(joint));
+    let moving: Vec<f64> = pairs.filter(|(_, standing)| *standing < STANDING).map(|(r, _)| *r).collect();
+    if moving.len() * LEAST_MOVING_PARTS < residual.len() { rms(residual) } else { rms(&moving) }
 }
 
 fn over_noise(joint: &JointMisfit) -> f64 {

@@ -104,6 +104,8 @@ pub(crate) struct Scene<const N: usize> {
     pub quantised_sd_rad: SVector<f64, N>,
     /// Noise of the smoothed velocity (rad/s).
     pub velocity_sd_rad_s: SVector<f64, N>,
+    /// Noise of the velocity in the band (rad/s).
+    pub velocity_sd_in_band_rad_s: SVector<f64, N>,
     /// RMS of all sensor noise in the band (Nm).
     pub noise_floor_nm: SVector<f64, N>,
     /// RMS of the torque sensor's noise in the band (Nm).
@@ -181,6 +183,7 @@ impl<const N: usize> Scene<N> {
             position_sd_rad,
             quantised_sd_rad,
             velocity_sd_rad_s: SVector::zeros(),
+            velocity_sd_in_band_rad_s: SVector::zeros(),
             noise_floor_nm: SVector::zeros(),
             torque_floor_nm: SVector::zeros(),
             skipped_bursts: 0,
@@ -238,6 +241,24 @@ impl<const N: usize> Scene<N> {
         }
         self.chains.push(rigid.chain.clone());
         self.skipped_bursts += rigid.skipped_bursts;
+    }
+
+    /// Torque noise (Nm) that velocity noise makes through the slope of nominal friction at a sample.
+    fn sign_noise_nm(&self, j: usize, at: &Sample<N>) -> f64 {
+        let (law, step) = (&self.nominal.friction.joints[j], self.velocity_sd_rad_s[j].max(1e-6));
+        let friction = |qd: f64| law.torque(qd, self.nominal.smoothing_rad_s);
+        let slope = (friction(at.qd[j] + step) - friction(at.qd[j] - step)) / (2.0 * step);
+        slope * self.velocity_sd_in_band_rad_s[j]
+    }
+
+    /// Weight of each output sample of a joint, `σ/√(σ² + σ_f²)`: σ the noise of torque and acceleration in the band, σ_f
+    /// what velocity noise adds where the joint turns back.
+    pub fn noise_weights(&self, joint: usize) -> Vec<f64> {
+        let variance = self.joint_column(joint, |at| self.sign_noise_nm(joint, at).powi(2));
+        let variance = self.filter(&variance).rows[joint].clone().unwrap_or_default();
+        let mean = variance.iter().sum::<f64>() / variance.len().max(1) as f64;
+        let elsewhere = (self.noise_floor_nm[joint].powi(2) - mean).max(1e-12);
+        variance.iter().map(|v| (elsewhere / (elsewhere + v.max(0.0))).sqrt()).collect()
     }
 
     /// Share of samples at rest that the band filter sees at each output sample of a joint.
@@ -421,18 +442,13 @@ impl<const N: usize> Scene<N> {
         }
         let mean = |sum: f64| sum / STEPS as f64;
         self.velocity_sd_rad_s = self.position_sd_rad * mean(velocity).sqrt();
-        let nominal = &self.nominal;
-        self.noise_floor_nm = SVector::from_fn(|j, _| {
-            let (law, step) = (&nominal.friction.joints[j], self.velocity_sd_rad_s[j].max(1e-6));
-            let slope = |qd: f64| {
-                let at = |qd: f64| law.torque(qd, nominal.smoothing_rad_s);
-                (at(qd + step) - at(qd - step)) / (2.0 * step)
-            };
-            let squares: f64 = self.samples.iter().map(|at| slope(at.qd[j]).powi(2)).sum();
-            let mean_slope = squares / self.samples.len().max(1) as f64;
+        self.velocity_sd_in_band_rad_s = SVector::from_fn(|j, _| {
             let coarse = self.quantised_sd_rad[j] * 2.0 * std::f64::consts::PI * chain.band_hz;
-            let velocity_variance = self.position_sd_rad[j].powi(2) * mean(velocity_in_band) + coarse.powi(2);
-            let from_friction = mean_slope * velocity_variance;
+            (self.position_sd_rad[j].powi(2) * mean(velocity_in_band) + coarse.powi(2)).sqrt()
+        });
+        let squares = |j: usize| -> f64 { self.samples.iter().map(|at| self.sign_noise_nm(j, at).powi(2)).sum() };
+        self.noise_floor_nm = SVector::from_fn(|j, _| {
+            let from_friction = squares(j) / self.samples.len().max(1) as f64;
             let from_torque = self.torque_sd_nm[j].powi(2) * mean(torque);
             let from_position = (inertia[j] * self.position_sd_rad[j]).powi(2) * mean(acceleration);
             (from_torque + from_position + from_friction).sqrt()

@@ -111,7 +111,9 @@ impl<'a, const N: usize> System<'a, N> {
             .map(|j| {
                 let filters = whitening_of(scene, &left[j], j);
                 let order = filters.iter().map(Whitening::order).max().unwrap_or(0);
-                (filters, rest_weights(scene, &left[j], j, order))
+                let mut weights = rest_weights(scene, &left[j], j, order);
+                weights.iter_mut().zip(scene.noise_weights(j)).for_each(|(weight, noisy)| *weight *= noisy);
+                (filters, weights)
             })
             .collect();
         let mut whitening: [Vec<Whitening>; N] = std::array::from_fn(|_| Vec::new());
