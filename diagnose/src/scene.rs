@@ -104,8 +104,10 @@ pub(crate) struct Scene<const N: usize> {
     pub quantised_sd_rad: SVector<f64, N>,
     /// Noise of the smoothed velocity (rad/s).
     pub velocity_sd_rad_s: SVector<f64, N>,
-    /// Noise of the velocity in the band (rad/s).
+    /// White noise of the velocity in the band (rad/s).
     pub velocity_sd_in_band_rad_s: SVector<f64, N>,
+    /// Error of the velocity of a slow joint by the lattice of its encoder (rad/s).
+    pub coarse_velocity_rad_s: SVector<f64, N>,
     /// RMS of all sensor noise in the band (Nm).
     pub noise_floor_nm: SVector<f64, N>,
     /// RMS of the torque sensor's noise in the band (Nm).
@@ -123,6 +125,8 @@ const SAMPLES_PER_BAND: f64 = 2.5;
 const MOST_SAMPLES: f64 = 15_000.0;
 /// Residual energy with the motor's encoder over that with the joint's, below which the motor's is believed.
 const MOTOR_SIDE_GAIN: f64 = 0.98;
+/// Velocity over the lattice's error of it from which on a joint counts as creeping.
+const CREEPING: f64 = 0.2;
 /// Joints slower than this many standard deviations of velocity noise count as standing.
 const STANDING_SD: f64 = 4.0;
 /// Widths of the smooth sign below which a joint may be stuck.
@@ -184,6 +188,7 @@ impl<const N: usize> Scene<N> {
             quantised_sd_rad,
             velocity_sd_rad_s: SVector::zeros(),
             velocity_sd_in_band_rad_s: SVector::zeros(),
+            coarse_velocity_rad_s: SVector::zeros(),
             noise_floor_nm: SVector::zeros(),
             torque_floor_nm: SVector::zeros(),
             skipped_bursts: 0,
@@ -248,7 +253,10 @@ impl<const N: usize> Scene<N> {
         let (law, step) = (&self.nominal.friction.joints[j], self.velocity_sd_rad_s[j].max(1e-6));
         let friction = |qd: f64| law.torque(qd, self.nominal.smoothing_rad_s);
         let slope = (friction(at.qd[j] + step) - friction(at.qd[j] - step)) / (2.0 * step);
-        slope * self.velocity_sd_in_band_rad_s[j]
+        // A joint at rest stays on its step of the lattice.
+        let coarse = self.coarse_velocity_rad_s[j];
+        let coarse = if at.qd[j].abs() > CREEPING * coarse { coarse } else { 0.0 };
+        slope * self.velocity_sd_in_band_rad_s[j].hypot(coarse)
     }
 
     /// Weight of each output sample of a joint, `σ/√(σ² + σ_f²)`: σ the noise of torque and acceleration in the band, σ_f
@@ -442,10 +450,8 @@ impl<const N: usize> Scene<N> {
         }
         let mean = |sum: f64| sum / STEPS as f64;
         self.velocity_sd_rad_s = self.position_sd_rad * mean(velocity).sqrt();
-        self.velocity_sd_in_band_rad_s = SVector::from_fn(|j, _| {
-            let coarse = self.quantised_sd_rad[j] * 2.0 * std::f64::consts::PI * chain.band_hz;
-            (self.position_sd_rad[j].powi(2) * mean(velocity_in_band) + coarse.powi(2)).sqrt()
-        });
+        self.velocity_sd_in_band_rad_s = self.position_sd_rad * mean(velocity_in_band).sqrt();
+        self.coarse_velocity_rad_s = self.quantised_sd_rad * 2.0 * std::f64::consts::PI * chain.band_hz;
         let squares = |j: usize| -> f64 { self.samples.iter().map(|at| self.sign_noise_nm(j, at).powi(2)).sum() };
         self.noise_floor_nm = SVector::from_fn(|j, _| {
             let from_friction = squares(j) / self.samples.len().max(1) as f64;

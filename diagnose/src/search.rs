@@ -31,7 +31,7 @@ const UNKNOWN_DISCOUNT: f64 = 0.05;
 const LEAST_SHARE: f64 = 0.004;
 /// Additions that come to nothing before the search ends.
 const MOST_FRUITLESS: usize = 3;
-/// Nats against friction with a preferred direction: where motion cannot tell, a sensor's offset is far commoner.
+/// Nats against friction with a preferred direction where rests do not tell: a sensor's offset is far commoner.
 const RARE: f64 = 3.0;
 /// Most causes of one log.
 const MOST_CAUSES: usize = 30;
@@ -77,7 +77,10 @@ impl<'s, 'a, const N: usize> Search<'s, 'a, N> {
         let n = (self.system.rows as f64).max(2.0);
         let handicap = match group.candidate.label() {
             CauseLabel::Unknown => UNKNOWN_HANDICAP + UNKNOWN_DISCOUNT * gain.explained / self.inflation,
-            CauseLabel::CoulombAsymmetry => RARE,
+            CauseLabel::CoulombAsymmetry => match group.candidate.location() {
+                Location::Joint(j) if self.system.stuck[j] => RARE,
+                _ => 0.0,
+            },
             _ => 0.0,
         };
         (gain.directions + shapes) as f64 * n.ln() + 2.0 * places.ln() + handicap

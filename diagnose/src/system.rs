@@ -10,7 +10,7 @@ use rayon::prelude::*;
 use crate::cause::{Candidate, ExternalContact};
 use crate::diagnosis::{CauseLabel, Location};
 use crate::evidence::{ROUNDING, inner};
-use crate::noise_level::rms;
+use crate::noise_level::{rms, robust_sd};
 use crate::scene::{Column, Scene};
 use crate::whitening::Whitening;
 
@@ -42,6 +42,8 @@ pub(crate) struct System<'a, const N: usize> {
     push: OnceLock<Vec<Column<N>>>,
     /// Weight of each output sample of a joint, before whitened rows are dropped.
     weights: [Vec<f64>; N],
+    /// Joints whose rests are left out.
+    pub stuck: [bool; N],
     /// Output sample of each whitened row.
     pub row_samples: Vec<usize>,
     /// Burst of each whitened row.
@@ -106,21 +108,24 @@ const STANDING_SHARE: f64 = 0.003;
 impl<'a, const N: usize> System<'a, N> {
     /// Whitens and multiplies all columns; the colour is that of `left`, the residual (Nm) of a fit.
     pub fn new(scene: &'a Scene<N>, evaluated: &EvaluatedColumns<N>, left: &[Vec<f64>; N]) -> Self {
-        let colour: Vec<(Vec<Whitening>, Vec<f64>)> = (0..N)
+        let colour: Vec<(Vec<Whitening>, Vec<f64>, bool)> = (0..N)
             .into_par_iter()
             .map(|j| {
                 let filters = whitening_of(scene, &left[j], j);
                 let order = filters.iter().map(Whitening::order).max().unwrap_or(0);
                 let mut weights = rest_weights(scene, &left[j], j, order);
+                let stuck = weights.contains(&0.0);
                 weights.iter_mut().zip(scene.noise_weights(j)).for_each(|(weight, noisy)| *weight *= noisy);
-                (filters, weights)
+                (filters, weights, stuck)
             })
             .collect();
         let mut whitening: [Vec<Whitening>; N] = std::array::from_fn(|_| Vec::new());
         let mut weights: [Vec<f64>; N] = std::array::from_fn(|_| Vec::new());
-        for (j, (filters, weight)) in colour.into_iter().enumerate() {
+        let mut stuck = [false; N];
+        for (j, (filters, weight, sticks)) in colour.into_iter().enumerate() {
             whitening[j] = filters;
             weights[j] = weight;
+            stuck[j] = sticks;
         }
 
         let (mut row_samples, mut row_bursts) = (Vec::new(), Vec::new());
@@ -145,6 +150,7 @@ impl<'a, const N: usize> System<'a, N> {
             evaluated: Mutex::default(),
             push: OnceLock::new(),
             weights,
+            stuck,
             row_samples,
             row_bursts,
         };
@@ -340,15 +346,11 @@ fn whitening_of<const N: usize>(scene: &Scene<N>, left: &[f64], joint: usize) ->
 /// rows after it go too, for their prediction reaches into it.
 fn rest_weights<const N: usize>(scene: &Scene<N>, left: &[f64], joint: usize, order: usize) -> Vec<f64> {
     let standing = scene.standing(joint);
-    let rms = |pick: &dyn Fn(f64) -> bool| {
-        let (sum, count) = left
-            .iter()
-            .zip(&standing)
-            .filter(|(_, s)| pick(**s))
-            .fold((0.0, 0usize), |(sum, count), (r, _)| (sum + r * r, count + 1));
-        (sum / count.max(1) as f64).sqrt()
+    // Robust: a push that happens to fall into a rest is none of its own.
+    let scale = |pick: &dyn Fn(f64) -> bool| {
+        robust_sd(left.iter().zip(&standing).filter(|(_, share)| pick(**share)).map(|(r, _)| *r))
     };
-    let (rest, motion) = (rms(&|s| s > 0.5), rms(&|s| s < 0.1));
+    let (rest, motion) = (scale(&|share| share > 0.5), scale(&|share| share < 0.1));
     let mut weights = vec![1.0; left.len()];
     if rest <= REST_RATIO * motion {
         return weights;
