@@ -61,7 +61,7 @@ pub(crate) fn conclude<const N: usize>(
 
     // Held-out squares with all findings, and without each.
     step("held-out gain", 0.93)?;
-    let blocks = TimeBlocks::of(system);
+    let blocks = TimeBlocks::of(system, &search.selected);
     let groups: Vec<usize> = selected.iter().map(|s| s.group).collect();
     let columns = system.columns_of(&groups);
     let coefficients = joint_fit(system, &columns).coefficients;

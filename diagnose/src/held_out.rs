@@ -6,6 +6,7 @@ use nalgebra::{DMatrix, DVector};
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64;
 
+use crate::diagnosis::CauseLabel;
 use crate::evidence::solve_ridge;
 use crate::scene::Column;
 use crate::system::System;
@@ -16,6 +17,10 @@ const FOLDS: usize = 8;
 const BLOCK_S: f64 = 2.0;
 /// Shortest block (s).
 const SHORTEST_BLOCK_S: f64 = 0.4;
+/// Parts of a push that are held out in turn.
+const PARTS_OF_A_PUSH: f64 = 4.0;
+/// Shortest part of a push (s).
+const SHORTEST_PART_S: f64 = 0.2;
 /// Blocks wanted.
 const BLOCKS_WANTED: f64 = 16.0;
 /// Bootstrap resamples.
@@ -29,7 +34,9 @@ pub(crate) struct TimeBlocks {
 }
 
 impl TimeBlocks {
-    pub fn of<const N: usize>(system: &System<'_, N>) -> Self {
+    /// Blocks of a log; where one of the `selected` groups is a push, blocks so short that several lie inside it, or no
+    /// block would have seen it when it is asked for.
+    pub fn of<const N: usize>(system: &System<'_, N>, selected: &[usize]) -> Self {
         let scene = system.scene;
         let rate_hz = scene.chains.first().map_or(1.0, |chain| chain.output_rate_hz());
         let duration_s = scene.time_s.len() as f64 / rate_hz;
@@ -44,6 +51,17 @@ impl TimeBlocks {
                 ranges.push(first..end);
             }
         }
+        for group in selected.iter().map(|g| &system.groups[*g]) {
+            if let ([start_s, end_s], CauseLabel::ExternalContact) = (group.shape.as_slice(), group.candidate.label()) {
+                let part = (((end_s - start_s) / PARTS_OF_A_PUSH).max(SHORTEST_PART_S) * rate_hz).round() as usize;
+                let inside =
+                    |range: &Range<usize>| scene.time_s[range.clone()].iter().any(|t| (*start_s..*end_s).contains(t));
+                ranges = ranges
+                    .into_iter()
+                    .flat_map(|range| if inside(&range) { split(range, part.max(2)) } else { vec![range] })
+                    .collect();
+            }
+        }
         let mut of_row = Vec::with_capacity(system.joint_rows);
         let mut block = 0;
         for &sample in &system.row_samples {
@@ -54,6 +72,13 @@ impl TimeBlocks {
         }
         Self { ranges, of_row }
     }
+}
+
+/// Contiguous parts of a range, all but the last `length` long or a little more.
+fn split(range: Range<usize>, length: usize) -> Vec<Range<usize>> {
+    let count = (range.len() / length).max(1);
+    let edge = |i: usize| range.start + i * range.len() / count;
+    (0..count).map(|i| edge(i)..edge(i + 1)).collect()
 }
 
 /// Gram matrix and score of some whitened columns, block by block.

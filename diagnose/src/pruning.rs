@@ -76,7 +76,7 @@ pub(crate) fn drop_small<const N: usize>(search: &mut Search<'_, '_, N>) {
 pub(crate) fn drop_worthless<const N: usize>(search: &mut Search<'_, '_, N>) {
     loop {
         let system = &*search.system;
-        let blocks = TimeBlocks::of(system);
+        let blocks = TimeBlocks::of(system, &search.selected);
         let columns = system.columns_of(&search.selected);
         let plain: Vec<Column<N>> = search.selected.iter().flat_map(|group| plain_columns(search, *group)).collect();
         let gram = BlockGram::of(system, &columns, None, &blocks);

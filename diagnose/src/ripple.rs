@@ -59,6 +59,8 @@ const MOST_LINES: usize = 3;
 const DISTINCT: f64 = 0.05;
 /// Least RMS of a ripple over the torque sensor's noise in the band.
 const LEAST_OVER_NOISE: f64 = 0.25;
+/// Least evidence: thousands of orders are tried, and the leavings of reversals are not white over the angle.
+const LEAST_EVIDENCE: f64 = 60.0;
 /// Least RMS (Nm).
 const LEAST_RMS_NM: f64 = 2.5e-3;
 /// Median of a chi-square of two degrees of freedom.
@@ -206,7 +208,7 @@ fn strongest_line<const N: usize>(
     };
     let rms = line.amplitude_nm() / 2f64.sqrt();
     let strong = rms > LEAST_RMS_NM && rms > LEAST_OVER_NOISE * scene.torque_floor_nm[joint];
-    (evidence > crate::search::LEAST_EVIDENCE && strong).then_some(line)
+    (evidence > LEAST_EVIDENCE && strong).then_some(line)
 }
 
 /// A whitened residual no farther out than a few standard deviations: what reversals leave over is no ripple.
