@@ -38,6 +38,8 @@ const UNEXPLAINED_NM: f64 = 0.01;
 /// How much larger both are where other joints have findings: those leave traces everywhere.
 const BESIDE_FINDINGS: f64 = 4.0;
 
+/// Evidence of a nameless cause, over that of all named ones, from which on it decides the verdict.
+const LEAST_NAMELESS: f64 = 0.02;
 /// Share of samples at rest in the filter's window from which on an output sample counts as one of a rest.
 const STANDING: f64 = 0.1;
 /// Parts of the log of which one at least must be motion, for motion alone to be judged.
@@ -123,7 +125,9 @@ pub(crate) fn conclude<const N: usize>(
             let left_nm = joints[*j].rms_after_nm.min(rms_in_motion(scene, &residual_after[*j], *j));
             left_nm > factor * UNEXPLAINED_OVER_NOISE * joints[*j].noise_floor_nm && left_nm > factor * UNEXPLAINED_NM
         });
-    let verdict = if findings.iter().any(|finding| finding.label == CauseLabel::Unknown) || worst.is_some() {
+    let named: f64 = findings.iter().filter(|f| f.label != CauseLabel::Unknown).map(|f| f.evidence).sum();
+    let nameless = |f: &Finding| f.label == CauseLabel::Unknown && f.evidence > LEAST_NAMELESS * named;
+    let verdict = if findings.iter().any(nameless) || worst.is_some() {
         Verdict::Unknown
     } else if findings.iter().any(doubted) {
         Verdict::Ambiguous

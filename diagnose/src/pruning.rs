@@ -83,6 +83,12 @@ pub(crate) fn drop_worthless<const N: usize>(search: &mut Search<'_, '_, N>) {
         let everything: Vec<usize> = (0..columns.len()).collect();
         let residual = &system.scene.residual_nm;
         let after = held_out_squares(residual, &plain, &gram, &blocks, &everything);
+        let rows = system.scene.time_s.len().max(1) as f64;
+        // What is left of a joint that has other secrets is structure too: a little of it goes with anything.
+        let asked: [f64; N] = std::array::from_fn(|j| {
+            let left_nm = (after.iter().map(|block| block[j]).sum::<f64>() / rows).sqrt();
+            if left_nm > SECRETIVE * system.scene.noise_floor_nm[j] { LEAST_GAIN_OF_SECRETIVE } else { LEAST_GAIN }
+        });
         let mut first = 0;
         let mut worst: Option<(usize, f64)> = None;
         for &group in &search.selected {
@@ -101,10 +107,11 @@ pub(crate) fn drop_worthless<const N: usize>(search: &mut Search<'_, '_, N>) {
                 .filter_map(|j| {
                     let touched: Vec<usize> = (0..blocks.ranges.len()).filter(|block| acts(*block, j)).collect();
                     let sum = |squares: &BlockSquares<N>| touched.iter().map(|block| squares[*block][j]).sum::<f64>();
-                    (!touched.is_empty()).then(|| 1.0 - (sum(&after) / sum(&without).max(1e-300)).sqrt())
+                    let gain = 1.0 - (sum(&after) / sum(&without).max(1e-300)).sqrt();
+                    (!touched.is_empty()).then_some(gain / asked[j])
                 })
                 .fold(f64::NEG_INFINITY, f64::max);
-            if best < LEAST_GAIN && worst.is_none_or(|(_, gain)| best < gain) {
+            if best < 1.0 && worst.is_none_or(|(_, gain)| best < gain) {
                 worst = Some((group, best));
             }
         }
@@ -117,6 +124,10 @@ pub(crate) fn drop_worthless<const N: usize>(search: &mut Search<'_, '_, N>) {
 
 /// Held-out gain on its best joint that a finding must have.
 const LEAST_GAIN: f64 = 0.015;
+/// Residual left over sensor noise beyond which a joint keeps secrets from every cause considered.
+const SECRETIVE: f64 = 3.0;
+/// Held-out gain that a finding must have on such a joint.
+const LEAST_GAIN_OF_SECRETIVE: f64 = 0.15;
 
 /// A named cause on a joint where a nameless one explains more is part of what has no name.
 pub(crate) fn yield_to_unknown<const N: usize>(search: &mut Search<'_, '_, N>) {

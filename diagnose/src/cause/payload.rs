@@ -27,6 +27,8 @@ pub(super) enum Extent {
 const HEAVIEST_KG: f64 = 30.0;
 /// Farthest believable centre of mass from the flange (m).
 const FARTHEST_M: f64 = 1.0;
+/// Centre of mass along the flange's axis (m): behind it is the arm itself.
+const FARTHEST_BEHIND_M: f64 = -0.05;
 
 impl<const N: usize> Candidate<N> for Payload {
     fn label(&self) -> CauseLabel {
@@ -63,7 +65,8 @@ impl<const N: usize> Candidate<N> for Payload {
     fn admissible(&self, _scene: &Scene<N>, _shape: &[f64], coefficients: &[f64]) -> bool {
         let mass_kg = coefficients[0];
         let first_moment = Vector3::new(coefficients[1], coefficients[2], coefficients[3]);
-        mass_kg > 0.0 && mass_kg < HEAVIEST_KG && first_moment.norm() < FARTHEST_M * mass_kg
+        let reachable = first_moment.norm() < FARTHEST_M * mass_kg && first_moment.z > FARTHEST_BEHIND_M * mass_kg;
+        mass_kg > 0.0 && mass_kg < HEAVIEST_KG && reachable
     }
 
     fn effect(&self, _scene: &Scene<N>, _shape: &[f64], coefficients: &[f64]) -> Option<Effect> {

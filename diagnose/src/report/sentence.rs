@@ -19,7 +19,7 @@ pub fn verdict_sentence(diagnosis: &Diagnosis) -> String {
         }
         (Verdict::Named, [finding]) => format!("{}.", finding_sentence(finding)),
         (Verdict::Named, findings) => {
-            let names = listed(findings.iter().map(short_name));
+            let names = shortened(findings.iter().map(short_name));
             format!("{} causes are missing from the model: {names}; {gain}.", counted(findings.len()))
         }
         (Verdict::Ambiguous, findings) => {
@@ -31,7 +31,7 @@ pub fn verdict_sentence(diagnosis: &Diagnosis) -> String {
             let cannot = if pairs.is_empty() {
                 "This log cannot tell the causes apart".to_owned()
             } else {
-                format!("This log cannot tell {}", listed(pairs.into_iter()))
+                format!("This log cannot tell {}", shortened(pairs.into_iter()))
             };
             match findings {
                 [] => format!("{cannot}."),
@@ -43,16 +43,26 @@ pub fn verdict_sentence(diagnosis: &Diagnosis) -> String {
             Some(unknown) if findings.len() == 1 => format!("{}.", finding_sentence(unknown)),
             Some(unknown) => {
                 let named = findings.iter().filter(|finding| finding.label != CauseLabel::Unknown).map(short_name);
-                format!(
-                    "{}, beside {}; {gain}.",
-                    description(unknown),
-                    listed(named)
-                )
+                format!("{}, beside {}; {gain}.", description(unknown), shortened(named))
             }
             None => "Something is missing from the model that no named cause describes.".to_owned(),
         },
     }
 }
+
+/// The first few of a list; how many more there are.
+fn shortened(items: impl Iterator<Item = String>) -> String {
+    let mut items: Vec<String> = items.collect();
+    if items.len() > MOST_NAMED + 1 {
+        let more = items.len() - MOST_NAMED;
+        items.truncate(MOST_NAMED);
+        items.push(format!("{more} more"));
+    }
+    listed(items.into_iter())
+}
+
+/// Causes that a headline names.
+const MOST_NAMED: usize = 5;
 
 /// One finding with its size and what it is worth on unseen data, without the full stop.
 pub fn finding_sentence(finding: &Finding) -> String {
