@@ -41,7 +41,7 @@ impl<const N: usize> MomentumSettings<N> {
 /// Weighted, damped inverse of Jᵀ on the observer's residual r:
 ///
 /// ```text
-/// ĥ = P J R⁻¹ r,   P = (J R⁻¹ Jᵀ + D⁻²)⁻¹,   cov(ĥ) = P
+/// ĥ = P J R⁻¹ r,   P = (J R⁻¹ Jᵀ + D⁻²)⁻¹,   cov(ĥ) = P       J as late as r
 /// R = a/(2 − a) diag(σ_τ²) + K² M diag(σ_v²) M + diag(σ_f²),   a = 1 − exp(−K dt)
 /// σ_f² = (middle of the band − belief)² + width²/12 + noise²
 /// ```
@@ -107,7 +107,8 @@ impl<const N: usize> MomentumEstimator<N> {
 
     /// ĥ and P.
     #[inline]
-    fn wrench(&self, r: &SMatrix<f64, N, N>, jacobian: &SMatrix<f64, 6, N>) -> Option<(Vector6<f64>, Matrix6<f64>)> {
+    fn wrench(&self, r: &SMatrix<f64, N, N>) -> Option<(Vector6<f64>, Matrix6<f64>)> {
+        let jacobian = self.observer.lagged_jacobian();
         let mut weighted = jacobian.transpose();
         r.cholesky()?.solve_mut(&mut weighted);
         let (m, f) = (self.settings.moment_damping_nm.powi(-2), self.settings.force_damping_n.powi(-2));
@@ -135,7 +136,7 @@ impl<const N: usize> WrenchEstimator<N> for MomentumEstimator<N> {
         let before = self.observer;
         self.observer.step(input.frame, input.terms, &(input.tau_motor - input.tau_friction), input.dt_s);
         let r = self.residual_covariance(input);
-        match self.wrench(&r, &input.terms.jacobian) {
+        match self.wrench(&r) {
             Some((h, covariance)) => {
                 let wrench_base = Wrench::from_vector(&h);
                 self.estimate = WrenchEstimate { wrench_base, covariance, limits95: None, nis: None, fault: None };

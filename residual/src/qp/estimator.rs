@@ -44,7 +44,7 @@ pub fn diagonal_prior(force_sd_n: f64, moment_sd_nm: f64) -> ForcePrior<6> {
 /// r is the residual of a [`MomentumObserver`] of the whole motor torque: it takes inertia and gravity away, where the
 /// paper neglects inertia, and low-passes, where the paper filters with (5). The bounds of the band pass the same
 /// low-pass, whose kernel is not negative: if friction was between its bounds, what the observer sees of it is between
-/// the filtered ones.
+/// the filtered ones. So does J.
 ///
 /// `tau_friction` of the input is not used: the band is the whole friction, compensated or not.
 /// [`WrenchEstimate::covariance`] is that of the joints at a bound of their band; [`WrenchEstimate::limits95`] are the
@@ -91,7 +91,7 @@ impl<const N: usize> QpEstimator<N> {
     fn solve(&mut self, input: &EstimatorInput<'_, N>) -> Result<WrenchEstimate, BoxOutcome> {
         let estimate = self.solver.estimate(&ForceProblem {
             torque: *self.observer.residual_nm(),
-            jacobian: input.terms.jacobian,
+            jacobian: *self.observer.lagged_jacobian(),
             lower: self.lower,
             upper: self.upper,
             variance: self.settings.band.noise_variance_nm2(&input.frame.qd),

@@ -1,4 +1,7 @@
-//! Arithmetic and random numbers shared by the tests of this crate.
+//! Arithmetic, random numbers and a prescribed arm, shared by the tests of this crate.
+
+#![allow(dead_code, reason = "each test binary uses its part")]
 
 pub mod double_double;
+pub mod prescribed;
 pub mod reference_stream;
