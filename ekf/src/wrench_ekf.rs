@@ -188,10 +188,12 @@ impl<const N: usize> WrenchEstimator<N> for WrenchEkf {
             KnownInput::CommandedAcceleration => *input.acceleration_command,
         };
         let r = self.measurement_covariance(jacobian);
+        let before = self.clone();
         self.predict(&u, &lambda_inverse, input.dt_s);
         if self.update(&terms.base_from_flange, &r) {
             self.estimate()
         } else {
+            *self = before;
             self.estimate().held(EstimateFault::NotPositiveDefinite)
         }
     }

@@ -8,7 +8,7 @@
 //!
 //! Both implement [`tribo_robot::WrenchEstimator`] and return the wrench with a confidence that follows from stated
 //! noise: the first a covariance, the second 95 % limits as well, which widen where a joint sticks. What friction a joint
-//! may have is a [`FrictionBand`].
+//! may have is a [`FrictionBand`]; [`identify_band`] finds it in a log of contact-free strokes.
 //!
 //! h is the wrench by the robot on the environment, flange, base axes, moment then force; SI units.
 //!
@@ -44,7 +44,9 @@ mod band;
 mod momentum;
 mod qp;
 
-pub use band::{BandError, FrictionBand, JointBand};
+pub use band::{
+    BandError, BandFitError, FrictionBand, JointBand, JointBandFit, SPEED_CLASSES, band_coverage, identify_band,
+};
 pub use momentum::{MomentumEstimator, MomentumObserver, MomentumSettings};
 pub use qp::{
     BoxOutcome, BoxQp, BoxSolution, ForceEstimate, ForceLimit, ForcePrior, ForceProblem, ForceSolver, PIVOT_LIMIT,

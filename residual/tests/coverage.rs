@@ -42,12 +42,12 @@ fn coverage(sticking: f64, seed: u64) -> Coverage {
             torque[j] += stream.range(lower[j], upper[j]) + 0.1 * stream.normal();
         }
         let problem = ForceProblem { torque, jacobian, lower, upper, variance: SVector::repeat(0.01) };
-        let estimate = solver.estimate(&problem).unwrap();
+        let estimate = solver.estimate(&problem).expect("a solvable programme");
         square += (estimate.force - wrench).fixed_rows::<3>(3).norm_squared() / (3 * DRAWS) as f64;
         for axis in 0..6 {
             let v = SVector::<f64, 6>::from_fn(|r, _| f64::from(u8::from(r == axis)));
-            let above = solver.limit(&v, LAMBDA_95).unwrap().value;
-            let below = -solver.limit(&-v, LAMBDA_95).unwrap().value;
+            let above = solver.limit(&v, LAMBDA_95).expect("a limit").value;
+            let below = -solver.limit(&-v, LAMBDA_95).expect("a limit").value;
             assert!(below <= estimate.force[axis] + 1e-9 && estimate.force[axis] <= above + 1e-9);
             inside += usize::from(below <= wrench[axis] && wrench[axis] <= above);
             if axis >= 3 {

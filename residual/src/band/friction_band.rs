@@ -77,7 +77,7 @@ impl JointBand {
         self.noise_sd_nm * (1.0 + self.noise_growth_s_per_rad * v.abs())
     }
 
-    fn validate(&self, joint: usize) -> Result<(), BandError> {
+    pub(super) fn validate(&self, joint: usize) -> Result<(), BandError> {
         let out = |field, allowed| Err(BandError { joint, field, allowed });
         let finite_or = |x: f64, infinity: f64| x.is_finite() || x == infinity;
         if !finite_or(self.coulomb_min_nm, f64::NEG_INFINITY) {

@@ -15,7 +15,7 @@ pub struct ForceProblem<const N: usize, const M: usize> {
     pub lower: SVector<f64, N>,
     /// Largest friction torque (Nm) of each joint, not below `lower`; may be ∞.
     pub upper: SVector<f64, N>,
-    /// Variance of e [Nm²], the diagonal of R_e; positive.
+    /// Variance of e (Nm²), the diagonal of R_e; positive.
     pub variance: SVector<f64, N>,
 }
 
