@@ -55,7 +55,7 @@ fn motion_does_not_enter_the_residual() {
 }
 
 /// NEES over seeds: error that is drawn as stated has mean square 6 in the metric of the stated covariance, whatever
-/// its distribution. Torque noise of every sample, and friction anywhere in its band for the whole standstill.
+/// its distribution. Torque noise of every sample, and friction at either end of its band for the whole standstill.
 #[test]
 fn the_covariance_is_the_mean_square_error() {
     let band = JointBand::coulomb_viscous(0.4, 0.0, 1e-3, 1e-3);
@@ -72,7 +72,7 @@ fn the_covariance_is_the_mean_square_error() {
         let (mut nees, mut covered) = (0.0, 0);
         for seed in 0..seeds {
             let mut rng = Pcg64::seed_from_u64(seed);
-            let friction = Joints::from_fn(|_, _| half * rng.random_range(-1.0..1.0));
+            let friction = Joints::from_fn(|_, _| if rng.random_bool(0.5) { half } else { -half });
             let mut noisy = samples.clone();
             for sample in &mut noisy {
                 let noise = Joints::from_fn(|_, _| torque_sd * rng.sample::<f64, _>(StandardNormal));
@@ -87,7 +87,9 @@ fn the_covariance_is_the_mean_square_error() {
         println!("NEES {nees:.2}, coverage {:.1} %", 100.0 * coverage);
         // Mean of 400 chi-squares of 6: standard deviation √(12/400) = 0.17; four of them.
         assert!((nees - 6.0).abs() < 0.7, "{nees}");
-        assert!((0.925..=0.99).contains(&coverage), "{coverage}");
+        // Friction at either end is bounded, so it covers more than a normal error of the same mean square.
+        let most = if half > 0.0 { 1.0 } else { 0.97 };
+        assert!((0.93..=most).contains(&coverage), "{coverage}");
     }
 }
 

@@ -43,13 +43,14 @@ impl<const N: usize> MomentumSettings<N> {
 /// ```text
 /// ĥ = P J R⁻¹ r,   P = (J R⁻¹ Jᵀ + D⁻²)⁻¹,   cov(ĥ) = P       J as late as r
 /// R = a/(2 − a) diag(σ_τ²) + K² M diag(σ_v²) M + diag(σ_f²),   a = 1 − exp(−K dt)
-/// σ_f² = (middle of the band − belief)² + width²/12 + noise²
+/// σ_f² = max((lower − belief)², (upper − belief)²) + noise²              bounds of the band
 /// ```
 ///
 /// r is taken from the torque less the friction believed. White torque noise is averaged by the observer, velocity noise
-/// passes as a high-passed momentum (the bound for noise faster than K is used), and friction is slower than 1/K: it
-/// passes as it is, so its mean square about the belief counts in full. It is a *bias* that lasts as long as the joint
-/// sticks, not noise: the covariance is right over poses and directions, not along one standstill.
+/// passes as a high-passed momentum (the bound for noise faster than K is used), and friction is slower than 1/K and
+/// passes as it is. Its mean square about the belief is bounded, whatever its distribution in the band: a joint that
+/// sticks under a push often sits at the end of it. That is a *bias* for as long as the joint sticks, not noise: the
+/// covariance is right over poses and directions, not along one standstill.
 /// D = diag(moment damping, force damping) is the standard deviation of a prior around zero; towards a singular pose P
 /// tends to D² along the lost direction.
 ///
@@ -96,9 +97,9 @@ impl<const N: usize> MomentumEstimator<N> {
         let [lower, upper] = s.friction.limits_nm(qd);
         let noise = s.friction.noise_variance_nm2(qd);
         for j in 0..N {
-            let (middle, width) = (0.5 * (lower[j] + upper[j]), upper[j] - lower[j]);
-            let friction = (middle - input.tau_friction[j]).powi(2) + width * width / 12.0 + noise[j];
-            // A joint of unlimited friction says nothing; ∞ − ∞ has no middle.
+            let belief = input.tau_friction[j];
+            let friction = (lower[j] - belief).powi(2).max((upper[j] - belief).powi(2)) + noise[j];
+            // A joint of unlimited friction says nothing.
             let friction = if friction.is_finite() { friction } else { UNKNOWN_NM2 };
             r[(j, j)] += friction + s.torque_sd_nm[j].powi(2) * a / (2.0 - a);
         }
