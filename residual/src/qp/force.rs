@@ -75,6 +75,8 @@ pub struct ForceLimit {
     pub sigma: f64,
     /// Programmes solved.
     pub rounds: u32,
+    /// Active sets tried by all of them.
+    pub pivots: u32,
 }
 
 impl<const N: usize, const M: usize> ForceSolver<N, M> {
@@ -141,7 +143,7 @@ impl<const N: usize, const M: usize> ForceSolver<N, M> {
         let mut informative = 0_u64;
         let mut variance = prior_variance;
         // S only grows, so the loop ends after at most N + 1 rounds.
-        let mut rounds = 0;
+        let (mut rounds, mut pivots) = (0, 0);
         loop {
             rounds += 1;
             let sigma = variance.sqrt();
@@ -150,9 +152,10 @@ impl<const N: usize, const M: usize> ForceSolver<N, M> {
             if friction.outcome != BoxOutcome::Converged {
                 return Err(friction.outcome);
             }
+            pivots += friction.pivots;
             if informative | friction.active == informative {
                 let value = v.dot(&self.prior.mean) + slope * prior_variance + reach.dot(&friction.multiplier);
-                return Ok(ForceLimit { value, sigma, rounds });
+                return Ok(ForceLimit { value, sigma, rounds, pivots });
             }
             informative |= friction.active;
             let seen = self.qp.whiten(informative, &reach).ok_or(BoxOutcome::NotPositiveDefinite)?;

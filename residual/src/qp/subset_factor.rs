@@ -1,22 +1,26 @@
-//! Cholesky factor of a chosen block of a covariance.
+//! Triangular factor of a chosen block of a covariance.
 
 use nalgebra::{SMatrix, SVector};
 
-/// `C_AA = L Lᵀ` for the coordinates A of a bit mask (bit i = coordinate i), on the stack.
+/// `C_AA = L D Lᵀ` for the coordinates A of a bit mask (bit i = coordinate i), L unit lower triangular, on the stack.
+///
+/// No square root: a division a row is all that waits for the row above.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct SubsetFactor<const N: usize> {
     mask: u64,
     valid: bool,
     count: usize,
     index: [usize; N],
-    /// Rows of L; the diagonal holds its reciprocals.
+    /// Rows of L below its diagonal.
     rows: [[f64; N]; N],
+    /// 1/D.
+    inverse_pivots: [f64; N],
 }
 
 impl<const N: usize> SubsetFactor<N> {
     /// The factor of nothing.
     pub fn empty() -> Self {
-        Self { mask: 0, valid: true, count: 0, index: [0; N], rows: [[0.0; N]; N] }
+        Self { mask: 0, valid: true, count: 0, index: [0; N], rows: [[0.0; N]; N], inverse_pivots: [0.0; N] }
     }
 
     /// Forgets the factor, since C has changed.
@@ -44,19 +48,22 @@ impl<const N: usize> SubsetFactor<N> {
         for i in (0..N).filter(|&i| mask >> i & 1 == 1).skip(kept) {
             let n = self.count;
             self.index[n] = i;
-            for k in 0..=n {
+            // L_nk D_k, then L_nk.
+            let mut scaled = [0.0; N];
+            let mut pivot = c[(i, i)];
+            for k in 0..n {
                 let mut sum = c[(i, self.index[k])];
                 for l in 0..k {
-                    sum -= self.rows[n][l] * self.rows[k][l];
+                    sum -= scaled[l] * self.rows[k][l];
                 }
-                if k < n {
-                    self.rows[n][k] = sum * self.rows[k][k];
-                } else if sum > 0.0 {
-                    self.rows[n][n] = 1.0 / sum.sqrt();
-                } else {
-                    return false;
-                }
+                scaled[k] = sum;
+                self.rows[n][k] = sum * self.inverse_pivots[k];
+                pivot -= sum * self.rows[n][k];
             }
+            if pivot.is_nan() || pivot <= 0.0 {
+                return false;
+            }
+            self.inverse_pivots[n] = 1.0 / pivot;
             self.count += 1;
         }
         self.valid = true;
@@ -65,14 +72,24 @@ impl<const N: usize> SubsetFactor<N> {
 
     /// `L⁻¹ x_A`, packed in the first entries; the rest is zero.
     #[inline]
-    pub fn forward(&self, x: &SVector<f64, N>) -> SVector<f64, N> {
+    fn forward(&self, x: &SVector<f64, N>) -> SVector<f64, N> {
         let mut y = SVector::zeros();
         for n in 0..self.count {
             let mut sum = x[self.index[n]];
             for k in 0..n {
                 sum -= self.rows[n][k] * y[k];
             }
-            y[n] = sum * self.rows[n][n];
+            y[n] = sum;
+        }
+        y
+    }
+
+    /// `D^(−1/2) L⁻¹ x_A`, packed in the first entries: its squared norm is `x_Aᵀ C_AA⁻¹ x_A`.
+    #[inline]
+    pub fn whitened(&self, x: &SVector<f64, N>) -> SVector<f64, N> {
+        let mut y = self.forward(x);
+        for n in 0..self.count {
+            y[n] *= self.inverse_pivots[n].sqrt();
         }
         y
     }
@@ -81,9 +98,12 @@ impl<const N: usize> SubsetFactor<N> {
     #[inline]
     pub fn solve(&self, x: &SVector<f64, N>) -> SVector<f64, N> {
         let mut y = self.forward(x);
+        for n in 0..self.count {
+            y[n] *= self.inverse_pivots[n];
+        }
         let mut solution = SVector::zeros();
         for n in (0..self.count).rev() {
-            let value = y[n] * self.rows[n][n];
+            let value = y[n];
             for k in 0..n {
                 y[k] -= self.rows[n][k] * value;
             }
@@ -117,6 +137,7 @@ mod tests {
             }
             let expected = block.cholesky().unwrap().solve(&rhs);
             assert!((factor.solve(&x) - expected).amax() < 1e-12, "{mask:b}");
+            assert!((factor.whitened(&x).norm_squared() - rhs.dot(&expected)).abs() < 1e-12, "{mask:b}");
         }
         let mut indefinite = c;
         indefinite[(3, 3)] = -1.0;

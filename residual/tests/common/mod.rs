@@ -4,4 +4,5 @@
 
 pub mod double_double;
 pub mod prescribed;
+pub mod published_instances;
 pub mod reference_stream;
