@@ -180,10 +180,14 @@ fn survives_bad_samples<E: WrenchEstimator<7>>(make: impl Fn() -> E) {
     for spoil in spoil {
         let mut estimator = make();
         estimator.reset(&good[0].frame, &good[0].terms);
-        let mut bad = good[1].clone();
-        spoil(&mut bad);
-        assert!(estimator.step(&bad.input()).fault.is_some());
-        assert_eq!(estimator.step(&good[1].input()), undisturbed[0]);
+        for (k, sample) in good[1..].iter().enumerate() {
+            if k % 100 == 0 {
+                let mut bad = sample.clone();
+                spoil(&mut bad);
+                assert!(estimator.step(&bad.input()).fault.is_some());
+            }
+            assert_eq!(estimator.step(&sample.input()), undisturbed[k]);
+        }
     }
 }
 

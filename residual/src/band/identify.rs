@@ -2,7 +2,7 @@
 
 use nalgebra::{SVector, Vector2, Vector3};
 use thiserror::Error;
-use tribo_logs::{GAP_TOLERANCE, RobotLog, bursts};
+use tribo_logs::{RobotLog, bursts};
 use tribo_robot::{Arm, ControlTerms, LAMBDA_95, SensorFrame};
 
 use super::likelihood::{JointRows, log_likelihood};
@@ -16,6 +16,8 @@ pub const SPEED_CLASSES: usize = 5;
 const FEWEST_ROWS: usize = 300;
 /// Start of a burst that is left out, in units of 1/K: the observer forgets its start.
 const SETTLE: f64 = 6.0;
+/// Gaps up to this many periods are bridged: a logger on a busy computer skips a few rows at a time.
+const LONGEST_GAP_PERIODS: f64 = 10.0;
 
 /// The band of one joint and its evidence.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -120,7 +122,7 @@ fn joint_rows<const N: usize>(log: &RobotLog, arm: &Arm<N>, gain_rad_s: f64) -> 
     let mut rows: [JointRows; N] = std::array::from_fn(|_| JointRows::default());
     let mut observer = MomentumObserver::<N>::new(gain_rad_s);
     let at = |columns: &[Vec<f64>], k: usize| SVector::<f64, N>::from_fn(|j, _| columns[j][k]);
-    for burst in bursts(&log.time_s, GAP_TOLERANCE) {
+    for burst in bursts(&log.time_s, LONGEST_GAP_PERIODS) {
         let first = burst.start;
         let mut next_s = log.time_s[first] + SETTLE / gain_rad_s;
         for k in burst {

@@ -128,7 +128,7 @@ impl<const N: usize> WrenchEstimator<N> for QpEstimator<N> {
         if let Err(fault) = input.check() {
             return self.estimate.held(fault);
         }
-        let before = (self.observer, self.lower, self.upper);
+        let before = (self.observer, self.solver, self.lower, self.upper);
         self.observer.step(input.frame, input.terms, input.tau_motor, input.dt_s);
         let share = self.observer.share(input.dt_s);
         let [lower, upper] = self.settings.band.limits_nm(&input.frame.qd);
@@ -139,7 +139,7 @@ impl<const N: usize> WrenchEstimator<N> for QpEstimator<N> {
         match self.solve(input) {
             Ok(estimate) => self.estimate = estimate,
             Err(outcome) => {
-                (self.observer, self.lower, self.upper) = before;
+                (self.observer, self.solver, self.lower, self.upper) = before;
                 return self.estimate.held(fault_of(outcome));
             }
         }
