@@ -2,16 +2,24 @@
 //!
 //! The thousand published instances of the tests, as other solvers are measured on them: each after an unrelated one
 //! (cold), and each again after itself (warm). Then two of them stacked to fourteen joints. Prints percentiles (µs) over
-//! all instances of the least of five runs, so that what the computer does besides does not count.
+//! all instances of the least of five runs, so that what the computer does besides does not count; at the end, of whole
+//! ticks of the estimators on an arm that sways and stops, one run.
 
 #[path = "../tests/common/mod.rs"]
 mod common;
 
 use std::time::Instant;
 
+use common::prescribed::{samples, sway};
 use common::published_instances::{LAMBDA, instance, prior};
 use nalgebra::{SMatrix, SVector};
-use tribo_residual::{ForceProblem, ForceSolver};
+use tribo_friction::FrictionModel;
+use tribo_friction::law::CoulombViscous;
+use tribo_residual::{
+    BandError, ForceProblem, ForceSolver, FrictionBand, JointBand, MomentumEstimator, MomentumSettings, QpEstimator,
+    QpSettings,
+};
+use tribo_robot::{Wrench, WrenchEstimator};
 
 /// Instances.
 const COUNT: u64 = 1000;
@@ -41,9 +49,7 @@ fn time<const N: usize>(label: &str, problems: &[ForceProblem<N, 6>], warm: bool
             *least = least.min(start.elapsed().as_secs_f64() * 1e6);
         }
     }
-    micros.sort_by(f64::total_cmp);
-    let at = |share: f64| micros[((micros.len() - 1) as f64 * share) as usize];
-    println!("{label:32} p50 {:6.2}  p99 {:6.2}  max {:6.2} us", at(0.5), at(0.99), at(1.0));
+    show(label, &mut micros);
 }
 
 /// Two arms that push against each other.
@@ -72,7 +78,29 @@ fn pivots(problems: &[ForceProblem<7, 6>]) {
     println!("active sets per twelve limits: mean {mean:.1}, most {}", counts.iter().max().unwrap_or(&0));
 }
 
-fn main() {
+/// Whole ticks: observer, band, estimate, limits.
+fn ticks<E: WrenchEstimator<7>>(label: &str, mut estimator: E) {
+    let friction = FrictionModel::uniform(CoulombViscous { coulomb_nm: 0.5, viscous_nm_s_per_rad: 0.8 }.into());
+    let push = |_| Wrench::from_force_moment(&[5.0, -3.0, 8.0, 0.2, 0.1, -0.3]);
+    let samples = samples(sway, &push, &friction, 5000);
+    estimator.reset(&samples[0].frame, &samples[0].terms);
+    let mut micros: Vec<f64> = Vec::with_capacity(samples.len());
+    for sample in &samples[1..] {
+        let input = sample.input();
+        let start = Instant::now();
+        std::hint::black_box(estimator.step(std::hint::black_box(&input)));
+        micros.push(start.elapsed().as_secs_f64() * 1e6);
+    }
+    show(label, &mut micros);
+}
+
+fn show(label: &str, micros: &mut [f64]) {
+    micros.sort_by(f64::total_cmp);
+    let at = |share: f64| micros[((micros.len() - 1) as f64 * share) as usize];
+    println!("{label:32} p50 {:6.2}  p99 {:6.2}  max {:6.2} us", at(0.5), at(0.99), at(1.0));
+}
+
+fn main() -> Result<(), BandError> {
     let one: Vec<_> = (0..COUNT).map(instance).collect();
     let two: Vec<_> = one.windows(2).map(|pair| stacked(&pair[0], &pair[1])).collect();
     pivots(&one);
@@ -81,4 +109,10 @@ fn main() {
     time("7 joints, with limits, cold", &one, false, true);
     time("7 joints, with limits, warm", &one, true, true);
     time("14 joints, with limits, cold", &two, false, true);
+
+    let band = FrictionBand::new([JointBand::coulomb_viscous(0.5, 0.8, 3e-3, 0.1); 7])?;
+    ticks("tick, momentum", MomentumEstimator::new(MomentumSettings::new(band)));
+    ticks("tick, band without limits", QpEstimator::new(QpSettings { limits: false, ..QpSettings::new(band) }));
+    ticks("tick, band with limits", QpEstimator::new(QpSettings::new(band)));
+    Ok(())
 }

