@@ -1,8 +1,9 @@
 //! The wrench filter.
 
 use nalgebra::{Matrix3, Matrix6, SMatrix, SVector, Vector3, Vector6};
-use tribo_robot::{ControlTerms, EstimatorInput, Pose, SensorFrame, WrenchEstimate, WrenchEstimator, so3};
-use tribo_robot::{Twist, Wrench};
+use tribo_robot::{
+    ControlTerms, EstimateFault, EstimatorInput, Pose, SensorFrame, Twist, Wrench, WrenchEstimate, WrenchEstimator, so3,
+};
 
 use crate::{AugmentedCovariance, KnownInput, MeasurementNoise, WrenchEkfSettings};
 
@@ -154,6 +155,8 @@ impl WrenchEkf {
             wrench_base: Wrench::from_vector(&self.wrench),
             covariance: self.covariance.hh,
             nis: self.innovation.map(|innovation| innovation.nis),
+            limits95: None,
+            fault: None,
         }
     }
 }
@@ -167,13 +170,11 @@ impl<const N: usize> WrenchEstimator<N> for WrenchEkf {
     fn step(&mut self, input: &EstimatorInput<'_, N>) -> WrenchEstimate {
         let terms = input.terms;
         let jacobian = &terms.jacobian;
-        let finite = input.frame.q.iter().chain(input.frame.qd.iter()).chain(input.tau_motor.iter());
-        let friction = input.tau_friction.iter().chain(input.acceleration_command.iter());
-        if !finite.chain(friction).all(|value| value.is_finite()) {
-            return self.estimate();
+        if let Err(fault) = input.check() {
+            return self.estimate().held(fault);
         }
         let Some(mass) = terms.mass_matrix.cholesky() else {
-            return self.estimate();
+            return self.estimate().held(EstimateFault::NotPositiveDefinite);
         };
         // J B⁻¹ = (B⁻¹ Jᵀ)ᵀ
         let mut b_inverse_jt = jacobian.transpose();
@@ -187,9 +188,14 @@ impl<const N: usize> WrenchEstimator<N> for WrenchEkf {
             KnownInput::CommandedAcceleration => *input.acceleration_command,
         };
         let r = self.measurement_covariance(jacobian);
+        let before = self.clone();
         self.predict(&u, &lambda_inverse, input.dt_s);
-        self.update(&terms.base_from_flange, &r);
-        self.estimate()
+        if self.update(&terms.base_from_flange, &r) {
+            self.estimate()
+        } else {
+            *self = before;
+            self.estimate().held(EstimateFault::NotPositiveDefinite)
+        }
     }
 
     /// Two thirds of the filter's 2 Hz group delay scale `2/w0`, `w0 = (q_h²/(Λ² r² dt))^(1/6)`, is what the default

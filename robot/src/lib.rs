@@ -44,7 +44,7 @@ pub use aba::forward_dynamics;
 pub use arm::{Arm, JointPlacement, Limits, ModifiedDh};
 pub use control_terms::ControlTerms;
 pub use crba::mass_matrix;
-pub use estimator::{EstimatorInput, WrenchEstimate, WrenchEstimator};
+pub use estimator::{EstimateFault, EstimatorInput, LAMBDA_95, WrenchEstimate, WrenchEstimator, WrenchLimits};
 pub use inertia::{LinkInertia, Payload};
 pub use kinematics::Kinematics;
 pub use plant::{Plant, SensorFrame};

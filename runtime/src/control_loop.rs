@@ -63,11 +63,7 @@ impl<const N: usize, E: WrenchEstimator<N>> ControlLoop<N, E> {
             bristles: Bristles::default(),
             safe: SafeTorque::new(q),
             applied: None,
-            estimate: WrenchEstimate {
-                wrench_base: tribo_robot::Wrench::default(),
-                covariance: nalgebra::Matrix6::zeros(),
-                nis: None,
-            },
+            estimate: WrenchEstimate::none_yet(),
             fault: None,
             arm,
             settings,

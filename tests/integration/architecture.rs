@@ -22,7 +22,7 @@ const LAYERS: [&[&str]; 5] = [
 /// Edges inside a layer.
 const SIDEWAYS: [(&str, &str); 1] = [("friction", "robot")];
 /// Edges that point downwards and are forbidden all the same: the loop knows a robot and an estimator by trait only.
-const FORBIDDEN: [(&str, &str); 2] = [("runtime", "sim"), ("runtime", "ekf")];
+const FORBIDDEN: [(&str, &str); 3] = [("runtime", "sim"), ("runtime", "ekf"), ("runtime", "residual")];
 /// Crates from outside and who may use them (prefix match where the name ends with `*`).
 const RESERVED: [(&str, &[&str]); 7] = [
     ("egui*", &["dashboard", "cli"]),
@@ -180,6 +180,9 @@ fn every_clause_can_fail() {
         ("control", "tribo-sim"),
         ("ekf", "tribo-sim"),
         ("ekf", "tribo-control"),
+        ("residual", "tribo-sim"),
+        ("residual", "tribo-ekf"),
+        ("runtime", "tribo-residual"),
         ("sim", "tribo-control"),
         ("runtime", "tribo-sim"),
         ("runtime", "tribo-ekf"),

@@ -8,5 +8,6 @@ mod dynamics_reference;
 mod ekf_consistency;
 mod ekf_frequency;
 mod ekf_known_input;
+mod estimators_on_pulses;
 mod tick_faults;
 mod wrench_on_pulses;

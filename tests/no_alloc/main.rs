@@ -2,14 +2,15 @@
 //!
 //! A counting allocator (crate `allocation-counter`, one counter per thread) watches a thousand ticks of the whole loop
 //! (sense, wrench filter, controller, limits, plant) for every truth and velocity source, then a thousand ticks after a
-//! fault. There is no tolerance: one allocation in two thousand ticks is a failure.
+//! fault; and a thousand ticks of every other wrench estimator. There is no tolerance: one allocation in two thousand ticks is a failure.
 
-use nalgebra::SVector;
+use nalgebra::{SVector, Vector6};
 use tribo_control::{PAPER_PHASES_RAD, SinusoidReference};
 use tribo_friction::{Compensator, JointEffects, VelocitySource};
-use tribo_robot::presets;
+use tribo_residual::{FrictionBand, JointBand, MomentumEstimator, MomentumSettings, QpEstimator, QpSettings};
+use tribo_robot::{ControlTerms, EstimatorInput, SensorFrame, WrenchEstimator, presets};
 use tribo_sim::{BoxFrictionPlant, Sensors, Truth, WrenchPulses};
-use tribo_tests::{TamperedPlant, all_effects, five_truths, loop_with, ready_flange};
+use tribo_tests::{DT_S, TamperedPlant, all_effects, five_truths, loop_with, ready_flange};
 
 /// Ticks watched before and after the fault.
 const TICKS: u64 = 1000;
@@ -34,6 +35,55 @@ fn no_tick_allocates_healthy_or_faulted() {
 #[test]
 fn no_tick_allocates_with_effects() {
     watch("effects", &Truth::panda_coulomb_viscous(), all_effects());
+}
+
+/// The other wrench estimators by themselves: a moving arm, a standing one (friction in its band, all twelve limits), a
+/// wrench that comes and goes, and a sample that must be refused.
+#[test]
+fn no_estimator_allocates() {
+    let joint = JointBand::coulomb_viscous(0.5, 0.8, 3e-3, 0.05);
+    let band = FrictionBand::new([joint; 7]).expect("a valid band");
+    let unknown = JointBand { coulomb_max_nm: f64::INFINITY, coulomb_min_nm: f64::NEG_INFINITY, ..joint };
+    let partly_unknown = FrictionBand::new([joint, joint, joint, joint, joint, joint, unknown]).expect("a valid band");
+    watch_estimator("momentum", MomentumEstimator::new(MomentumSettings::new(band)));
+    watch_estimator("qp", QpEstimator::new(QpSettings::new(band)));
+    watch_estimator("qp, one joint unknown", QpEstimator::new(QpSettings::new(partly_unknown)));
+}
+
+fn watch_estimator<E: WrenchEstimator<7>>(name: &str, mut estimator: E) {
+    let arm = presets::panda();
+    let (none, no_command) = (SVector::<f64, 7>::zeros(), Vector6::zeros());
+    let mut faults = 0;
+    let seen = allocation_counter::measure(|| {
+        for tick in 0..TICKS {
+            let t = tick as f64 * DT_S;
+            let speed = if tick % 400 < 200 { 0.3 } else { 0.0 };
+            let q = presets::panda_ready_pose() + SVector::repeat(0.1 * (2.0 * t).sin());
+            let qd = SVector::repeat(speed * (0.7 * t).cos());
+            let terms = ControlTerms::at(&arm, &q, &qd);
+            let push = Vector6::repeat(if tick % 300 < 100 { 2.0 } else { 0.0 });
+            let tau_motor = if tick % 97 == 96 {
+                SVector::repeat(f64::NAN)
+            } else {
+                terms.bias_nm() + terms.jacobian.transpose() * push
+            };
+            let frame = SensorFrame { time_s: t, q, qd, tau: tau_motor };
+            if tick % 500 == 0 {
+                estimator.reset(&frame, &terms);
+            }
+            let estimate = std::hint::black_box(estimator.step(&EstimatorInput {
+                frame: &frame,
+                terms: &terms,
+                tau_motor: &tau_motor,
+                tau_friction: &none,
+                acceleration_command: &no_command,
+                dt_s: DT_S,
+            }));
+            faults += u64::from(estimate.fault.is_some());
+        }
+    });
+    assert_eq!(seen.count_total, 0, "{name}: {seen:?}");
+    assert_eq!(faults, TICKS / 97, "{name}: the refused samples and no others");
 }
 
 fn watch(name: &str, truth: &Truth<7>, effects: [JointEffects; 7]) {

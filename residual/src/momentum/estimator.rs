@@ -1,0 +1,157 @@
+//! Wrench from the residual of the momentum observer.
+
+use nalgebra::{Matrix6, SMatrix, SVector, Vector6};
+use tribo_robot::{ControlTerms, EstimateFault, EstimatorInput, SensorFrame, Wrench, WrenchEstimate, WrenchEstimator};
+
+use super::MomentumObserver;
+use crate::FrictionBand;
+
+/// Settings of [`MomentumEstimator`].
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct MomentumSettings<const N: usize> {
+    /// Gain K of the observer (rad/s).
+    pub gain_rad_s: f64,
+    /// White noise of the torque, per sample (Nm).
+    pub torque_sd_nm: SVector<f64, N>,
+    /// Noise of the velocity signal (rad/s).
+    pub velocity_sd_rad_s: SVector<f64, N>,
+    /// Friction that may really act, however much of it is believed.
+    pub friction: FrictionBand<N>,
+    /// Force (N) beyond which a direction that the joints cannot see is cut off: the damping of the inverse.
+    pub force_damping_n: f64,
+    /// The same for the moment (Nm).
+    pub moment_damping_nm: f64,
+}
+
+impl<const N: usize> MomentumSettings<N> {
+    /// K = 50 rad/s (8 Hz, 20 ms as the default of the wrench filter), the sensors of a Panda (0.05 Nm per sample,
+    /// 3 mrad/s), and damping far above any contact: it takes 1e-4 off a wrench that is seen to 1 % of it.
+    pub fn new(friction: FrictionBand<N>) -> Self {
+        Self {
+            gain_rad_s: 50.0,
+            torque_sd_nm: SVector::repeat(0.05),
+            velocity_sd_rad_s: SVector::repeat(3e-3),
+            friction,
+            force_damping_n: 500.0,
+            moment_damping_nm: 100.0,
+        }
+    }
+}
+
+/// Weighted, damped inverse of Jᵀ on the observer's residual r:
+///
+/// ```text
+/// ĥ = P J R⁻¹ r,   P = (J R⁻¹ Jᵀ + D⁻²)⁻¹,   cov(ĥ) = P       J as late as r
+/// R = a/(2 − a) diag(σ_τ²) + K² M diag(σ_v²) M + diag(σ_f²),   a = 1 − exp(−K dt)
+/// σ_f² = max((lower − belief)², (upper − belief)²) + noise²              bounds of the band
+/// ```
+///
+/// r is taken from the torque less the friction believed. White torque noise is averaged by the observer, velocity noise
+/// passes as a high-passed momentum (the bound for noise faster than K is used), and friction is slower than 1/K and
+/// passes as it is. Its mean square about the belief is bounded, whatever its distribution in the band: a joint that
+/// sticks under a push often sits at the end of it. That is a *bias* for as long as the joint sticks, not noise: the
+/// covariance is right over poses and directions, not along one standstill.
+/// D = diag(moment damping, force damping) is the standard deviation of a prior around zero; towards a singular pose P
+/// tends to D² along the lost direction.
+///
+/// ```
+/// use tribo_residual::{FrictionBand, JointBand, MomentumEstimator, MomentumSettings};
+/// use tribo_robot::WrenchEstimator;
+///
+/// let band = FrictionBand::new([JointBand::frictionless(0.02); 7])?;
+/// let observer = MomentumEstimator::new(MomentumSettings { gain_rad_s: 40.0, ..MomentumSettings::new(band) });
+/// assert_eq!(observer.delay_s(), 0.025);
+/// # Ok::<(), tribo_residual::BandError>(())
+/// ```
+#[derive(Clone, Copy, Debug)]
+pub struct MomentumEstimator<const N: usize> {
+    settings: MomentumSettings<N>,
+    observer: MomentumObserver<N>,
+    estimate: WrenchEstimate,
+}
+
+impl<const N: usize> MomentumEstimator<N> {
+    /// An estimator that knows nothing yet; [`WrenchEstimator::reset`] places it.
+    pub fn new(settings: MomentumSettings<N>) -> Self {
+        let observer = MomentumObserver::new(settings.gain_rad_s);
+        Self { settings, observer, estimate: WrenchEstimate::none_yet() }
+    }
+
+    /// The settings.
+    pub fn settings(&self) -> &MomentumSettings<N> {
+        &self.settings
+    }
+
+    /// The observer, for its residual.
+    pub fn observer(&self) -> &MomentumObserver<N> {
+        &self.observer
+    }
+
+    /// R: covariance of the residual (Nm²).
+    #[inline]
+    fn residual_covariance(&self, input: &EstimatorInput<'_, N>) -> SMatrix<f64, N, N> {
+        let s = &self.settings;
+        let (a, qd) = (self.observer.share(input.dt_s), &input.frame.qd);
+        let momentum = input.terms.mass_matrix * SMatrix::from_diagonal(&(s.velocity_sd_rad_s * s.gain_rad_s));
+        let mut r = momentum * momentum.transpose();
+        let [lower, upper] = s.friction.limits_nm(qd);
+        let noise = s.friction.noise_variance_nm2(qd);
+        for j in 0..N {
+            let belief = input.tau_friction[j];
+            let friction = (lower[j] - belief).powi(2).max((upper[j] - belief).powi(2)) + noise[j];
+            // A joint of unlimited friction says nothing.
+            let friction = if friction.is_finite() { friction } else { UNKNOWN_NM2 };
+            r[(j, j)] += friction + s.torque_sd_nm[j].powi(2) * a / (2.0 - a);
+        }
+        r
+    }
+
+    /// ĥ and P.
+    #[inline]
+    fn wrench(&self, r: &SMatrix<f64, N, N>) -> Option<(Vector6<f64>, Matrix6<f64>)> {
+        let jacobian = self.observer.lagged_jacobian();
+        let mut weighted = jacobian.transpose();
+        r.cholesky()?.solve_mut(&mut weighted);
+        let (m, f) = (self.settings.moment_damping_nm.powi(-2), self.settings.force_damping_n.powi(-2));
+        let information = jacobian * weighted + Matrix6::from_diagonal(&Vector6::new(m, m, m, f, f, f));
+        let covariance = information.cholesky()?.inverse();
+        let h = covariance * weighted.tr_mul(self.observer.residual_nm());
+        h.iter().all(|value| value.is_finite()).then_some((h, covariance))
+    }
+}
+
+/// Variance that stands for an unlimited one (Nm²).
+const UNKNOWN_NM2: f64 = 1e9;
+
+impl<const N: usize> WrenchEstimator<N> for MomentumEstimator<N> {
+    fn reset(&mut self, frame: &SensorFrame<N>, terms: &ControlTerms<N>) {
+        self.observer.start(frame, terms);
+        self.estimate = WrenchEstimate::none_yet();
+    }
+
+    #[inline]
+    fn step(&mut self, input: &EstimatorInput<'_, N>) -> WrenchEstimate {
+        if let Err(fault) = input.check() {
+            return self.estimate.held(fault);
+        }
+        let before = self.observer;
+        self.observer.step(input.frame, input.terms, &(input.tau_motor - input.tau_friction), input.dt_s);
+        let r = self.residual_covariance(input);
+        match self.wrench(&r) {
+            Some((h, covariance)) => {
+                let wrench_base = Wrench::from_vector(&h);
+                self.estimate = WrenchEstimate { wrench_base, covariance, limits95: None, nis: None, fault: None };
+                self.estimate
+            }
+            None => {
+                self.observer = before;
+                self.estimate.held(EstimateFault::NotPositiveDefinite)
+            }
+        }
+    }
+
+    /// 1/K.
+    fn delay_s(&self) -> f64 {
+        1.0 / self.settings.gain_rad_s
+    }
+}

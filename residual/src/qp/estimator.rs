@@ -1,0 +1,167 @@
+//! The friction-band estimate in the tick.
+
+use nalgebra::{Matrix6, SVector, Vector6};
+use tribo_robot::{
+    ControlTerms, EstimateFault, EstimatorInput, LAMBDA_95, SensorFrame, Wrench, WrenchEstimate, WrenchEstimator,
+    WrenchLimits,
+};
+
+use super::{BoxOutcome, ForcePrior, ForceProblem, ForceSolver};
+use crate::{FrictionBand, MomentumObserver};
+
+/// Settings of [`QpEstimator`].
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct QpSettings<const N: usize> {
+    /// The friction of the joints, as the observer of the same gain sees it.
+    pub band: FrictionBand<N>,
+    /// Prior of the wrench `[moment; force]`, base axes.
+    pub prior: ForcePrior<6>,
+    /// Gain of the momentum observer that supplies the torque (rad/s).
+    pub gain_rad_s: f64,
+    /// Whether every estimate has its twelve 95 % limits; without them its interval is that of the covariance.
+    pub limits: bool,
+}
+
+impl<const N: usize> QpSettings<N> {
+    /// A hand's contact as the prior (30 N, 3 Nm), K = 50 rad/s as the momentum estimator, limits on.
+    pub fn new(band: FrictionBand<N>) -> Self {
+        Self { band, prior: diagonal_prior(30.0, 3.0), gain_rad_s: 50.0, limits: true }
+    }
+}
+
+/// Prior of a wrench `[moment; force]` around zero with these standard deviations on every axis.
+pub fn diagonal_prior(force_sd_n: f64, moment_sd_nm: f64) -> ForcePrior<6> {
+    let (f, m) = (force_sd_n * force_sd_n, moment_sd_nm * moment_sd_nm);
+    ForcePrior { mean: Vector6::zeros(), covariance: Matrix6::from_diagonal(&Vector6::new(m, m, m, f, f, f)) }
+}
+
+/// Most likely wrench with friction anywhere in its band (linderoth2013), 1 kHz:
+///
+/// ```text
+/// r = Jᵀ h + tau_f + e,   lower ≤ tau_f ≤ upper,   h ~ N(h̄, R_F),   e ~ N(0, σ²(1 + k|q̇|)²)
+/// ```
+///
+/// r is the residual of a [`MomentumObserver`] of the whole motor torque: it takes inertia and gravity away, where the
+/// paper neglects inertia, and low-passes, where the paper filters with (5). The bounds of the band pass the same
+/// low-pass, whose kernel is not negative: if friction was between its bounds, what the observer sees of it is between
+/// the filtered ones. So does J.
+///
+/// `tau_friction` of the input is not used: the band is the whole friction, compensated or not.
+/// [`WrenchEstimate::covariance`] is that of the joints at a bound of their band; [`WrenchEstimate::limits95`] are the
+/// limits of section II-E, exact in the Gaussian case, approximate otherwise.
+#[derive(Clone, Copy, Debug)]
+pub struct QpEstimator<const N: usize> {
+    settings: QpSettings<N>,
+    observer: MomentumObserver<N>,
+    solver: ForceSolver<N, 6>,
+    lower: SVector<f64, N>,
+    upper: SVector<f64, N>,
+    estimate: WrenchEstimate,
+}
+
+impl<const N: usize> QpEstimator<N> {
+    /// An estimator that knows nothing yet; [`WrenchEstimator::reset`] places it.
+    pub fn new(settings: QpSettings<N>) -> Self {
+        Self {
+            settings,
+            observer: MomentumObserver::new(settings.gain_rad_s),
+            solver: ForceSolver::new(settings.prior),
+            lower: SVector::zeros(),
+            upper: SVector::zeros(),
+            estimate: WrenchEstimate::none_yet(),
+        }
+    }
+
+    /// The settings.
+    pub fn settings(&self) -> &QpSettings<N> {
+        &self.settings
+    }
+
+    /// Limit in any direction v `[moment; force]` of the wrench of the last step, `lambda` standard deviations out; see
+    /// [`ForceSolver::limit`].
+    ///
+    /// # Errors
+    /// [`EstimateFault::NotPositiveDefinite`] or [`EstimateFault::NotConverged`].
+    pub fn limit(&mut self, v: &Vector6<f64>, lambda: f64) -> Result<f64, EstimateFault> {
+        self.solver.limit(v, lambda).map(|limit| limit.value).map_err(fault_of)
+    }
+
+    /// Estimate and limits for the present residual and bounds.
+    #[inline]
+    fn solve(&mut self, input: &EstimatorInput<'_, N>) -> Result<WrenchEstimate, BoxOutcome> {
+        let estimate = self.solver.estimate(&ForceProblem {
+            torque: *self.observer.residual_nm(),
+            jacobian: *self.observer.lagged_jacobian(),
+            lower: self.lower,
+            upper: self.upper,
+            variance: self.settings.band.noise_variance_nm2(&input.frame.qd),
+        })?;
+        let limits95 = if self.settings.limits { Some(self.limits95()?) } else { None };
+        let wrench_base = Wrench::from_vector(&estimate.force);
+        Ok(WrenchEstimate { wrench_base, covariance: estimate.covariance, limits95, nis: None, fault: None })
+    }
+
+    #[inline]
+    fn limits95(&mut self) -> Result<WrenchLimits, BoxOutcome> {
+        let (mut lower, mut upper) = (Vector6::zeros(), Vector6::zeros());
+        for axis in 0..6 {
+            let mut v = Vector6::zeros();
+            v[axis] = 1.0;
+            upper[axis] = self.solver.limit(&v, LAMBDA_95)?.value;
+            v[axis] = -1.0;
+            lower[axis] = -self.solver.limit(&v, LAMBDA_95)?.value;
+        }
+        Ok(WrenchLimits { lower: Wrench::from_vector(&lower), upper: Wrench::from_vector(&upper) })
+    }
+}
+
+impl<const N: usize> WrenchEstimator<N> for QpEstimator<N> {
+    fn reset(&mut self, frame: &SensorFrame<N>, terms: &ControlTerms<N>) {
+        self.observer.start(frame, terms);
+        self.solver.reset();
+        [self.lower, self.upper] = self.settings.band.limits_nm(&frame.qd);
+        self.estimate = WrenchEstimate::none_yet();
+    }
+
+    #[inline]
+    fn step(&mut self, input: &EstimatorInput<'_, N>) -> WrenchEstimate {
+        if let Err(fault) = input.check() {
+            return self.estimate.held(fault);
+        }
+        let before = (self.observer, self.solver, self.lower, self.upper);
+        self.observer.step(input.frame, input.terms, input.tau_motor, input.dt_s);
+        let share = self.observer.share(input.dt_s);
+        let [lower, upper] = self.settings.band.limits_nm(&input.frame.qd);
+        for j in 0..N {
+            self.lower[j] = lagged(self.lower[j], lower[j], share);
+            self.upper[j] = lagged(self.upper[j], upper[j], share);
+        }
+        match self.solve(input) {
+            Ok(estimate) => self.estimate = estimate,
+            Err(outcome) => {
+                (self.observer, self.solver, self.lower, self.upper) = before;
+                return self.estimate.held(fault_of(outcome));
+            }
+        }
+        self.estimate
+    }
+
+    /// 1/K.
+    fn delay_s(&self) -> f64 {
+        1.0 / self.settings.gain_rad_s
+    }
+}
+
+/// `old + share (new − old)`, also for bounds that are infinite.
+#[inline]
+fn lagged(old: f64, new: f64, share: f64) -> f64 {
+    if old.is_finite() && new.is_finite() { old + share * (new - old) } else { new }
+}
+
+#[inline]
+fn fault_of(outcome: BoxOutcome) -> EstimateFault {
+    match outcome {
+        BoxOutcome::PivotLimit => EstimateFault::NotConverged,
+        BoxOutcome::NotPositiveDefinite | BoxOutcome::Converged => EstimateFault::NotPositiveDefinite,
+    }
+}
