@@ -49,8 +49,7 @@ pub(crate) struct Search<'s, 'a, const N: usize> {
     pub inflation: f64,
     /// Number of distinct causes.
     pub causes: usize,
-    /// Whether to swap members and to ask again what the nameless ones are worth, which takes most of the time; a first
-    /// colour needs neither.
+    /// Whether to ask again what the nameless members are worth, which takes most of the time; a first colour does without.
     pub thorough: bool,
 }
 
@@ -279,7 +278,7 @@ impl<'s, 'a, const N: usize> Search<'s, 'a, N> {
     /// Swaps, deletions and consolidations until nothing improves.
     fn improve(&mut self) {
         for _ in 0..ROUNDS {
-            let mut changed = self.thorough && self.swap();
+            let mut changed = self.swap();
             changed |= self.delete();
             changed |= self.consolidate();
             if !changed {
