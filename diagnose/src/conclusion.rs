@@ -13,7 +13,7 @@ use crate::held_out::{BlockGram, TimeBlocks, gain_of_pairs, gain_with_interval, 
 use crate::next_experiment::next_experiment;
 use crate::noise_level::rms;
 use crate::plots;
-use crate::pruning::{drop_chance, drop_small, drop_worthless, prefer_likelier, yield_to_unknown};
+use crate::pruning::{drop_chance, drop_lonely_pushes, drop_small, drop_worthless, prefer_likelier, yield_to_unknown};
 use crate::remarks::{assumptions_of, misfits, notes_of, rejected};
 use crate::ripple::RippleLine;
 use crate::scene::{Column, Scene, subtracted};
@@ -53,6 +53,7 @@ pub(crate) fn conclude<const N: usize>(
     step: &dyn Fn(&str, f64) -> Result<(), DiagnoseError>,
 ) -> Result<Diagnosis, DiagnoseError> {
     prefer_likelier(search);
+    drop_lonely_pushes(search);
     drop_chance(search, evaluated.chance);
     drop_small(search);
     drop_worthless(search);

@@ -5,7 +5,7 @@ use crate::diagnosis::{CauseLabel, Location};
 use crate::evidence::joint_fit;
 use crate::held_out::{BlockGram, BlockSquares, TimeBlocks, held_out_squares};
 use crate::rivals::RIVAL_EVIDENCE;
-use crate::scene::Column;
+use crate::scene::{Column, add_scaled};
 use crate::search::Search;
 use crate::significance::Chance;
 
@@ -121,6 +121,44 @@ pub(crate) fn drop_worthless<const N: usize>(search: &mut Search<'_, '_, N>) {
         }
     }
 }
+
+/// Drops pushes that one joint alone tells of: a wrench on the tool loads several, a jump of dry friction one.
+pub(crate) fn drop_lonely_pushes<const N: usize>(search: &mut Search<'_, '_, N>) {
+    loop {
+        let squares = |groups: &[usize]| -> [f64; N] {
+            let columns = search.system.columns_of(groups);
+            let coefficients = joint_fit(search.system, &columns).coefficients;
+            std::array::from_fn(|j| {
+                let mut left = search.system.target.rows[j].clone().unwrap_or_default();
+                for (column, coefficient) in columns.iter().zip(&coefficients) {
+                    if let Some(x) = &search.system.columns[*column].rows[j] {
+                        add_scaled(&mut left, x, -coefficient);
+                    }
+                }
+                left.iter().map(|x| x * x).sum()
+            })
+        };
+        let with = squares(&search.selected);
+        let lonely = search.selected.iter().copied().find(|group| {
+            if search.place(*group).0 != CauseLabel::ExternalContact {
+                return false;
+            }
+            let without = squares(&search.others(*group));
+            let gains: Vec<f64> = (0..N).map(|j| (without[j] - with[j]).max(0.0)).collect();
+            let (largest, sum) = (gains.iter().copied().fold(0.0, f64::max), gains.iter().sum::<f64>());
+            largest > LONELY * sum && sum < CONVINCING
+        });
+        match lonely {
+            Some(group) => search.selected = search.others(group),
+            None => return,
+        }
+    }
+}
+
+/// Part of what a push explains from which on one joint tells it alone.
+const LONELY: f64 = 0.85;
+/// Whitened squares that a push may explain on one joint alone all the same.
+const CONVINCING: f64 = 1500.0;
 
 /// Held-out gain on its best joint that a finding must have.
 const LEAST_GAIN: f64 = 0.015;
