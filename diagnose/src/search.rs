@@ -33,6 +33,8 @@ const LEAST_SHARE: f64 = 0.004;
 const MOST_FRUITLESS: usize = 3;
 /// Nats against friction with a preferred direction where rests do not tell: a sensor's offset is far commoner.
 const RARE: f64 = 3.0;
+/// The same elsewhere: a joint that moves one way only does not tell it from Coulomb friction.
+const SELDOM: f64 = 2.0;
 /// Most causes of one log.
 const MOST_CAUSES: usize = 30;
 /// Rounds of improvement after each addition.
@@ -78,7 +80,7 @@ impl<'s, 'a, const N: usize> Search<'s, 'a, N> {
             CauseLabel::Unknown => UNKNOWN_HANDICAP + UNKNOWN_DISCOUNT * gain.explained / self.inflation,
             CauseLabel::CoulombAsymmetry => match group.candidate.location() {
                 Location::Joint(j) if self.system.stuck[j] => RARE,
-                _ => 0.0,
+                _ => SELDOM,
             },
             _ => 0.0,
         };

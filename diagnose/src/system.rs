@@ -102,6 +102,8 @@ const LEAST_RELATIVE_SCALE: f64 = 2e-5;
 const REST_RATIO: f64 = 1.5;
 /// The same, beyond which they are left out.
 const STUCK_RATIO: f64 = 12.0;
+/// Output samples in motion below which a joint's rests stay in.
+const LEAST_MOVING: usize = 40;
 /// Share of standing samples in the filter's window beyond which an output sample counts as one of a rest.
 const STANDING_SHARE: f64 = 0.003;
 
@@ -342,7 +344,7 @@ fn whitening_of<const N: usize>(scene: &Scene<N>, left: &[f64], joint: usize) ->
 ///
 /// Below a few standard deviations of its velocity the dry friction of a stuck joint is anything in [−Fc, Fc]. Whether
 /// it is shows in the residual itself: where it is no larger at rest than in motion, nothing is thrown away; a little
-/// larger may be a cause of low speed at a shape between two trials. Where samples of a rest are left out, the `order`
+/// larger may be a cause of low speed at a shape between two trials, and a log that mostly rests has nothing else. Where samples of a rest are left out, the `order`
 /// rows after it go too, for their prediction reaches into it.
 fn rest_weights<const N: usize>(scene: &Scene<N>, left: &[f64], joint: usize, order: usize) -> Vec<f64> {
     let standing = scene.standing(joint);
@@ -355,10 +357,6 @@ fn rest_weights<const N: usize>(scene: &Scene<N>, left: &[f64], joint: usize, or
     if rest <= REST_RATIO * motion {
         return weights;
     }
-    if rest <= STUCK_RATIO * motion {
-        let excess = (rest / motion).powi(2) - 1.0;
-        return standing.iter().map(|s| 1.0 / (1.0 + excess * s.clamp(0.0, 1.0)).sqrt()).collect();
-    }
     for burst in &scene.bursts {
         let mut since_rest = usize::MAX;
         for k in burst.out.clone() {
@@ -367,6 +365,11 @@ fn rest_weights<const N: usize>(scene: &Scene<N>, left: &[f64], joint: usize, or
                 weights[k] = 0.0;
             }
         }
+    }
+    let left_out = weights.iter().filter(|weight| **weight == 0.0).count();
+    if rest <= STUCK_RATIO * motion || left_out + LEAST_MOVING > weights.len() {
+        let excess = (rest / motion.max(f64::MIN_POSITIVE)).powi(2) - 1.0;
+        return standing.iter().map(|s| 1.0 / (1.0 + excess * s.clamp(0.0, 1.0)).sqrt()).collect();
     }
     weights
 }
