@@ -174,7 +174,7 @@ pub(crate) fn conclude<const N: usize>(
 /// RMS (Nm) of a residual where the joint moves: where it turns back, a slow log catches the jump of dry friction or not.
 fn rms_in_motion<const N: usize>(scene: &Scene<N>, residual: &[f64], joint: usize) -> f64 {
     let pairs = residual.iter().zip(scene.standing(joint));
-    let moving: Vec<f64> = pairs.filter(|(_, standing)| *standing < STANDING).map(|(r, _)| *r).collect();
+    let moving: Vec<f64> = pairs.filter(|(_, standing)| **standing < STANDING).map(|(r, _)| *r).collect();
     if moving.len() * LEAST_MOVING_PARTS < residual.len() { rms(residual) } else { rms(&moving) }
 }
 

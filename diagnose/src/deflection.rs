@@ -15,7 +15,7 @@ use crate::diagnosis::CauseLabel;
 use crate::evidence::{Gain, fit_rows, inner};
 use crate::filter::central_difference;
 use crate::noise_level::rms;
-use crate::scene::{FineColumn, Scene, add_scaled};
+use crate::scene::{Scene, add_scaled};
 use crate::whitening::Whitening;
 
 /// What the deflection of one joint shows.
@@ -76,8 +76,7 @@ fn joint_deflection<const N: usize>(
     joint: usize,
 ) -> Vec<DeflectionFinding> {
     let predicted = nominal_deflection(scene, joint);
-    let own =
-        |values: Vec<f64>| scene.filter(&FineColumn::Joint(joint, values)).rows[joint].clone().unwrap_or_default();
+    let own = |values: Vec<f64>| scene.filter_own(joint, values);
     let sample = |value: &dyn Fn(usize) -> f64| own((0..scene.samples.len()).map(value).collect());
     let target = sample(&|k| deflection[k][joint] - predicted(scene.samples[k].link_nm[joint]));
     let mut rates = Vec::with_capacity(scene.samples.len());

@@ -125,18 +125,24 @@ pub(crate) fn robust_sd(x: impl Iterator<Item = f64>) -> f64 {
     median(&mut x.map(f64::abs).collect::<Vec<f64>>()).unwrap_or(0.0) / MEDIAN_OVER_SD
 }
 
+/// Numbers of mean 0 and standard deviation 1, each the sum of twelve uniform ones less 6.
+#[cfg(test)]
+pub(crate) fn gaussian(seed: u64) -> impl FnMut() -> f64 {
+    let mut state = seed;
+    let mut uniform = move || {
+        state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        (state >> 11) as f64 / (1u64 << 53) as f64
+    };
+    move || (0..12).map(|_| uniform()).sum::<f64>() - 6.0
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
 
     #[test]
     fn tells_feedback_from_the_sensors_own_noise() {
-        let mut state = 3u64;
-        let mut uniform = || {
-            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-            (state >> 11) as f64 / (1u64 << 53) as f64
-        };
-        let mut gauss = || (0..12).map(|_| uniform()).sum::<f64>() - 6.0;
+        let mut gauss = gaussian(3);
         let time: Vec<f64> = (0..4000).map(|k| f64::from(k) * 1e-3).collect();
         let command: Vec<f64> = time.iter().map(|t| t.sin() + 0.07 * gauss()).collect();
         let own: Vec<f64> = time.iter().map(|_| 0.02 * gauss()).collect();
@@ -149,13 +155,7 @@ mod tests {
 
     #[test]
     fn finds_the_noise_under_a_motion_and_the_lattice() {
-        let mut state = 1u64;
-        let mut uniform = || {
-            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-            (state >> 11) as f64 / (1u64 << 53) as f64
-        };
-        // Sum of twelve uniforms: sd 1.
-        let mut gauss = || (0..12).map(|_| uniform()).sum::<f64>() - 6.0;
+        let mut gauss = gaussian(1);
         let x: Vec<f64> = (0..20_000).map(|k| (f64::from(k) * 0.003).sin() + 0.01 * gauss()).collect();
         let time: Vec<f64> = (0..20_000).map(|k| f64::from(k) * 1e-3).collect();
         let sd = white_noise_sd(&time, &x);

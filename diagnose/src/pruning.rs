@@ -1,11 +1,12 @@
 //! What the selection keeps: enough evidence, enough torque, a gain on unseen blocks, the likelier of two stories.
 
 use crate::confusable::same_by_physics;
+use crate::contact_window::residual;
 use crate::diagnosis::{CauseLabel, Location};
-use crate::evidence::joint_fit;
+use crate::evidence::{inner, joint_fit};
 use crate::held_out::{BlockGram, BlockSquares, TimeBlocks, held_out_squares};
 use crate::rivals::RIVAL_EVIDENCE;
-use crate::scene::{Column, add_scaled};
+use crate::scene::Column;
 use crate::search::Search;
 use crate::significance::Chance;
 
@@ -125,24 +126,17 @@ pub(crate) fn drop_worthless<const N: usize>(search: &mut Search<'_, '_, N>) {
 /// Drops pushes that one joint alone tells of: a wrench on the tool loads several, a jump of dry friction one.
 pub(crate) fn drop_lonely_pushes<const N: usize>(search: &mut Search<'_, '_, N>) {
     loop {
+        let is_push = |group: &usize| search.place(*group).0 == CauseLabel::ExternalContact;
+        let pushes: Vec<usize> = search.selected.iter().copied().filter(is_push).collect();
+        if pushes.is_empty() {
+            return;
+        }
         let squares = |groups: &[usize]| -> [f64; N] {
-            let columns = search.system.columns_of(groups);
-            let coefficients = joint_fit(search.system, &columns).coefficients;
-            std::array::from_fn(|j| {
-                let mut left = search.system.target.rows[j].clone().unwrap_or_default();
-                for (column, coefficient) in columns.iter().zip(&coefficients) {
-                    if let Some(x) = &search.system.columns[*column].rows[j] {
-                        add_scaled(&mut left, x, -coefficient);
-                    }
-                }
-                left.iter().map(|x| x * x).sum()
-            })
+            let left = residual(search.system, &search.system.columns_of(groups));
+            left.rows.map(|row| row.map_or(0.0, |row| inner(&row, &row)))
         };
         let with = squares(&search.selected);
-        let lonely = search.selected.iter().copied().find(|group| {
-            if search.place(*group).0 != CauseLabel::ExternalContact {
-                return false;
-            }
+        let lonely = pushes.into_iter().find(|group| {
             let without = squares(&search.others(*group));
             let gains: Vec<f64> = (0..N).map(|j| (without[j] - with[j]).max(0.0)).collect();
             let (largest, sum) = (gains.iter().copied().fold(0.0, f64::max), gains.iter().sum::<f64>());

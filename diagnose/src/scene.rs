@@ -100,8 +100,6 @@ pub(crate) struct Scene<const N: usize> {
     pub torque_sd_nm: SVector<f64, N>,
     /// White noise of the positions (rad).
     pub position_sd_rad: SVector<f64, N>,
-    /// Error of positions on a coarse lattice (rad), which is not white where a joint is slow.
-    pub quantised_sd_rad: SVector<f64, N>,
     /// Noise of the smoothed velocity (rad/s).
     pub velocity_sd_rad_s: SVector<f64, N>,
     /// White noise of the velocity in the band (rad/s).
@@ -117,6 +115,10 @@ pub(crate) struct Scene<const N: usize> {
     pub transmission: bool,
     /// Filtered regressors of every link, ten columns each, on first use.
     link_regressors: OnceLock<Vec<[Column<N>; 10]>>,
+    /// See [`Self::standing`], on first use.
+    standing: [OnceLock<Vec<f64>>; N],
+    /// See [`Self::noise_weights`], on first use.
+    noise_weights: [OnceLock<Vec<f64>>; N],
 }
 
 /// Output samples over the band: 2.5 per period of its cut-off.
@@ -185,7 +187,6 @@ impl<const N: usize> Scene<N> {
             deflection_rad: None,
             torque_sd_nm,
             position_sd_rad,
-            quantised_sd_rad,
             velocity_sd_rad_s: SVector::zeros(),
             velocity_sd_in_band_rad_s: SVector::zeros(),
             coarse_velocity_rad_s: SVector::zeros(),
@@ -194,6 +195,8 @@ impl<const N: usize> Scene<N> {
             skipped_bursts: 0,
             transmission: logs.iter().all(|log| log.tau_link_nm.is_some()),
             link_regressors: OnceLock::new(),
+            standing: std::array::from_fn(|_| OnceLock::new()),
+            noise_weights: std::array::from_fn(|_| OnceLock::new()),
         };
         let mut deflection = Some(Vec::new());
         for (index, log) in logs.iter().enumerate() {
@@ -215,7 +218,7 @@ impl<const N: usize> Scene<N> {
         scene.believe_motor_encoders();
         scene.add_nominal_effects();
         scene.filter_model();
-        scene.set_noise_floor(&inertia);
+        scene.set_noise_floor(&inertia, &quantised_sd_rad);
         Ok(scene)
     }
 
@@ -261,20 +264,24 @@ impl<const N: usize> Scene<N> {
 
     /// Weight of each output sample of a joint, `σ/√(σ² + σ_f²)`: σ the noise of torque and acceleration in the band, σ_f
     /// what velocity noise adds where the joint turns back.
-    pub fn noise_weights(&self, joint: usize) -> Vec<f64> {
-        let variance = self.joint_column(joint, |at| self.sign_noise_nm(joint, at).powi(2));
-        let variance = self.filter(&variance).rows[joint].clone().unwrap_or_default();
-        let mean = variance.iter().sum::<f64>() / variance.len().max(1) as f64;
-        let elsewhere = (self.noise_floor_nm[joint].powi(2) - mean).max(1e-12);
-        variance.iter().map(|v| (elsewhere / (elsewhere + v.max(0.0))).sqrt()).collect()
+    pub fn noise_weights(&self, joint: usize) -> &[f64] {
+        self.noise_weights[joint].get_or_init(|| {
+            let variance =
+                self.filter_own(joint, self.samples.iter().map(|at| self.sign_noise_nm(joint, at).powi(2)).collect());
+            let mean = variance.iter().sum::<f64>() / variance.len().max(1) as f64;
+            let elsewhere = (self.noise_floor_nm[joint].powi(2) - mean).max(1e-12);
+            variance.iter().map(|v| (elsewhere / (elsewhere + v.max(0.0))).sqrt()).collect()
+        })
     }
 
     /// Share of samples at rest that the band filter sees at each output sample of a joint.
-    pub fn standing(&self, joint: usize) -> Vec<f64> {
-        let threshold =
-            (STANDING_SD * self.velocity_sd_rad_s[joint]).max(STANDING_WIDTHS * self.nominal.smoothing_rad_s);
-        let standing = self.joint_column(joint, |at| f64::from(u8::from(at.qd[joint].abs() < threshold)));
-        self.filter(&standing).rows[joint].clone().unwrap_or_default()
+    pub fn standing(&self, joint: usize) -> &[f64] {
+        self.standing[joint].get_or_init(|| {
+            let threshold =
+                (STANDING_SD * self.velocity_sd_rad_s[joint]).max(STANDING_WIDTHS * self.nominal.smoothing_rad_s);
+            let stands = |at: &Sample<N>| f64::from(u8::from(at.qd[joint].abs() < threshold));
+            self.filter_own(joint, self.samples.iter().map(stands).collect())
+        })
     }
 
     /// With two encoders, friction and rotors follow the motor: `f(theta') + Ir theta''` in place of `f(q') + Ir q''`,
@@ -299,8 +306,7 @@ impl<const N: usize> Scene<N> {
                 }
             }
             let left = |samples: &[Sample<N>]| {
-                let model = FineColumn::Joint(j, samples.iter().map(|at| at.model_nm[j]).collect());
-                let model = self.filter(&model).rows[j].clone().unwrap_or_default();
+                let model = self.filter_own(j, samples.iter().map(|at| at.model_nm[j]).collect());
                 self.measured_nm[j].iter().zip(model).map(|(measured, model)| (measured - model).powi(2)).sum::<f64>()
             };
             if left(&corrected) < MOTOR_SIDE_GAIN * left(&self.samples) {
@@ -385,6 +391,11 @@ impl<const N: usize> Scene<N> {
         Column { rows }
     }
 
+    /// A signal of one joint (any unit) on the fine grid, after band filter and averaging.
+    pub fn filter_own(&self, joint: usize, values: Vec<f64>) -> Vec<f64> {
+        self.filter(&FineColumn::Joint(joint, values)).rows[joint].take().unwrap_or_default()
+    }
+
     /// Regressors of every link in its ten inertial parameters, in the band.
     pub fn link_regressors(&self) -> &[[Column<N>; 10]] {
         self.link_regressors.get_or_init(|| {
@@ -433,8 +444,9 @@ impl<const N: usize> Scene<N> {
     }
 
     /// Sensor noise in the band: torque noise, and position noise through two derivatives and the inertia and through one
-    /// and the slope of friction, which is steep where the joint turns back.
-    fn set_noise_floor(&mut self, inertia: &SVector<f64, N>) {
+    /// and the slope of friction, which is steep where the joint turns back. `quantised_sd_rad` is the error of positions
+    /// on a coarse lattice, which is not white where a joint is slow.
+    fn set_noise_floor(&mut self, inertia: &SVector<f64, N>, quantised_sd_rad: &SVector<f64, N>) {
         let Some(chain) = self.chains.first() else { return };
         const STEPS: usize = 400;
         let nyquist_hz = 0.5 * chain.rate_hz;
@@ -451,10 +463,10 @@ impl<const N: usize> Scene<N> {
         let mean = |sum: f64| sum / STEPS as f64;
         self.velocity_sd_rad_s = self.position_sd_rad * mean(velocity).sqrt();
         self.velocity_sd_in_band_rad_s = self.position_sd_rad * mean(velocity_in_band).sqrt();
-        self.coarse_velocity_rad_s = self.quantised_sd_rad * 2.0 * std::f64::consts::PI * chain.band_hz;
-        let squares = |j: usize| -> f64 { self.samples.iter().map(|at| self.sign_noise_nm(j, at).powi(2)).sum() };
+        self.coarse_velocity_rad_s = quantised_sd_rad * 2.0 * std::f64::consts::PI * chain.band_hz;
         self.noise_floor_nm = SVector::from_fn(|j, _| {
-            let from_friction = squares(j) / self.samples.len().max(1) as f64;
+            let squares: f64 = self.samples.iter().map(|at| self.sign_noise_nm(j, at).powi(2)).sum();
+            let from_friction = squares / self.samples.len().max(1) as f64;
             let from_torque = self.torque_sd_nm[j].powi(2) * mean(torque);
             let from_position = (inertia[j] * self.position_sd_rad[j]).powi(2) * mean(acceleration);
             (from_torque + from_position + from_friction).sqrt()

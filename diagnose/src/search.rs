@@ -149,7 +149,8 @@ impl<'s, 'a, const N: usize> Search<'s, 'a, N> {
 
     /// Additions until none is worth it; `go_on` false stops it.
     fn add(&mut self, fruitless: &mut Vec<(CauseLabel, Location)>, go_on: &dyn Fn() -> bool) -> bool {
-        while self.selected.len() < MOST_CAUSES && fruitless.len() <= if self.thorough { MOST_FRUITLESS } else { 1 } {
+        let most_fruitless = if self.thorough { MOST_FRUITLESS } else { 1 };
+        while self.selected.len() < MOST_CAUSES && fruitless.len() <= most_fruitless {
             if !go_on() {
                 return false;
             }

@@ -344,13 +344,13 @@ fn whitening_of<const N: usize>(scene: &Scene<N>, left: &[f64], joint: usize) ->
 ///
 /// Below a few standard deviations of its velocity the dry friction of a stuck joint is anything in [−Fc, Fc]. Whether
 /// it is shows in the residual itself: where it is no larger at rest than in motion, nothing is thrown away; a little
-/// larger may be a cause of low speed at a shape between two trials, and a log that mostly rests has nothing else. Where samples of a rest are left out, the `order`
-/// rows after it go too, for their prediction reaches into it.
+/// larger may be a cause of low speed at a shape between two trials, and a log that mostly rests has nothing else. Where
+/// samples of a rest are left out, the `order` rows after it go too, for their prediction reaches into it.
 fn rest_weights<const N: usize>(scene: &Scene<N>, left: &[f64], joint: usize, order: usize) -> Vec<f64> {
     let standing = scene.standing(joint);
     // Robust: a push that happens to fall into a rest is none of its own.
     let scale = |pick: &dyn Fn(f64) -> bool| {
-        robust_sd(left.iter().zip(&standing).filter(|(_, share)| pick(**share)).map(|(r, _)| *r))
+        robust_sd(left.iter().zip(standing).filter(|(_, share)| pick(**share)).map(|(r, _)| *r))
     };
     let (rest, motion) = (scale(&|share| share > 0.5), scale(&|share| share < 0.1));
     let mut weights = vec![1.0; left.len()];

@@ -124,12 +124,7 @@ mod tests {
 
     #[test]
     fn recovers_an_autoregression_and_whitens_it() {
-        let mut state = 7u64;
-        let mut uniform = || {
-            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-            (state >> 11) as f64 / (1u64 << 53) as f64
-        };
-        let mut gauss = || (0..12).map(|_| uniform()).sum::<f64>() - 6.0;
+        let mut gauss = crate::noise_level::gaussian(7);
         let mut x = vec![0.0, 0.0];
         for k in 2..30_000 {
             let next = 1.2 * x[k - 1] - 0.5 * x[k - 2] + 0.3 * gauss();

@@ -2,7 +2,7 @@
 
 use nalgebra::SVector;
 use tribo_robot::{mass_matrix, rnea};
-use tribo_sim::Effect;
+use tribo_sim::{Effect, oscillator_step};
 
 use super::{Candidate, RIGID_UNASKED, log_grid, only};
 use crate::diagnosis::{CauseLabel, Location};
@@ -78,7 +78,7 @@ impl<const N: usize> Candidate<N> for JointElasticity {
                     slope = (drive - before) / dt_s;
                     let steady = |torque: f64| (torque - damping * slope / stiffness) / stiffness;
                     let swing = [deflection - steady(before), rate - slope / stiffness];
-                    let [swing, swing_rate] = free_swing(swing, stiffness / inertia, damping / inertia, dt_s);
+                    let [swing, swing_rate] = oscillator_step(swing, stiffness / inertia, damping / inertia, dt_s);
                     (deflection, rate) = (steady(drive) + swing, slope / stiffness + swing_rate);
                     before = drive;
                 }
@@ -106,22 +106,6 @@ impl<const N: usize> Candidate<N> for JointElasticity {
             damping_nm_s_per_rad: assumed_damping(scene, self.joint, shape[0]),
         })
     }
-}
-
-/// `ẍ + d ẋ + w² x = 0` over the time h (s), exactly: from and to [x, ẋ]; `w2` [1/s²], `d` [1/s].
-fn free_swing([x, v]: [f64; 2], w2: f64, d: f64, h: f64) -> [f64; 2] {
-    // The step matrix is exp(−a h) [cosh + a s, s; −w² s, cosh − a s], with s = sinh(r h)/r and r² = a² − w².
-    let a = 0.5 * d;
-    let square = a * a - w2;
-    let r = square.abs().sqrt().max(1e-9);
-    let (c, s) = if square < 0.0 {
-        let decay = (-a * h).exp();
-        (decay * (r * h).cos(), decay * (r * h).sin() / r)
-    } else {
-        let (slow, fast) = (((r - a) * h).exp(), ((-r - a) * h).exp());
-        (0.5 * (slow + fast), 0.5 * (slow - fast) / r)
-    };
-    [x * (c + a * s) + v * s, v * (c - a * s) - w2 * x * s]
 }
 
 /// `2 ζ √(K M)`, ζ = 0.05: below its resonance a joint does not show its damping.
