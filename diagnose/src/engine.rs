@@ -10,6 +10,7 @@ use crate::conclusion::{Evaluated, conclude};
 use crate::deflection::deflections;
 use crate::diagnosis::Diagnosis;
 use crate::evidence::joint_fit;
+use crate::noise_level::rms;
 use crate::pruning::plain_columns;
 use crate::ripple::{RippleLine, ripples};
 use crate::scene::{Column, Scene, subtracted};
@@ -117,18 +118,23 @@ pub fn diagnose<const N: usize>(
                 return Err(DiagnoseError::Cancelled);
             }
             if colours == 0 {
-                left = residual_after(&search);
+                left = second_colour(&search, left);
                 colours = 1;
                 continue;
             }
             let mut chance = Chance::of(&search, settings.seed);
-            if chance.inflation > INFLATED {
-                search.inflation = chance.inflation;
+            if chance.inflation > INFLATED || chance.joint_inflation.iter().any(|inflation| *inflation > INFLATED) {
+                // Correlation is mostly that of a joint: it loses weight, and the others do not pay for it.
+                search.system.deflate(&chance.joint_inflation);
                 search.selected.clear();
                 if !search.run(&go_on) {
                     return Err(DiagnoseError::Cancelled);
                 }
                 chance = Chance::of(&search, settings.seed);
+                if chance.inflation > INFLATED {
+                    search.inflation = chance.inflation;
+                    chance = Chance::of(&search, settings.seed);
+                }
             }
             let (selected, inflation) = (search.selected.clone(), search.inflation);
             break (system, selected, inflation, chance);
@@ -166,6 +172,24 @@ fn subtract_ripples<const N: usize>(scene: &mut Scene<N>, original: &[Vec<f64>; 
     let columns: Vec<Column<N>> = lines.iter().map(|line| scene.filter(&line.torque(scene))).collect();
     scene.residual_nm = subtracted(original, &columns, &vec![1.0; columns.len()]);
 }
+
+/// What the selection leaves of the residual (Nm), but what everything together leaves where the selection explains nothing
+/// although much could be explained: a colour that holds an unexplained constant whitens every constant away.
+fn second_colour<const N: usize>(search: &Search<'_, '_, N>, saturated: [Vec<f64>; N]) -> [Vec<f64>; N] {
+    let mut left = residual_after(search);
+    for (j, everything) in saturated.into_iter().enumerate() {
+        let untouched = rms(&left[j]) > UNTOUCHED * rms(&search.system.scene.residual_nm[j]);
+        if untouched && rms(&left[j]) > MUCH * rms(&everything) {
+            left[j] = everything;
+        }
+    }
+    left
+}
+
+/// RMS left by nothing over RMS left by everything from which on something is surely missing.
+const MUCH: f64 = 3.0;
+/// RMS left by the selection over RMS of the residual from which on it explains nothing.
+const UNTOUCHED: f64 = 0.9;
 
 /// What the selection leaves of the residual (Nm), unwhitened.
 fn residual_after<const N: usize>(search: &Search<'_, '_, N>) -> [Vec<f64>; N] {

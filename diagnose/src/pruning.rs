@@ -5,6 +5,7 @@ use crate::contact_window::residual;
 use crate::diagnosis::{CauseLabel, Location};
 use crate::evidence::{inner, joint_fit};
 use crate::held_out::{BlockGram, BlockSquares, TimeBlocks, held_out_squares};
+use crate::noise_level::rms;
 use crate::rivals::RIVAL_EVIDENCE;
 use crate::scene::Column;
 use crate::search::Search;
@@ -18,18 +19,25 @@ const LEAST_RMS_NM: f64 = 2.5e-3;
 const LEAST_OVER_NOISE: f64 = 0.25;
 
 /// Of two causes with the same torque by physics, tells the likelier story: a payload rather than a heavier last link, a
-/// rotor rather than the first link.
+/// rotor rather than the first link, any other constant rather than friction with a preferred direction that is never seen.
 pub(crate) fn prefer_likelier<const N: usize>(search: &mut Search<'_, '_, N>) {
     for place in 0..search.selected.len() {
         let group = search.selected[place];
         let own = search.place(group);
-        if own.0 != CauseLabel::LinkInertial {
-            continue;
-        }
+        let one_way = |joint: usize| search.system.scene.moves_one_way(joint);
+        let alike = |rival: usize| {
+            let other = search.place(rival);
+            let constant = matches!(other.0, CauseLabel::Coulomb | CauseLabel::TorqueOffset) && other.1 == own.1;
+            match own {
+                (CauseLabel::LinkInertial, _) => same_by_physics::<N>(own, other) && other != own,
+                (CauseLabel::CoulombAsymmetry, Location::Joint(joint)) => constant && one_way(joint),
+                _ => false,
+            }
+        };
         let others = search.others(group);
         let evidence = search.member_evidence(group);
         let likelier = (0..search.system.groups.len())
-            .filter(|rival| same_by_physics::<N>(own, search.place(*rival)) && search.place(*rival) != own)
+            .filter(|rival| alike(*rival))
             .filter(|rival| !others.iter().any(|other| search.place(*other) == search.place(*rival)))
             .filter_map(|rival| Some((rival, search.evidence_given(&others, rival)?.0)))
             .max_by(|a, b| a.1.total_cmp(&b.1));
@@ -88,7 +96,9 @@ pub(crate) fn drop_worthless<const N: usize>(search: &mut Search<'_, '_, N>) {
         // What is left of a joint that has other secrets is structure too: a little of it goes with anything.
         let asked: [f64; N] = std::array::from_fn(|j| {
             let left_nm = (after.iter().map(|block| block[j]).sum::<f64>() / rows).sqrt();
-            if left_nm > SECRETIVE * system.scene.noise_floor_nm[j] { LEAST_GAIN_OF_SECRETIVE } else { LEAST_GAIN }
+            let most = left_nm > MOST_LEFT * rms(&residual[j]);
+            let secretive = most && left_nm > SECRETIVE * system.scene.noise_floor_nm[j];
+            if secretive { LEAST_GAIN_OF_SECRETIVE } else { LEAST_GAIN }
         });
         let mut first = 0;
         let mut worst: Option<(usize, f64)> = None;
@@ -158,6 +168,8 @@ const CONVINCING: f64 = 1500.0;
 const LEAST_GAIN: f64 = 0.015;
 /// Residual left over sensor noise beyond which a joint keeps secrets from every cause considered.
 const SECRETIVE: f64 = 3.0;
+/// Part of a joint's residual that must be left for that: what is well understood may end in a crumb of its own.
+const MOST_LEFT: f64 = 0.3;
 /// Held-out gain that a finding must have on such a joint.
 const LEAST_GAIN_OF_SECRETIVE: f64 = 0.15;
 

@@ -43,10 +43,7 @@ pub(crate) fn notes_of<const N: usize>(scene: &Scene<N>) -> Vec<String> {
             notes.push(format!("joint {j} hardly moves: nothing but an offset can be said about its friction"));
             continue;
         }
-        let (forwards, backwards) = scene.samples.iter().fold((0usize, 0usize), |(f, b), at| {
-            (f + usize::from(at.sign[j] > 0.9), b + usize::from(at.sign[j] < -0.9))
-        });
-        if forwards.min(backwards) * 50 < scene.samples.len() {
+        if scene.moves_one_way(j) {
             notes.push(format!(
                 "joint {j} moves in one direction only: Coulomb friction and offset cannot be separated"
             ));

@@ -443,6 +443,12 @@ impl<const N: usize> Scene<N> {
         moving * 20 > self.samples.len()
     }
 
+    /// Whether the joint turns one way only, so that dry friction is a constant.
+    pub fn moves_one_way(&self, joint: usize) -> bool {
+        let count = |way: f64| self.samples.iter().filter(|at| way * at.sign[joint] > 0.9).count();
+        self.moves(joint) && count(1.0).min(count(-1.0)) * 50 < self.samples.len()
+    }
+
     /// Sensor noise in the band: torque noise, and position noise through two derivatives and the inertia and through one
     /// and the slope of friction, which is steep where the joint turns back. `quantised_sd_rad` is the error of positions
     /// on a coarse lattice, which is not white where a joint is slow.

@@ -6,6 +6,7 @@ use rand_pcg::Pcg64;
 use rayon::prelude::*;
 
 use crate::contact_window::residual;
+use crate::diagnosis::Location;
 use crate::evidence::{Conditional, solve_truncated};
 use crate::search::Search;
 
@@ -22,6 +23,8 @@ type Questioned = (usize, Vec<usize>, DMatrix<f64>, DVector<f64>);
 pub(crate) struct Chance {
     /// Mean evidence of chance over its nominal value: 1 for perfectly white data.
     pub inflation: f64,
+    /// The same of the causes that act on one joint alone, per joint.
+    pub joint_inflation: Vec<f64>,
     /// Location of the distribution of the largest evidence over all causes (Gumbel).
     location: f64,
     /// Its scale.
@@ -82,7 +85,7 @@ impl Chance {
         let signs: Vec<Vec<f64>> = (0..FLIPS)
             .map(|_| (0..blocks).map(|_| if rng.random_range(0.0..1.0) < 0.5 { -1.0 } else { 1.0 }).collect())
             .collect();
-        let flips: Vec<(f64, Vec<f64>)> = signs
+        let flips: Vec<(f64, Vec<Option<f64>>)> = signs
             .par_iter()
             .map(|signs| {
                 let flipped: Vec<f64> =
@@ -93,28 +96,34 @@ impl Chance {
                 for (g, columns, square, norms) in &groups {
                     let score = DVector::from_fn(columns.len(), |i, _| projected[columns[i]]);
                     let gain = solve_truncated(square, &score, norms, crate::evidence::OWN_PART);
-                    if gain.directions > 0 {
-                        ratios.push(gain.explained / gain.directions as f64);
-                        largest = largest.max(gain.explained - search.price(*g, &gain));
+                    let asked = gain.directions > 0;
+                    ratios.push(asked.then(|| gain.explained / gain.directions as f64));
+                    if asked {
+                        largest = largest.max(gain.explained / search.inflation - search.price(*g, &gain));
                     }
                 }
                 (largest, ratios)
             })
             .collect();
 
-        // Mean ratio of each cause over the flips; the 75 % quantile over the causes.
-        let count = flips.first().map_or(0, |(_, ratios)| ratios.len());
-        let mut means: Vec<f64> = (0..count)
-            .map(|i| flips.iter().map(|(_, ratios)| ratios.get(i).copied().unwrap_or(1.0)).sum::<f64>() / FLIPS as f64)
+        // Mean ratio of each cause over the flips.
+        let means: Vec<(Location, f64)> = groups
+            .iter()
+            .enumerate()
+            .filter_map(|(i, (g, ..))| {
+                let sum: f64 = flips.iter().map(|(_, ratios)| ratios[i]).sum::<Option<f64>>()?;
+                Some((search.place(*g).1, sum / FLIPS as f64))
+            })
             .collect();
-        means.sort_by(f64::total_cmp);
-        let inflation = means.get(means.len() * 3 / 4).copied().unwrap_or(1.0).max(1.0);
+        let inflation = typical(means.iter().map(|(_, mean)| *mean));
+        let of_joint = |j: usize| means.iter().filter(move |(place, _)| *place == Location::Joint(j)).map(|(_, m)| *m);
+        let joint_inflation = (0..N).map(|j| typical(of_joint(j))).collect();
         let largest: Vec<f64> = flips.iter().map(|(value, _)| *value).filter(|value| value.is_finite()).collect();
         let n = largest.len().max(1) as f64;
         let mean = largest.iter().sum::<f64>() / n;
         let sd = (largest.iter().map(|x| (x - mean).powi(2)).sum::<f64>() / n).sqrt();
         let scale = (sd * 6f64.sqrt() / std::f64::consts::PI).max(1e-3);
-        Self { inflation, location: mean - 0.577_215_664_901_532_9 * scale, scale }
+        Self { inflation, joint_inflation, location: mean - 0.577_215_664_901_532_9 * scale, scale }
     }
 
     /// Family-wise probability of at least this much evidence by chance (Gumbel tail of the flipped maxima).
@@ -122,4 +131,11 @@ impl Chance {
         let x = (evidence - self.location) / self.scale;
         (-(-(-x).exp()).exp_m1()).clamp(0.0, 1.0)
     }
+}
+
+/// The 75 % quantile over the causes, at least 1.
+fn typical(means: impl Iterator<Item = f64>) -> f64 {
+    let mut means: Vec<f64> = means.collect();
+    means.sort_by(f64::total_cmp);
+    means.get(means.len() * 3 / 4).copied().unwrap_or(1.0).max(1.0)
 }

@@ -184,6 +184,20 @@ impl<'a, const N: usize> System<'a, N> {
         Column { rows }
     }
 
+    /// Gives each joint as much less weight as left-over correlation inflates chance there.
+    pub fn deflate(&mut self, joint_inflation: &[f64]) {
+        for (j, inflation) in joint_inflation.iter().enumerate().take(N) {
+            let factor = 1.0 / inflation.sqrt();
+            self.weights[j].iter_mut().for_each(|weight| *weight *= factor);
+            for column in self.columns.iter_mut().chain([&mut self.target]) {
+                column.rows[j].iter_mut().flatten().for_each(|x| *x *= factor);
+            }
+        }
+        self.evaluated = Mutex::default();
+        self.push = OnceLock::new();
+        self.multiply();
+    }
+
     /// Gram matrix and score, joint by joint.
     fn multiply(&mut self) {
         let count = self.columns.len();
