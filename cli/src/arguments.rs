@@ -115,7 +115,7 @@ pub struct Tune {
     #[arg(long, value_parser = PossibleValuesParser::new(["coulomb_viscous", "stribeck"]))]
     pub friction: Option<String>,
     /// Estimator whose wrench is the cost.
-    #[arg(long, value_parser = PossibleValuesParser::new(["ekf"]))]
+    #[arg(long, value_parser = PossibleValuesParser::new(["ekf", "momentum", "qp"]))]
     pub residual: Option<String>,
     /// What chooses the next parameters.
     #[arg(long, value_parser = PossibleValuesParser::new(["zero", "gaz", "random", "sobol", "paper", "bo", "grey_box"]))]
@@ -180,15 +180,19 @@ pub struct Estimate {
     #[arg(long, default_value = "motor", value_parser = PossibleValuesParser::new(["motor", "link"]), conflicts_with = "model")]
     pub torque_side: String,
     /// Which estimators to run.
-    #[arg(long, default_value = "all", value_parser = PossibleValuesParser::new(["all", "ekf", "torque"]))]
+    #[arg(long, default_value = "all", value_parser = PossibleValuesParser::new(["all", "ekf", "momentum", "qp", "torque"]))]
     pub residual: String,
+    /// A log of the same robot in motion that nobody touches: friction band, noise and tare of the estimators come from it
+    /// [default: the band of the model's friction, the noise of a Panda, no tare].
+    #[arg(long, value_name = "LOG")]
+    pub free: Option<PathBuf>,
     /// Band of the torque residual (Hz).
     #[arg(long, default_value_t = 10.0, value_name = "HZ", allow_negative_numbers = true)]
     pub band_hz: f64,
     /// Length of the alternating train and test blocks of the friction fit (s).
     #[arg(long, default_value_t = 2.0, value_name = "S", allow_negative_numbers = true)]
     pub block_s: f64,
-    /// Write the wrench along the log, with its standard deviation, to this Parquet file.
+    /// Write the wrenches along the log, with standard deviation and 95 % interval, to this Parquet file.
     #[arg(long, value_name = "FILE")]
     pub out: Option<PathBuf>,
 }

@@ -19,12 +19,14 @@
 //! | (19): y has x and ẋ | pose only | the filtered velocity is coloured and correlated with the pose: optimistic covariance, no better estimate |
 //!
 //! [`WrenchEkf`] is the filter, [`AugmentedCovariance`] its 18×18 covariance in 6×6 blocks. Each update returns its evidence:
-//! innovation, its covariance, NIS.
+//! innovation, its covariance, NIS. [`FrictionAwareEkf`] adds what is not known of friction to the covariance of the wrench.
 
 mod covariance;
+mod friction_aware;
 mod settings;
 mod wrench_ekf;
 
 pub use covariance::AugmentedCovariance;
+pub use friction_aware::FrictionAwareEkf;
 pub use settings::{KnownInput, MeasurementNoise, WrenchEkfSettings};
-pub use wrench_ekf::{Innovation, WrenchEkf};
+pub use wrench_ekf::{Innovation, WrenchEkf, wrench_from_torque};

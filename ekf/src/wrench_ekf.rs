@@ -18,6 +18,17 @@ pub struct Innovation {
     pub nis: f64,
 }
 
+/// `W = Λ J B⁻¹`, Λ = (J B⁻¹ Jᵀ)⁻¹: how a torque (Nm) that the model does not know shows in the filter's wrench
+/// `[moment; force]`, base axes. `None` where B or Λ cannot be factored.
+#[inline]
+pub fn wrench_from_torque<const N: usize>(terms: &ControlTerms<N>) -> Option<SMatrix<f64, 6, N>> {
+    let mut b_inverse_jt = terms.jacobian.transpose();
+    terms.mass_matrix.cholesky()?.solve_mut(&mut b_inverse_jt);
+    let mut w = b_inverse_jt.transpose();
+    (terms.jacobian * b_inverse_jt).cholesky()?.solve_mut(&mut w);
+    Some(w)
+}
+
 /// 18-state extended Kalman filter of the tool wrench; see the crate documentation for its law.
 #[derive(Clone, Debug)]
 pub struct WrenchEkf {

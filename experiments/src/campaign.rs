@@ -258,7 +258,7 @@ impl Campaign {
 }
 
 /// Number and cost of the cheapest trial that was not aborted; the earliest of equals.
-fn best_trial(trials: &[FinishedTrial]) -> Option<(usize, f64)> {
+pub(crate) fn best_trial(trials: &[FinishedTrial]) -> Option<(usize, f64)> {
     let complete = trials.iter().filter(|trial| trial.aborted.is_none());
     complete.map(|trial| (trial.number, trial.cost.total())).min_by(|a, b| a.1.total_cmp(&b.1))
 }

@@ -12,19 +12,10 @@ use tribo_sim::{DEFAULT_SUB_STEPS, WrenchPulses};
 use crate::files::{FieldError, FileError, ModelFile};
 use crate::scenario::{LoadedTruth, ModelError, POSES, TruthName, frozen_model, pose, random_phases};
 use crate::strategy::StrategyName;
-use crate::{Believed, Bounds, ParameterSpace, PenaltyLimits, Trial, TunedLaw};
+use crate::{Believed, Bounds, EstimatorName, ParameterSpace, PenaltyLimits, Trial, TunedLaw};
 
 /// Schema name of campaign settings.
 const SCHEMA: &str = "tribo.tune/1";
-
-/// Which estimator's wrench is the tuning cost.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum EstimatorName {
-    /// The augmented-state EKF.
-    #[default]
-    Ekf,
-}
 
 /// Phases of the reference trajectory.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]

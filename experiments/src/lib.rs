@@ -18,11 +18,14 @@
 //! # Ok::<(), tribo_experiments::ConfigError>(())
 //! ```
 
+mod against_ekf;
 mod believed;
+mod calibration;
 mod campaign;
 mod closed_loop_gain;
 mod config;
 mod cost;
+mod estimator;
 pub mod files;
 mod follow;
 pub mod hidden_effects;
@@ -45,15 +48,19 @@ mod trial;
 mod trial_log;
 mod trial_store;
 
+pub use against_ekf::{AgainstEkf, against_ekf};
 pub use believed::{Believed, NotCancelled, joint_effects};
+pub use calibration::Calibration;
 pub use campaign::{Campaign, CampaignError, CampaignObserver, CampaignResult};
 pub use closed_loop_gain::{ClosedLoopGain, closed_loop_gain};
-pub use config::{ConfigError, EstimatorName, Phases, TuneConfig, ValidTune};
+pub use config::{ConfigError, Phases, TuneConfig, ValidTune};
 pub use cost::{Cost, CostAccumulator};
+pub use estimator::{AnyEstimator, EstimatorName, VELOCITY_SD_RAD_S, believed_band};
 pub use follow::{Followed, follow};
 pub use in_memory::run_in_memory;
 pub use log_wrench::{LogWrench, ReferenceErrors, WrenchSummary, without_effects, wrench_on_log};
 pub use monitor::{AbortReason, PenaltyLimits, TrialMonitor};
+use numbered_trial::noise_seed;
 pub use numbered_trial::run_numbered;
 pub use parameters::{Bounds, ParameterSpace, TunedLaw};
 pub use reference_costs::{References, references};

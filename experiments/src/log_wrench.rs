@@ -4,7 +4,7 @@ use nalgebra::{SVector, Vector6};
 use serde_json::{Value, json};
 use tribo_friction::{Bristles, Compensator, CompensatorInput, VelocitySource};
 use tribo_logs::{GAP_TOLERANCE, LogError, RobotLog, bursts};
-use tribo_robot::{ControlTerms, EstimatorInput, SensorFrame, WrenchEstimator, bias_torque};
+use tribo_robot::{ControlTerms, EstimatorInput, SensorFrame, Wrench, WrenchEstimate, WrenchEstimator, bias_torque};
 
 use crate::Believed;
 
@@ -17,6 +17,10 @@ pub struct LogWrench {
     pub wrench: Vec<[f64; 6]>,
     /// Its standard deviation, as the estimator believes it.
     pub sd: Vec<[f64; 6]>,
+    /// Lower and upper end of its 95 % interval.
+    pub limits95: Vec<[[f64; 6]; 2]>,
+    /// Samples that the estimator could not use.
+    pub faults: usize,
     /// Normalised innovation squared, where the estimator has one.
     pub nis: Vec<f64>,
     /// The log's reference wrench, if it has one.
@@ -30,7 +34,7 @@ const SETTLE_S: f64 = 0.5;
 
 /// Runs an estimator over the bursts of a log, starting anew at each.
 ///
-/// The torque given to it is `tau_J` less the friction and the effects believed at the logged velocity; `believed` must
+/// The torque given to it is `tau_J` less the effects believed, and as friction the law believed, at the logged velocity; `believed` must
 /// be [`Believed::on_log`], the arm on the same side of the gears as that torque. The torque that acted over a period is
 /// taken as the mean of its two ends. Friction that grows with the load takes gravity and Coriolis torque as the load.
 pub fn wrench_on_log<E: WrenchEstimator<7>>(
@@ -70,7 +74,10 @@ pub fn wrench_on_log<E: WrenchEstimator<7>>(
                 let dt_s = log.time_s[k] - log.time_s[k - 1];
                 let (q, qd_measured, qd_reference, load_nm) = (frame.q, frame.qd, frame.qd, terms.bias_nm());
                 let input = CompensatorInput { q, qd_measured, qd_reference, load_nm, dt_s };
-                let tau_friction = compensator.tick(&mut bristles, &input).total();
+                let compensation = compensator.tick(&mut bristles, &input);
+                let tau_friction = compensation.law_nm;
+                // What is no friction is nobody's band.
+                let tau_motor = tau_motor - compensation.effects_nm;
                 Some(estimator.step(&EstimatorInput {
                     frame: &frame,
                     terms: &terms,
@@ -81,21 +88,9 @@ pub fn wrench_on_log<E: WrenchEstimator<7>>(
                 }))
             };
             let settled = log.time_s[k] - log.time_s[first] >= SETTLE_S;
-            result.time_s.push(log.time_s[k]);
-            let nan = [f64::NAN; 6];
             match estimate.filter(|_| settled) {
-                Some(estimate) => {
-                    let variance = estimate.covariance.diagonal();
-                    let sd = tribo_robot::Wrench::from_vector(&variance.map(|v| v.max(0.0).sqrt())).to_force_moment();
-                    result.wrench.push(estimate.wrench_base.to_force_moment());
-                    result.sd.push(sd);
-                    result.nis.push(estimate.nis.unwrap_or(f64::NAN));
-                }
-                None => {
-                    result.wrench.push(nan);
-                    result.sd.push(nan);
-                    result.nis.push(f64::NAN);
-                }
+                Some(estimate) => result.push(log.time_s[k], &estimate),
+                None => result.push_unsettled(log.time_s[k]),
             }
         }
     }
@@ -148,8 +143,12 @@ pub struct WrenchSummary {
     pub max: [f64; 6],
     /// Mean standard deviation that the estimator states.
     pub stated_sd: [f64; 6],
-    /// Mean NIS (6 when the filter's noise model is right).
-    pub mean_nis: f64,
+    /// Mean half-width of its 95 % interval.
+    pub half_width95: [f64; 6],
+    /// Samples that the estimator could not use.
+    pub faults: usize,
+    /// Mean NIS (6 when the filter's noise model is right), where the estimator has an innovation.
+    pub mean_nis: Option<f64>,
     /// Errors against the log's reference wrench, if it has one.
     pub against_reference: Option<ReferenceErrors>,
 }
@@ -161,15 +160,54 @@ pub struct ReferenceErrors {
     pub rmse_force_n: f64,
     /// RMS of the moment error, mean over axes (Nm).
     pub rmse_moment_nm: f64,
+    /// RMS of the error on each axis, force then moment.
+    pub rmse: [f64; 6],
     /// Mean error, force then moment.
     pub bias: [f64; 6],
-    /// Share of samples whose reference lies within ±1.96 stated standard deviations.
+    /// Share of samples whose reference lies in the stated 95 % interval.
     pub coverage95: [f64; 6],
     /// Shift of the estimate that fits the reference best (s); none where the reference never moves.
     pub delay_s: Option<f64>,
 }
 
 impl LogWrench {
+    /// Appends an estimate at a time (s).
+    pub fn push(&mut self, time_s: f64, estimate: &WrenchEstimate) {
+        let (interval, variance) = (estimate.interval95(), estimate.covariance.diagonal());
+        self.time_s.push(time_s);
+        self.wrench.push(estimate.wrench_base.to_force_moment());
+        self.sd.push(Wrench::from_vector(&variance.map(|v| v.max(0.0).sqrt())).to_force_moment());
+        self.limits95.push([interval.lower.to_force_moment(), interval.upper.to_force_moment()]);
+        self.nis.push(estimate.nis.unwrap_or(f64::NAN));
+        self.faults += usize::from(estimate.fault.is_some());
+    }
+
+    fn push_unsettled(&mut self, time_s: f64) {
+        let nan = [f64::NAN; 6];
+        self.time_s.push(time_s);
+        self.wrench.push(nan);
+        self.sd.push(nan);
+        self.limits95.push([nan; 2]);
+        self.nis.push(f64::NAN);
+    }
+
+    /// Takes a constant wrench (force then moment) off estimates and intervals.
+    pub fn tare(&mut self, tare: &[f64; 6]) {
+        let estimates = self.wrench.iter_mut().chain(self.limits95.iter_mut().flatten());
+        estimates.for_each(|wrench| wrench.iter_mut().zip(tare).for_each(|(value, tare)| *value -= tare));
+    }
+
+    /// Share of settled samples and axes whose 95 % interval holds `wrench`.
+    pub fn share_inside(&self, wrench: &[f64; 6]) -> f64 {
+        let settled = self.limits95.iter().filter(|limits| limits[0][0].is_finite());
+        let (mut inside, mut all) = (0usize, 0usize);
+        for [lower, upper] in settled {
+            inside += (0..6).filter(|&i| lower[i] <= wrench[i] && wrench[i] <= upper[i]).count();
+            all += 6;
+        }
+        inside as f64 / all.max(1) as f64
+    }
+
     /// The figures of the settled samples.
     pub fn summary(&self) -> WrenchSummary {
         let settled: Vec<usize> = (0..self.wrench.len()).filter(|&k| self.wrench[k][0].is_finite()).collect();
@@ -180,10 +218,14 @@ impl LogWrench {
         let against_reference = self.reference.as_ref().map(|reference| {
             let error = |k: usize, i: usize| self.wrench[k][i] - reference[k][i];
             let mean_square = mean_of(&|k, i| error(k, i).powi(2));
-            let inside = |k: usize, i: usize| f64::from(error(k, i).abs() <= 1.96 * self.sd[k][i]);
+            let inside = |k: usize, i: usize| {
+                let ([lower, upper], truth) = (self.limits95[k], reference[k][i]);
+                f64::from(lower[i] <= truth && truth <= upper[i])
+            };
             ReferenceErrors {
                 rmse_force_n: (mean_square[..3].iter().sum::<f64>() / 3.0).sqrt(),
                 rmse_moment_nm: (mean_square[3..].iter().sum::<f64>() / 3.0).sqrt(),
+                rmse: mean_square.map(f64::sqrt),
                 bias: mean_of(&error),
                 coverage95: mean_of(&inside),
                 delay_s: self.delay(reference, &settled),
@@ -196,7 +238,9 @@ impl LogWrench {
             rms: mean_of(&|k, i| self.wrench[k][i].powi(2)).map(f64::sqrt),
             max: std::array::from_fn(|i| settled.iter().map(|&k| self.wrench[k][i].abs()).fold(0.0, f64::max)),
             stated_sd: mean_of(&|k, i| self.sd[k][i]),
-            mean_nis: nis.iter().sum::<f64>() / nis.len().max(1) as f64,
+            half_width95: mean_of(&|k, i| 0.5 * (self.limits95[k][1][i] - self.limits95[k][0][i])),
+            faults: self.faults,
+            mean_nis: (!nis.is_empty()).then(|| nis.iter().sum::<f64>() / nis.len() as f64),
             against_reference,
         }
     }
@@ -228,6 +272,8 @@ impl WrenchSummary {
             "rms": self.rms,
             "max": self.max,
             "stated_sd": self.stated_sd,
+            "half_width95": self.half_width95,
+            "faults": self.faults,
             "mean_nis": self.mean_nis,
         });
         if let (Some(errors), Some(object)) = (&self.against_reference, document.as_object_mut()) {

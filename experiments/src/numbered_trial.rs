@@ -1,10 +1,8 @@
 //! A trial as a function of the campaign's settings and its number.
 
-use tribo_ekf::WrenchEkf;
 use tribo_friction::FrictionModel;
 
-use crate::config::EstimatorName;
-use crate::{Trial, TrialOutcome, ValidTune, run_trial};
+use crate::{AnyEstimator, Trial, TrialOutcome, ValidTune, run_trial};
 
 /// Runs trial `number` with parameters θ: the noise depends on the campaign's seed and the number alone, and a truth
 /// that warms up has run all trials before.
@@ -22,9 +20,7 @@ pub(crate) fn run_estimated(
     friction: &FrictionModel<7>,
     seed: u64,
 ) -> TrialOutcome<7> {
-    match tune.config.residual {
-        EstimatorName::Ekf => run_trial(trial, friction, WrenchEkf::new(tune.config.ekf), seed),
-    }
+    run_trial(trial, friction, AnyEstimator::for_tuning(tune.config.residual, tune.config.ekf), seed)
 }
 
 /// SplitMix64 of seed and stream: neighbouring trials get unrelated noise.

@@ -2,11 +2,12 @@
 
 use serde_json::{Map, Value, json};
 
-use crate::{CampaignResult, ParameterSpace};
+use crate::{AgainstEkf, CampaignResult, ParameterSpace};
 
 impl CampaignResult {
-    /// The document of `tribo tune --json`; `wall_s` is the time the run took (s).
-    pub fn to_json(&self, wall_s: f64) -> Value {
+    /// The document of `tribo tune --json`; `against_ekf` is what the EKF says of another estimator's campaign, `wall_s` the
+    /// time the run took (s).
+    pub fn to_json(&self, against_ekf: Option<AgainstEkf>, wall_s: f64) -> Value {
         let space = ParameterSpace { law: self.config.friction, bounds: self.config.bounds, joints: 7 };
         let trials: Vec<Value> = self
             .trials
@@ -40,6 +41,11 @@ impl CampaignResult {
             "oracle_cost": self.references.oracle,
             "frictionless_cost": self.references.frictionless,
             "params": params,
+            "against_ekf": against_ekf.map(|judged| json!({
+                "cost": judged.cost,
+                "cost_of_ekf_campaign": judged.cost_of_ekf_campaign,
+                "excess": judged.excess(),
+            })),
             "wall_s": wall_s,
         })
     }

@@ -23,12 +23,14 @@
 //!
 //! Leaves out: hysteresis with non-local memory (generalised Maxwell slip).
 
+mod band;
 mod compensator;
 mod effects;
 pub mod identify;
 pub mod law;
 mod model;
 
+pub use band::{BandError, FrictionBand, JointBand};
 pub use compensator::{Bristles, Compensation, Compensator, CompensatorInput, VelocitySource};
 pub use effects::{JointEffects, MAX_RIPPLES, Ripple};
 pub use law::{JointFriction, SetValued};

@@ -15,10 +15,8 @@ use common::published_instances::{LAMBDA, instance, prior};
 use nalgebra::{SMatrix, SVector};
 use tribo_friction::FrictionModel;
 use tribo_friction::law::CoulombViscous;
-use tribo_residual::{
-    BandError, ForceProblem, ForceSolver, FrictionBand, JointBand, MomentumEstimator, MomentumSettings, QpEstimator,
-    QpSettings,
-};
+use tribo_friction::{BandError, FrictionBand, JointBand};
+use tribo_residual::{ForceProblem, ForceSolver, MomentumEstimator, MomentumSettings, QpEstimator, QpSettings};
 use tribo_robot::{Wrench, WrenchEstimator};
 
 /// Instances.

@@ -8,12 +8,13 @@
 //!
 //! Both implement [`tribo_robot::WrenchEstimator`] and return the wrench with a confidence that follows from stated
 //! noise: the first a covariance, the second 95 % limits as well, which widen where a joint sticks. What friction a joint
-//! may have is a [`FrictionBand`]; [`identify_band`] finds it in a log of contact-free strokes.
+//! may have is a [`tribo_friction::FrictionBand`]; [`identify_band`] finds it in a log of contact-free strokes.
 //!
 //! h is the wrench by the robot on the environment, flange, base axes, moment then force; SI units.
 //!
 //! ```
-//! use tribo_residual::{FrictionBand, JointBand, QpEstimator, QpSettings, diagonal_prior};
+//! use tribo_friction::{FrictionBand, JointBand};
+//! use tribo_residual::{QpEstimator, QpSettings, diagonal_prior};
 //! use tribo_robot::{ControlTerms, EstimatorInput, SensorFrame, WrenchEstimator, presets};
 //!
 //! let (arm, q) = (presets::panda(), presets::panda_ready_pose());
@@ -34,7 +35,7 @@
 //! // A standing arm that just carries itself: no wrench, and limits as wide as its friction allows.
 //! assert!(estimate.wrench_base.force_n.norm() < 1e-9);
 //! assert!(estimate.interval95().upper.force_n.z > 1.0);
-//! # Ok::<(), tribo_residual::BandError>(())
+//! # Ok::<(), tribo_friction::BandError>(())
 //! ```
 //!
 //! Leaves out: friction that depends on load, position or temperature inside the band; the thermal and double-encoder
@@ -44,9 +45,7 @@ mod band;
 mod momentum;
 mod qp;
 
-pub use band::{
-    BandError, BandFitError, FrictionBand, JointBand, JointBandFit, SPEED_CLASSES, band_coverage, identify_band,
-};
+pub use band::{BandFitError, BandOf, JointBandFit, SPEED_CLASSES, band_coverage, identify_band};
 pub use momentum::{MomentumEstimator, MomentumObserver, MomentumSettings};
 pub use qp::{
     BoxOutcome, BoxQp, BoxSolution, ForceEstimate, ForceLimit, ForcePrior, ForceProblem, ForceSolver, PIVOT_LIMIT,

@@ -5,9 +5,10 @@
 //! The nominal arm is the true one. Logs of another seed, never fitted, say whether 95 % is 95 %.
 
 use nalgebra::SVector;
+use tribo_friction::FrictionBand;
 use tribo_friction::JointFriction;
 use tribo_logs::RobotLog;
-use tribo_residual::{BandFitError, FrictionBand, JointBandFit, QpEstimator, QpSettings, band_coverage, identify_band};
+use tribo_residual::{BandFitError, JointBandFit, QpEstimator, QpSettings, band_coverage, identify_band};
 use tribo_robot::{ControlTerms, EstimatorInput, SensorFrame, Wrench, WrenchEstimator, presets};
 use tribo_sim::excitation::{Chain, Envelope, Excitation};
 use tribo_sim::{Effect, Recording, Truth, record};

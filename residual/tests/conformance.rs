@@ -15,9 +15,8 @@ use common::prescribed::{DT_S, Motion, Sample, hold, run, samples, slide, sway};
 use tribo_ekf::{WrenchEkf, WrenchEkfSettings};
 use tribo_friction::FrictionModel;
 use tribo_friction::law::CoulombViscous;
-use tribo_residual::{
-    FrictionBand, JointBand, MomentumEstimator, MomentumSettings, QpEstimator, QpSettings, diagonal_prior,
-};
+use tribo_friction::{FrictionBand, JointBand};
+use tribo_residual::{MomentumEstimator, MomentumSettings, QpEstimator, QpSettings, diagonal_prior};
 use tribo_robot::{EstimateFault, Wrench, WrenchEstimator};
 
 const COULOMB_NM: f64 = 0.5;

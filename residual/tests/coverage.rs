@@ -8,7 +8,8 @@ mod common;
 
 use common::reference_stream::ReferenceStream;
 use nalgebra::{SMatrix, SVector};
-use tribo_residual::{ForceProblem, ForceSolver, JointBand, diagonal_prior};
+use tribo_friction::JointBand;
+use tribo_residual::{ForceProblem, ForceSolver, diagonal_prior};
 use tribo_robot::{Kinematics, LAMBDA_95, presets};
 
 /// Draws per case; the binomial standard deviation of six components is then at least 0.09 %, if they were independent.

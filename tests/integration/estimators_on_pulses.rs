@@ -7,10 +7,9 @@
 use nalgebra::SVector;
 use tribo_control::SinusoidReference;
 use tribo_experiments::run_trial_observed;
+use tribo_friction::{FrictionBand, JointBand};
 use tribo_friction::{FrictionModel, JointFriction, VelocitySource};
-use tribo_residual::{
-    FrictionBand, JointBand, MomentumEstimator, MomentumSettings, QpEstimator, QpSettings, diagonal_prior,
-};
+use tribo_residual::{MomentumEstimator, MomentumSettings, QpEstimator, QpSettings, diagonal_prior};
 use tribo_robot::WrenchEstimator;
 use tribo_sim::{Truth, WrenchPulses};
 use tribo_tests::{DT_S, no_friction, ready_flange, tuning_trial};

@@ -7,7 +7,8 @@
 use nalgebra::{SVector, Vector6};
 use tribo_control::{PAPER_PHASES_RAD, SinusoidReference};
 use tribo_friction::{Compensator, JointEffects, VelocitySource};
-use tribo_residual::{FrictionBand, JointBand, MomentumEstimator, MomentumSettings, QpEstimator, QpSettings};
+use tribo_friction::{FrictionBand, JointBand};
+use tribo_residual::{MomentumEstimator, MomentumSettings, QpEstimator, QpSettings};
 use tribo_robot::{ControlTerms, EstimatorInput, SensorFrame, WrenchEstimator, presets};
 use tribo_sim::{BoxFrictionPlant, Sensors, Truth, WrenchPulses};
 use tribo_tests::{DT_S, TamperedPlant, all_effects, five_truths, loop_with, ready_flange};

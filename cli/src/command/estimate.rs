@@ -6,12 +6,16 @@ use serde_json::{Map, Value, json};
 use tribo_diagnose::{
     BlockSettings, FrictionReport, FrictionSettings, JointReport, ResidualError, ResidualSettings, TorqueResidual,
 };
-use tribo_ekf::{WrenchEkf, WrenchEkfSettings};
+use tribo_ekf::WrenchEkfSettings;
 use tribo_experiments::files::Model;
-use tribo_experiments::{Believed, LogWrench, WrenchSummary, without_effects, wrench_on_log};
-use tribo_friction::FrictionModel;
+use tribo_experiments::{
+    AnyEstimator, Believed, Calibration, EstimatorName, LogWrench, WrenchSummary, believed_band, without_effects,
+    wrench_on_log,
+};
 use tribo_friction::law::CoulombViscous;
+use tribo_friction::{FrictionBand, FrictionModel};
 use tribo_logs::{LogSummary, RobotLog, Table, read_log, write_table};
+use tribo_residual::identify_band;
 use tribo_sim::panda_gaz_joints;
 
 use super::{named, warn_not_cancelled};
@@ -24,6 +28,9 @@ const AXES: [&str; 6] = ["Fx [N]", "Fy [N]", "Fz [N]", "Mx [Nm]", "My [Nm]", "Mz
 
 /// Mean NIS above which the filter's stated deviations are refuted; 6 is the expectation, below it they are generous.
 const OVERCONFIDENT_NIS: f64 = 8.0;
+
+/// Gain of the momentum observer that a band belongs to, that of the estimators (rad/s).
+const BAND_GAIN_RAD_S: f64 = 50.0;
 
 /// Runs the estimators over a log and prints what they say.
 pub fn run(arguments: &Estimate, common: &Common) -> anyhow::Result<()> {
@@ -44,27 +51,65 @@ pub fn run(arguments: &Estimate, common: &Common) -> anyhow::Result<()> {
     }
     let wants = |name: &str| arguments.residual == "all" || arguments.residual == name;
     let torque = wants("torque").then(|| torque_residual(arguments, &log, &model, &believed)).transpose()?;
-    let wrench = wants("ekf").then(|| {
-        let mut ekf = WrenchEkf::new(WrenchEkfSettings::default());
-        wrench_on_log(&log, &believed, model.smoothing_rad_s, &mut ekf)
-    });
-    if let (Some(out), Some(wrench)) = (&arguments.out, &wrench) {
-        write_table(out, &wrench_table(wrench))?;
+    let free = arguments.free.as_deref().map(|path| FreeLog::read(path, &believed)).transpose()?;
+    let band = free.as_ref().map_or_else(|| believed_band(&believed.friction), |free| free.band);
+    let watch = |name: EstimatorName, noise_factor: f64, log: &RobotLog| {
+        let mut estimator = AnyEstimator::with_confidence(name, WrenchEkfSettings::default(), &band, noise_factor);
+        wrench_on_log(log, &believed, model.smoothing_rad_s, &mut estimator)
+    };
+    let wrenches: Vec<Estimated> = EstimatorName::ALL
+        .into_iter()
+        .filter(|name| wants(name.as_str()))
+        .map(|name| {
+            let calibration = free
+                .as_ref()
+                .map(|free| Calibration::of_free_stretch(|factor| watch(name, factor, &free.log)))
+                .unwrap_or_default();
+            let mut wrench = watch(name, calibration.noise_factor, &log);
+            wrench.tare(&calibration.tare);
+            Estimated { name, calibration: free.is_some().then_some(calibration), summary: wrench.summary(), wrench }
+        })
+        .collect();
+    if let (Some(out), false) = (&arguments.out, wrenches.is_empty()) {
+        write_table(out, &wrench_table(&wrenches))?;
     }
-    let wrench_summary = wrench.as_ref().map(LogWrench::summary);
     if common.json {
-        print_json(&document(&summary, torque.as_ref(), wrench_summary.as_ref()));
+        print_json(&document(&summary, torque.as_ref(), &wrenches));
     } else if !common.quiet {
         print(&summary);
         if let Some(report) = &torque {
             let rigid = if model.effects.is_empty() { "rigid model" } else { "rigid model and effects" };
             show_torque(report, rigid, model_label(arguments));
         }
-        if let Some(wrench) = &wrench_summary {
-            show_wrench(wrench, arguments.out.as_deref());
+        if !wrenches.is_empty() {
+            show_wrenches(&wrenches, arguments.out.as_deref());
         }
     }
     Ok(())
+}
+
+/// What one estimator made of the log.
+struct Estimated {
+    name: EstimatorName,
+    calibration: Option<Calibration>,
+    wrench: LogWrench,
+    summary: WrenchSummary,
+}
+
+/// A log of strokes that nobody touches, and the friction band that it shows.
+struct FreeLog {
+    log: RobotLog,
+    band: FrictionBand<7>,
+}
+
+impl FreeLog {
+    fn read(path: &Path, believed: &Believed) -> anyhow::Result<Self> {
+        let (log, _) = read_log(path)?;
+        let bad = |error: &dyn std::fmt::Display| BadInput(format!("{}: {error}", path.display()));
+        let fits = identify_band(&log, &believed.arm, BAND_GAIN_RAD_S).map_err(|error| bad(&error))?;
+        let band = FrictionBand::new(fits.map(|fit| fit.band)).map_err(|error| bad(&error))?;
+        Ok(Self { log, band })
+    }
 }
 
 /// Friction model that the residual is compared with: the given model's, or the published one of the Panda.
@@ -148,46 +193,63 @@ fn show_torque(report: &FrictionReport, rigid: &str, model_label: &str) {
     }
 }
 
-fn show_wrench(summary: &WrenchSummary, out: Option<&Path>) {
-    print(format_args!(
-        "\nTool wrench by the robot on the environment (EKF, flange, base axes), {} samples, mean NIS {}",
-        summary.samples,
-        significant(summary.mean_nis, 3)
-    ));
-    let mut header = vec!["", "mean", "rms", "max", "stated sd"];
-    if summary.against_reference.is_some() {
+fn show_wrenches(wrenches: &[Estimated], out: Option<&Path>) {
+    let samples = wrenches.first().map_or(0, |estimated| estimated.summary.samples);
+    print(format_args!("\nTool wrench by the robot on the environment (flange, base axes), {samples} samples"));
+    let compared = wrenches.iter().any(|estimated| estimated.summary.against_reference.is_some());
+    let mut header = vec!["estimator", "", "mean", "rms", "max", "stated sd", "±95 %"];
+    if compared {
         header.extend(["bias", "coverage 95 %"]);
     }
     let mut rows = table(&header);
-    for (i, axis) in AXES.iter().enumerate() {
-        let mut row = vec![
-            (*axis).to_owned(),
-            significant(summary.mean[i], 3),
-            significant(summary.rms[i], 3),
-            significant(summary.max[i], 3),
-            significant(summary.stated_sd[i], 3),
-        ];
-        if let Some(errors) = &summary.against_reference {
-            row.push(significant(errors.bias[i], 3));
-            row.push(format!("{:.1} %", 100.0 * errors.coverage95[i]));
+    for Estimated { name, summary, .. } in wrenches {
+        for (i, axis) in AXES.iter().enumerate() {
+            let mut row = vec![
+                if i == 0 { name.as_str().to_owned() } else { String::new() },
+                (*axis).to_owned(),
+                significant(summary.mean[i], 3),
+                significant(summary.rms[i], 3),
+                significant(summary.max[i], 3),
+                significant(summary.stated_sd[i], 3),
+                significant(summary.half_width95[i], 3),
+            ];
+            if let Some(errors) = &summary.against_reference {
+                row.push(significant(errors.bias[i], 3));
+                row.push(format!("{:.1} %", 100.0 * errors.coverage95[i]));
+            }
+            rows.add_row(row);
         }
-        rows.add_row(row);
     }
     print(rows);
-    if summary.mean_nis > OVERCONFIDENT_NIS {
-        print(format_args!(
-            "mean NIS is {}, not 6: friction, the model or the noise settings do not fit this log; the stated sd is too small",
-            significant(summary.mean_nis, 3)
-        ));
+    for Estimated { name, calibration, summary, .. } in wrenches {
+        let name = name.as_str();
+        if let Some(Calibration { tare: [fx, fy, fz, mx, my, mz], noise_factor }) = calibration {
+            print(format_args!(
+                "{name}: noise × {noise_factor:.2}, tare ({fx:.2}, {fy:.2}, {fz:.2}) N, ({mx:.3}, {my:.3}, {mz:.3}) Nm from the contact-free log"
+            ));
+        }
+        if let Some(nis) = summary.mean_nis.filter(|nis| *nis > OVERCONFIDENT_NIS) {
+            print(format_args!(
+                "{name}: mean NIS is {}, not 6: friction, the model or the noise settings do not fit this log; the stated sd is too small",
+                significant(nis, 3)
+            ));
+        }
+        if summary.faults > 0 {
+            print(format_args!(
+                "{name}: {} samples could not be used; the estimate before each stands",
+                summary.faults
+            ));
+        }
+        if let Some(errors) = &summary.against_reference {
+            let delay = errors.delay_s.map_or(String::new(), |delay| format!(", delay {:.0} ms", delay * 1e3));
+            print(format_args!(
+                "{name} against O_F_ext: RMSE {} N, {} Nm{delay}",
+                significant(errors.rmse_force_n, 3),
+                significant(errors.rmse_moment_nm, 3)
+            ));
+        }
     }
-    if let Some(errors) = &summary.against_reference {
-        let delay = errors.delay_s.map_or(String::new(), |delay| format!(", delay {:.0} ms", delay * 1e3));
-        print(format_args!(
-            "against O_F_ext: RMSE {} N, {} Nm{delay}",
-            significant(errors.rmse_force_n, 3),
-            significant(errors.rmse_moment_nm, 3)
-        ));
-    } else {
+    if !compared {
         print("the log has no O_F_ext: no error figures");
     }
     if let Some(out) = out {
@@ -195,11 +257,15 @@ fn show_wrench(summary: &WrenchSummary, out: Option<&Path>) {
     }
 }
 
-fn document(log: &LogSummary, torque: Option<&FrictionReport>, wrench: Option<&WrenchSummary>) -> Value {
-    let mut estimators = Map::new();
-    if let Some(wrench) = wrench {
-        estimators.insert("ekf".to_owned(), wrench.to_json());
-    }
+fn document(log: &LogSummary, torque: Option<&FrictionReport>, wrenches: &[Estimated]) -> Value {
+    let entries = wrenches.iter().map(|estimated| {
+        let mut entry = estimated.summary.to_json();
+        entry["calibration"] = estimated
+            .calibration
+            .map_or(Value::Null, |found| json!({"noise_factor": found.noise_factor, "tare": found.tare}));
+        (estimated.name.as_str().to_owned(), entry)
+    });
+    let estimators: Map<String, Value> = entries.collect();
     json!({
         "schema": "tribo.estimate/1",
         "log": {"rows": log.rows, "duration_s": log.duration_s, "rate_hz": log.rate_hz, "dropped_repeats": log.dropped_repeats},
@@ -240,16 +306,26 @@ fn joint_json(joint: &JointReport) -> Value {
     })
 }
 
-/// The wrench along the log as a table; samples during which the estimator settles are left out.
-fn wrench_table(wrench: &LogWrench) -> Table {
-    let settled: Vec<usize> = (0..wrench.wrench.len()).filter(|&k| wrench.wrench[k][0].is_finite()).collect();
-    let mut columns = vec![("time".to_owned(), settled.iter().map(|&k| wrench.time_s[k]).collect())];
+/// The wrenches along the log as a table, each column named after its estimator where there are several; samples during which
+/// the estimators settle are left out.
+fn wrench_table(wrenches: &[Estimated]) -> Table {
+    let Some(Estimated { wrench: first, .. }) = wrenches.first() else { return Table::default() };
+    let settled: Vec<usize> = (0..first.wrench.len()).filter(|&k| first.wrench[k][0].is_finite()).collect();
+    let column = |value: &dyn Fn(usize) -> f64| settled.iter().map(|&k| value(k)).collect::<Vec<f64>>();
+    let mut columns = vec![("time".to_owned(), column(&|k| first.time_s[k]))];
     let names = ["fx_n", "fy_n", "fz_n", "mx_nm", "my_nm", "mz_nm"];
-    for (i, name) in names.iter().enumerate() {
-        columns.push((format!("wrench_{name}"), settled.iter().map(|&k| wrench.wrench[k][i]).collect()));
-        columns.push((format!("wrench_sd_{name}"), settled.iter().map(|&k| wrench.sd[k][i]).collect()));
-        if let Some(reference) = &wrench.reference {
-            columns.push((format!("reference_{name}"), settled.iter().map(|&k| reference[k][i]).collect()));
+    for Estimated { name, wrench, .. } in wrenches {
+        let prefix = if wrenches.len() == 1 { String::new() } else { format!("{}_", name.as_str()) };
+        for (i, name) in names.iter().enumerate() {
+            columns.push((format!("{prefix}wrench_{name}"), column(&|k| wrench.wrench[k][i])));
+            columns.push((format!("{prefix}wrench_sd_{name}"), column(&|k| wrench.sd[k][i])));
+            columns.push((format!("{prefix}wrench_low_{name}"), column(&|k| wrench.limits95[k][0][i])));
+            columns.push((format!("{prefix}wrench_high_{name}"), column(&|k| wrench.limits95[k][1][i])));
+        }
+    }
+    if let Some(reference) = &first.reference {
+        for (i, name) in names.iter().enumerate() {
+            columns.push((format!("reference_{name}"), column(&|k| reference[k][i])));
         }
     }
     Table { columns, ..Table::default() }

@@ -4,9 +4,8 @@ use std::path::{Path, PathBuf};
 
 use serde_json::{Map, Value, json};
 use tribo_control::SinusoidReference;
-use tribo_ekf::WrenchEkf;
 use tribo_experiments::files::{Model, TrajectoryFile, TunedFile, YamlDocument};
-use tribo_experiments::{Believed, NotCancelled, ValidTune, follow, simulate_log};
+use tribo_experiments::{AnyEstimator, Believed, NotCancelled, ValidTune, follow, simulate_log};
 use tribo_friction::FrictionModel;
 use tribo_friction::law::CoulombViscous;
 use tribo_logs::RobotLog;
@@ -115,7 +114,8 @@ fn run_trial(
     left: &[NotCancelled],
 ) -> anyhow::Result<()> {
     let config = &tune.config;
-    let (outcome, log) = simulate_log(&tune.trial, friction, WrenchEkf::new(config.ekf), config.seed)?;
+    let estimator = AnyEstimator::for_tuning(config.residual, config.ekf);
+    let (outcome, log) = simulate_log(&tune.trial, friction, estimator, config.seed)?;
     if let Some(path) = &arguments.log {
         write_log(path, &log)?;
     }

@@ -5,7 +5,9 @@ use std::time::Instant;
 
 use anyhow::Context;
 use tribo_experiments::strategy::Origin;
-use tribo_experiments::{Campaign, CampaignError, CampaignResult, ParameterSpace};
+use tribo_experiments::{
+    AgainstEkf, Campaign, CampaignError, CampaignResult, EstimatorName, ParameterSpace, against_ekf,
+};
 
 use super::{configured, set, warn_not_cancelled};
 use crate::arguments::{Common, Tune};
@@ -34,6 +36,7 @@ pub fn run(arguments: &Tune, common: &Common) -> anyhow::Result<()> {
         .num_threads(common.threads)
         .build()
         .context("starting the threads of the trials")?;
+    let tune = campaign.tune().clone();
     let result = pool.install(|| campaign.run(&mut progress));
     progress.finish();
     let result = match result {
@@ -46,11 +49,15 @@ pub fn run(arguments: &Tune, common: &Common) -> anyhow::Result<()> {
         }
         other => other?,
     };
+    if tune.config.residual != EstimatorName::Ekf && !common.quiet {
+        eprintln!("the same campaign with the EKF, for comparison");
+    }
+    let judged = pool.install(|| against_ekf(&tune, &result))?;
     let wall_s = started.elapsed().as_secs_f64();
     if common.json {
-        print_json(&result.to_json(wall_s));
+        print_json(&result.to_json(judged, wall_s));
     } else if !common.quiet {
-        show(&result, &directory, wall_s);
+        show(&result, judged.as_ref(), &directory, wall_s);
     }
     match arguments.check {
         Some(limit) => check(&result, limit),
@@ -143,7 +150,7 @@ fn origin(origin: Origin) -> &'static str {
     }
 }
 
-fn show(result: &CampaignResult, directory: &Path, wall_s: f64) {
+fn show(result: &CampaignResult, judged: Option<&AgainstEkf>, directory: &Path, wall_s: f64) {
     let mut trials =
         table(&["trial", "J [N + Nm]", "J/J_oracle", "max F+M", "mean F+M", "penalty", "chosen by", "state"]);
     let best = result.best.map(|(number, _)| number);
@@ -182,6 +189,16 @@ fn show(result: &CampaignResult, directory: &Path, wall_s: f64) {
             parameters.add_row(row);
         }
         print(format_args!("\n{parameters}"));
+    }
+    if let Some(judged) = judged {
+        let name = result.config.residual.as_str();
+        let verb = if judged.excess() > 0.0 { "costs" } else { "gains" };
+        print(format_args!(
+            "\njudged by the EKF: J = {} with the parameters {name} found, {} with those the EKF finds; the choice {verb} {:.1} %",
+            significant(judged.cost, 4),
+            significant(judged.cost_of_ekf_campaign, 4),
+            100.0 * judged.excess().abs()
+        ));
     }
     print(format_args!(
         "\n{} trials in {wall_s:.1} s; written {}",

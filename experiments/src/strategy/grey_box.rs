@@ -3,13 +3,14 @@
 use std::collections::BTreeMap;
 use std::sync::{Mutex, PoisonError};
 
+use nalgebra::SVector;
 use tribo_bayesopt::{Domain, Settings, suggest};
 use tribo_friction::identify::{Basis, GlsFit, GlsSample, GlsSettings, SavitzkyGolay, fit_from_wrench};
-use tribo_robot::{Arm, ControlTerms};
+use tribo_robot::{Arm, ControlTerms, WrenchEstimator};
 
 use super::bayes::observations;
 use super::{FinishedTrial, LogSource, Origin, Proposal, Strategy, StrategyError};
-use crate::{ParameterSpace, TrialLog, TunedLaw, ValidTune};
+use crate::{AnyEstimator, ParameterSpace, TrialLog, TunedLaw, ValidTune};
 
 /// Trials whose parameters come straight from least squares, after the first without compensation.
 const REFITS: usize = 3;
@@ -33,7 +34,7 @@ pub struct GreyBox {
     space: ParameterSpace,
     domain: Domain,
     model: Arm<7>,
-    delay_s: f64,
+    estimator: AnyEstimator,
     gls: GlsSettings,
     seed: u64,
     /// Fits by trial number: each is a pure function of the logs before it, so remembering them changes nothing.
@@ -58,7 +59,7 @@ impl GreyBox {
             space,
             domain: space.domain()?,
             model: tune.trial.model.clone(),
-            delay_s: estimator_delay_s(tune),
+            estimator: AnyEstimator::for_tuning(tune.config.residual, tune.config.ekf),
             gls,
             seed: tune.config.seed,
             fits: Mutex::new(BTreeMap::new()),
@@ -73,7 +74,7 @@ impl GreyBox {
         }
         let mut samples = Vec::new();
         for trial in (0..number).rev().take(LOGS) {
-            samples.extend(identification_samples(&self.model, &logs.log(trial)?, self.delay_s));
+            samples.extend(identification_samples(&self.model, &logs.log(trial)?, &self.estimator));
         }
         let fit = fit_from_wrench(&samples, &self.gls)?;
         fits.insert(number, fit.clone());
@@ -147,11 +148,6 @@ fn basis_column(name: &str) -> Option<usize> {
     }
 }
 
-fn estimator_delay_s(tune: &ValidTune) -> f64 {
-    let ekf = tribo_ekf::WrenchEkf::new(tune.config.ekf);
-    tribo_robot::WrenchEstimator::<7>::delay_s(&ekf)
-}
-
 /// Time the estimator is given to forget its start (s).
 const SETTLE_S: f64 = 0.5;
 /// Half-width of the Savitzky–Golay window, in samples of 10 ms.
@@ -159,25 +155,21 @@ const DERIVATIVE_HALF_WIDTH: usize = 10;
 
 /// Regression samples of one trial: wrench and W now, velocity and compensation one estimator delay earlier.
 ///
-/// W = J̄ᵀ = Λ J B⁻¹ of the controller's model at the measured configuration; velocity by zero-phase differentiation.
-pub fn identification_samples(model: &Arm<7>, log: &TrialLog<7>, delay_s: f64) -> Vec<GlsSample<7>> {
+/// W is [`AnyEstimator::wrench_from_torque`] with the controller's model at the measured configuration (J̄ᵀ = Λ J B⁻¹ for the
+/// filter); velocity by zero-phase differentiation.
+pub fn identification_samples(model: &Arm<7>, log: &TrialLog<7>, estimator: &AnyEstimator) -> Vec<GlsSample<7>> {
     let filter = SavitzkyGolay { half_width: DERIVATIVE_HALF_WIDTH };
     let qd: Vec<Vec<f64>> =
         (0..7).map(|j| filter.derivative(&log.q.iter().map(|q| q[j]).collect::<Vec<_>>(), log.period_s)).collect();
-    let delay = (delay_s / log.period_s).round() as usize;
+    let delay = (estimator.delay_s() / log.period_s).round() as usize;
     let settle = (SETTLE_S / log.period_s).round() as usize;
-    let still = nalgebra::SVector::zeros();
+    let still = SVector::zeros();
     (settle.max(delay)..log.len())
         .filter_map(|k| {
             let terms = ControlTerms::at(model, &log.q[k], &still);
-            let b_inverse_jt = terms.mass_matrix.cholesky()?.solve(&terms.jacobian.transpose());
-            let lambda = (terms.jacobian * b_inverse_jt).cholesky()?;
-            Some(GlsSample {
-                wrench: log.wrench[k],
-                wrench_from_torque: lambda.solve(&b_inverse_jt.transpose()),
-                qd: nalgebra::SVector::from_fn(|j, _| qd[j][k - delay]),
-                tau_compensation: log.tau_friction[k - delay],
-            })
+            let (qd, tau_compensation) = (SVector::from_fn(|j, _| qd[j][k - delay]), log.tau_friction[k - delay]);
+            let wrench_from_torque = estimator.wrench_from_torque(&terms, &qd, &tau_compensation)?;
+            Some(GlsSample { wrench: log.wrench[k], wrench_from_torque, qd, tau_compensation })
         })
         .collect()
 }

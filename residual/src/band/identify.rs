@@ -2,12 +2,12 @@
 
 use nalgebra::{SVector, Vector2, Vector3};
 use thiserror::Error;
+use tribo_friction::{BandError, FrictionBand, JointBand};
 use tribo_logs::{RobotLog, bursts};
 use tribo_robot::{Arm, ControlTerms, LAMBDA_95, SensorFrame};
 
 use super::likelihood::{JointRows, log_likelihood};
 use super::nelder_mead::minimise;
-use super::{BandError, FrictionBand, JointBand};
 use crate::MomentumObserver;
 
 /// Classes of speed, of equally many rows each, in which a band must cover.

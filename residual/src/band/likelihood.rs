@@ -2,7 +2,7 @@
 
 use std::f64::consts::{PI, SQRT_2};
 
-use super::JointBand;
+use tribo_friction::JointBand;
 
 /// One joint along a contact-free log, as the observer sees it.
 #[derive(Clone, Debug, Default, PartialEq)]

@@ -1,9 +1,9 @@
-//! What friction a joint may have at a velocity, and how a log tells.
+//! How a log tells what friction a joint may have.
 
-mod friction_band;
+mod band_of;
 mod identify;
 mod likelihood;
 mod nelder_mead;
 
-pub use friction_band::{BandError, FrictionBand, JointBand};
+pub use band_of::BandOf;
 pub use identify::{BandFitError, JointBandFit, SPEED_CLASSES, band_coverage, identify_band};

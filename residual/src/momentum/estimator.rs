@@ -4,7 +4,8 @@ use nalgebra::{Matrix6, SMatrix, SVector, Vector6};
 use tribo_robot::{ControlTerms, EstimateFault, EstimatorInput, SensorFrame, Wrench, WrenchEstimate, WrenchEstimator};
 
 use super::MomentumObserver;
-use crate::FrictionBand;
+use crate::BandOf;
+use tribo_friction::FrictionBand;
 
 /// Settings of [`MomentumEstimator`].
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -17,6 +18,8 @@ pub struct MomentumSettings<const N: usize> {
     pub velocity_sd_rad_s: SVector<f64, N>,
     /// Friction that may really act, however much of it is believed.
     pub friction: FrictionBand<N>,
+    /// What that band is about.
+    pub band_of: BandOf,
     /// Force (N) beyond which a direction that the joints cannot see is cut off: the damping of the inverse.
     pub force_damping_n: f64,
     /// The same for the moment (Nm).
@@ -32,6 +35,7 @@ impl<const N: usize> MomentumSettings<N> {
             torque_sd_nm: SVector::repeat(0.05),
             velocity_sd_rad_s: SVector::repeat(3e-3),
             friction,
+            band_of: BandOf::Friction,
             force_damping_n: 500.0,
             moment_damping_nm: 100.0,
         }
@@ -43,25 +47,26 @@ impl<const N: usize> MomentumSettings<N> {
 /// ```text
 /// ĥ = P J R⁻¹ r,   P = (J R⁻¹ Jᵀ + D⁻²)⁻¹,   cov(ĥ) = P       J as late as r
 /// R = a/(2 − a) diag(σ_τ²) + K² M diag(σ_v²) M + diag(σ_f²),   a = 1 − exp(−K dt)
-/// σ_f² = max((lower − belief)², (upper − belief)²) + noise²              bounds of the band
+/// σ_f² = m² + w²/2 + noise²         m, w: middle and half-width of the band less the belief, or of what is left
 /// ```
 ///
 /// r is taken from the torque less the friction believed. White torque noise is averaged by the observer, velocity noise
 /// passes as a high-passed momentum (the bound for noise faster than K is used), and friction is slower than 1/K and
-/// passes as it is. Its mean square about the belief is bounded, whatever its distribution in the band: a joint that
-/// sticks under a push often sits at the end of it. That is a *bias* for as long as the joint sticks, not noise: the
-/// covariance is right over poses and directions, not along one standstill.
+/// passes as it is. It is taken to be nearer to the ends of its band than to the middle (arcsine law), as pushes leave a
+/// joint that sticks. That is a *bias* for as long as the joint sticks, not noise: the covariance is right over poses and
+/// directions, not along one standstill.
 /// D = diag(moment damping, force damping) is the standard deviation of a prior around zero; towards a singular pose P
 /// tends to D² along the lost direction.
 ///
 /// ```
-/// use tribo_residual::{FrictionBand, JointBand, MomentumEstimator, MomentumSettings};
+/// use tribo_friction::{FrictionBand, JointBand};
+/// use tribo_residual::{MomentumEstimator, MomentumSettings};
 /// use tribo_robot::WrenchEstimator;
 ///
 /// let band = FrictionBand::new([JointBand::frictionless(0.02); 7])?;
 /// let observer = MomentumEstimator::new(MomentumSettings { gain_rad_s: 40.0, ..MomentumSettings::new(band) });
 /// assert_eq!(observer.delay_s(), 0.025);
-/// # Ok::<(), tribo_residual::BandError>(())
+/// # Ok::<(), tribo_friction::BandError>(())
 /// ```
 #[derive(Clone, Copy, Debug)]
 pub struct MomentumEstimator<const N: usize> {
@@ -87,18 +92,38 @@ impl<const N: usize> MomentumEstimator<N> {
         &self.observer
     }
 
+    /// `W = P J R⁻¹` at a state: how a torque (Nm) that is not believed shows in the wrench. `belief` is the friction
+    /// torque believed (Nm), `dt_s` the period.
+    pub fn wrench_from_torque(
+        &self,
+        terms: &ControlTerms<N>,
+        qd: &SVector<f64, N>,
+        belief: &SVector<f64, N>,
+        dt_s: f64,
+    ) -> Option<SMatrix<f64, 6, N>> {
+        let (weighted, covariance) =
+            self.weights(&terms.jacobian, &self.residual_covariance(terms, qd, belief, dt_s))?;
+        Some(covariance * weighted.transpose())
+    }
+
     /// R: covariance of the residual (Nm²).
     #[inline]
-    fn residual_covariance(&self, input: &EstimatorInput<'_, N>) -> SMatrix<f64, N, N> {
+    fn residual_covariance(
+        &self,
+        terms: &ControlTerms<N>,
+        qd: &SVector<f64, N>,
+        belief: &SVector<f64, N>,
+        dt_s: f64,
+    ) -> SMatrix<f64, N, N> {
         let s = &self.settings;
-        let (a, qd) = (self.observer.share(input.dt_s), &input.frame.qd);
-        let momentum = input.terms.mass_matrix * SMatrix::from_diagonal(&(s.velocity_sd_rad_s * s.gain_rad_s));
+        let a = self.observer.share(dt_s);
+        let momentum = terms.mass_matrix * SMatrix::from_diagonal(&(s.velocity_sd_rad_s * s.gain_rad_s));
         let mut r = momentum * momentum.transpose();
-        let [lower, upper] = s.friction.limits_nm(qd);
+        let [lower, upper] = s.band_of.left_nm(&s.friction, qd, belief);
         let noise = s.friction.noise_variance_nm2(qd);
         for j in 0..N {
-            let belief = input.tau_friction[j];
-            let friction = (lower[j] - belief).powi(2).max((upper[j] - belief).powi(2)) + noise[j];
+            let (middle, half_width) = (0.5 * (lower[j] + upper[j]), 0.5 * (upper[j] - lower[j]));
+            let friction = middle * middle + 0.5 * half_width * half_width + noise[j];
             // A joint of unlimited friction says nothing.
             let friction = if friction.is_finite() { friction } else { UNKNOWN_NM2 };
             r[(j, j)] += friction + s.torque_sd_nm[j].powi(2) * a / (2.0 - a);
@@ -106,15 +131,24 @@ impl<const N: usize> MomentumEstimator<N> {
         r
     }
 
-    /// ĥ and P.
+    /// R⁻¹ Jᵀ and P.
     #[inline]
-    fn wrench(&self, r: &SMatrix<f64, N, N>) -> Option<(Vector6<f64>, Matrix6<f64>)> {
-        let jacobian = self.observer.lagged_jacobian();
+    fn weights(
+        &self,
+        jacobian: &SMatrix<f64, 6, N>,
+        r: &SMatrix<f64, N, N>,
+    ) -> Option<(SMatrix<f64, N, 6>, Matrix6<f64>)> {
         let mut weighted = jacobian.transpose();
         r.cholesky()?.solve_mut(&mut weighted);
         let (m, f) = (self.settings.moment_damping_nm.powi(-2), self.settings.force_damping_n.powi(-2));
         let information = jacobian * weighted + Matrix6::from_diagonal(&Vector6::new(m, m, m, f, f, f));
-        let covariance = information.cholesky()?.inverse();
+        Some((weighted, information.cholesky()?.inverse()))
+    }
+
+    /// ĥ and P.
+    #[inline]
+    fn wrench(&self, r: &SMatrix<f64, N, N>) -> Option<(Vector6<f64>, Matrix6<f64>)> {
+        let (weighted, covariance) = self.weights(self.observer.lagged_jacobian(), r)?;
         let h = covariance * weighted.tr_mul(self.observer.residual_nm());
         h.iter().all(|value| value.is_finite()).then_some((h, covariance))
     }
@@ -136,7 +170,7 @@ impl<const N: usize> WrenchEstimator<N> for MomentumEstimator<N> {
         }
         let before = self.observer;
         self.observer.step(input.frame, input.terms, &(input.tau_motor - input.tau_friction), input.dt_s);
-        let r = self.residual_covariance(input);
+        let r = self.residual_covariance(input.terms, &input.frame.qd, input.tau_friction, input.dt_s);
         match self.wrench(&r) {
             Some((h, covariance)) => {
                 let wrench_base = Wrench::from_vector(&h);

@@ -1,13 +1,14 @@
 //! The friction-band estimate in the tick.
 
-use nalgebra::{Matrix6, SVector, Vector6};
+use nalgebra::{Matrix6, SMatrix, SVector, Vector6};
 use tribo_robot::{
     ControlTerms, EstimateFault, EstimatorInput, LAMBDA_95, SensorFrame, Wrench, WrenchEstimate, WrenchEstimator,
     WrenchLimits,
 };
 
 use super::{BoxOutcome, ForcePrior, ForceProblem, ForceSolver};
-use crate::{FrictionBand, MomentumObserver};
+use crate::{BandOf, MomentumObserver};
+use tribo_friction::FrictionBand;
 
 /// Settings of [`QpEstimator`].
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -18,14 +19,17 @@ pub struct QpSettings<const N: usize> {
     pub prior: ForcePrior<6>,
     /// Gain of the momentum observer that supplies the torque (rad/s).
     pub gain_rad_s: f64,
+    /// What the band holds.
+    pub band_of: BandOf,
     /// Whether every estimate has its twelve 95 % limits; without them its interval is that of the covariance.
     pub limits: bool,
 }
 
 impl<const N: usize> QpSettings<N> {
-    /// A hand's contact as the prior (30 N, 3 Nm), K = 50 rad/s as the momentum estimator, limits on.
+    /// A hand's contact as the prior (30 N, 3 Nm), K = 50 rad/s as the momentum estimator, the band for the whole
+    /// friction, limits on.
     pub fn new(band: FrictionBand<N>) -> Self {
-        Self { band, prior: diagonal_prior(30.0, 3.0), gain_rad_s: 50.0, limits: true }
+        Self { band, prior: diagonal_prior(30.0, 3.0), gain_rad_s: 50.0, band_of: BandOf::Friction, limits: true }
     }
 }
 
@@ -46,7 +50,7 @@ pub fn diagonal_prior(force_sd_n: f64, moment_sd_nm: f64) -> ForcePrior<6> {
 /// low-pass, whose kernel is not negative: if friction was between its bounds, what the observer sees of it is between
 /// the filtered ones. So does J.
 ///
-/// `tau_friction` of the input is not used: the band is the whole friction, compensated or not.
+/// With [`BandOf::Remainder`] r and tau_f are those left by the friction believed.
 /// [`WrenchEstimate::covariance`] is that of the joints at a bound of their band; [`WrenchEstimate::limits95`] are the
 /// limits of section II-E, exact in the Gaussian case, approximate otherwise.
 #[derive(Clone, Copy, Debug)]
@@ -75,6 +79,29 @@ impl<const N: usize> QpEstimator<N> {
     /// The settings.
     pub fn settings(&self) -> &QpSettings<N> {
         &self.settings
+    }
+
+    /// How a torque (Nm) that neither band nor model holds shows in the wrench, at a state: `W = P J R⁻¹` over the joints
+    /// whose band is closed there.
+    pub fn wrench_from_torque(&self, terms: &ControlTerms<N>, qd: &SVector<f64, N>) -> Option<SMatrix<f64, 6, N>> {
+        let variance = self.settings.band.noise_variance_nm2(qd);
+        let mut weighted = terms.jacobian;
+        for j in 0..N {
+            let weight = if self.settings.band.joints()[j].doubt(qd[j]) < HALF { 1.0 / variance[j] } else { 0.0 };
+            weighted.column_mut(j).scale_mut(weight);
+        }
+        let information = weighted * terms.jacobian.transpose() + self.settings.prior.covariance.try_inverse()?;
+        Some(information.cholesky()?.solve(&weighted))
+    }
+
+    /// Bounds of the friction that is looked for (Nm).
+    #[inline]
+    fn bounds(&self, qd: &SVector<f64, N>, belief: &SVector<f64, N>) -> [SVector<f64, N>; 2] {
+        let band = &self.settings.band;
+        match self.settings.band_of {
+            BandOf::Friction => band.limits_nm(qd),
+            BandOf::Remainder => self.settings.band_of.left_nm(band, qd, belief),
+        }
     }
 
     /// Limit in any direction v `[moment; force]` of the wrench of the last step, `lambda` standard deviations out; see
@@ -119,7 +146,7 @@ impl<const N: usize> WrenchEstimator<N> for QpEstimator<N> {
     fn reset(&mut self, frame: &SensorFrame<N>, terms: &ControlTerms<N>) {
         self.observer.start(frame, terms);
         self.solver.reset();
-        [self.lower, self.upper] = self.settings.band.limits_nm(&frame.qd);
+        [self.lower, self.upper] = self.bounds(&frame.qd, &SVector::zeros());
         self.estimate = WrenchEstimate::none_yet();
     }
 
@@ -129,9 +156,13 @@ impl<const N: usize> WrenchEstimator<N> for QpEstimator<N> {
             return self.estimate.held(fault);
         }
         let before = (self.observer, self.solver, self.lower, self.upper);
-        self.observer.step(input.frame, input.terms, input.tau_motor, input.dt_s);
+        let torque = match self.settings.band_of {
+            BandOf::Friction => *input.tau_motor,
+            BandOf::Remainder => input.tau_motor - input.tau_friction,
+        };
+        self.observer.step(input.frame, input.terms, &torque, input.dt_s);
         let share = self.observer.share(input.dt_s);
-        let [lower, upper] = self.settings.band.limits_nm(&input.frame.qd);
+        let [lower, upper] = self.bounds(&input.frame.qd, input.tau_friction);
         for j in 0..N {
             self.lower[j] = lagged(self.lower[j], lower[j], share);
             self.upper[j] = lagged(self.upper[j], upper[j], share);
@@ -151,6 +182,9 @@ impl<const N: usize> WrenchEstimator<N> for QpEstimator<N> {
         1.0 / self.settings.gain_rad_s
     }
 }
+
+/// Doubt below which a joint counts as sliding.
+const HALF: f64 = 0.5;
 
 /// `old + share (new − old)`, also for bounds that are infinite.
 #[inline]

@@ -4,6 +4,8 @@ use nalgebra::SVector;
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
+use crate::{FrictionModel, JointFriction};
+
 /// Friction of one joint at the measured velocity v (linderoth2013 eqs. 6 and 7):
 ///
 /// ```text
@@ -54,6 +56,32 @@ impl JointBand {
         }
     }
 
+    /// The band of a friction law, seen as [`Self::coulomb_viscous`] says: Coulomb level of each direction and mean viscous
+    /// slope are those between 1 and 2 rad/s, so what a law adds at low speed (a Stribeck peak) widens nothing.
+    pub fn of_law(law: &JointFriction, velocity_sd_rad_s: f64, noise_sd_nm: f64) -> Self {
+        let f = |v: f64| law.torque(v, 0.0);
+        let viscous = (0.5 * (f(2.0) - f(1.0) + f(-1.0) - f(-2.0))).max(0.0);
+        let (forwards, backwards) = (f(1.0) - viscous, f(-1.0) + viscous);
+        Self {
+            coulomb_min_nm: backwards.min(forwards),
+            coulomb_max_nm: backwards.max(forwards),
+            ..Self::coulomb_viscous(0.0, viscous, velocity_sd_rad_s, noise_sd_nm)
+        }
+    }
+
+    /// Mean square (Nm²) of the friction left at v (rad/s) by a belief (Nm), e included, for friction that is nearer to the
+    /// ends of its band than to the middle, as pushes leave a joint that sticks:
+    ///
+    /// ```text
+    /// (m − b)² + w²/2 + σ(v)²     m, w: middle and half-width of the band; w²/2 is the variance of the arcsine law
+    /// ```
+    #[inline]
+    pub fn mean_square_left_nm2(&self, v: f64, belief_nm: f64) -> f64 {
+        let [lower, upper] = self.limits_nm(v);
+        let (middle, half_width) = (0.5 * (lower + upper) - belief_nm, 0.5 * (upper - lower));
+        middle * middle + 0.5 * half_width * half_width + self.noise_sd_nm(v).powi(2)
+    }
+
     /// No friction, noise of standard deviation `noise_sd_nm` (Nm): a band of zero width.
     pub fn frictionless(noise_sd_nm: f64) -> Self {
         Self::coulomb_viscous(0.0, 0.0, 1e-3, noise_sd_nm)
@@ -71,13 +99,28 @@ impl JointBand {
         [base + part(v - self.doubt_rad_s), base + part(v + self.doubt_rad_s)]
     }
 
+    /// Width of the band at v (rad/s) as a part of Cmax − Cmin: 1 where the joint may stick, 0 at speed. A band without a
+    /// bound is in doubt at any speed.
+    #[inline]
+    pub fn doubt(&self, v: f64) -> f64 {
+        if !(self.coulomb_max_nm - self.coulomb_min_nm).is_finite() {
+            return 1.0;
+        }
+        let part = |u: f64| 1.0 / (1.0 + (-self.steepness_s_per_rad * u).exp());
+        part(v + self.doubt_rad_s) - part(v - self.doubt_rad_s)
+    }
+
     /// Standard deviation of e (Nm) at v (rad/s).
     #[inline]
     pub fn noise_sd_nm(&self, v: f64) -> f64 {
         self.noise_sd_nm * (1.0 + self.noise_growth_s_per_rad * v.abs())
     }
 
-    pub(super) fn validate(&self, joint: usize) -> Result<(), BandError> {
+    /// Checks the ranges.
+    ///
+    /// # Errors
+    /// The first field outside its range, of joint `joint`.
+    pub fn validate(&self, joint: usize) -> Result<(), BandError> {
         let out = |field, allowed| Err(BandError { joint, field, allowed });
         let finite_or = |x: f64, infinity: f64| x.is_finite() || x == infinity;
         if !finite_or(self.coulomb_min_nm, f64::NEG_INFINITY) {
@@ -132,6 +175,23 @@ impl<const N: usize> FrictionBand<N> {
         Ok(Self { joints })
     }
 
+    /// The band of a friction model, each joint as [`JointBand::of_law`] says. Deviations at or below zero count as 1e-9.
+    pub fn of_model(model: &FrictionModel<N>, velocity_sd_rad_s: f64, noise_sd_nm: f64, growth_s_per_rad: f64) -> Self {
+        let (velocity_sd_rad_s, noise_sd_nm) = (velocity_sd_rad_s.max(1e-9), noise_sd_nm.max(1e-9));
+        let joints = model.joints.map(|law| JointBand {
+            noise_growth_s_per_rad: growth_s_per_rad.max(0.0),
+            ..JointBand::of_law(&law, velocity_sd_rad_s, noise_sd_nm)
+        });
+        Self { joints }
+    }
+
+    /// The same band with the noise multiplied.
+    #[must_use]
+    pub fn with_noise_times(&self, factor: f64) -> Self {
+        let noisier = |band: JointBand| JointBand { noise_sd_nm: band.noise_sd_nm * factor.max(1e-9), ..band };
+        Self { joints: self.joints.map(noisier) }
+    }
+
     /// The band of each joint.
     pub fn joints(&self) -> &[JointBand; N] {
         &self.joints
@@ -157,6 +217,7 @@ impl<const N: usize> FrictionBand<N> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::law::CoulombViscous;
 
     /// Closed form: at the middle of each end the sigmoid is half way, far away it is closed, at rest it is open.
     #[test]
@@ -177,6 +238,23 @@ mod tests {
         }
         let noisy = JointBand { noise_growth_s_per_rad: 5.0, ..band };
         assert!((noisy.noise_sd_nm(-0.2) - 0.2).abs() < 1e-15);
+    }
+
+    /// Witness: the law itself at speed, the mean square of the sine of a uniform angle at rest.
+    #[test]
+    fn a_law_lies_in_its_band_and_what_is_left_has_its_mean_square() {
+        let law = JointFriction::CoulombViscous(CoulombViscous { coulomb_nm: 0.6, viscous_nm_s_per_rad: 1.2 });
+        let band = JointBand::of_law(&law, 3e-3, 0.1);
+        for v in [-1.5, -0.1, 0.1, 0.8] {
+            let [lower, upper] = band.limits_nm(v);
+            assert!((lower - law.torque(v, 0.0)).abs() < 1e-9 && (upper - law.torque(v, 0.0)).abs() < 1e-9);
+            assert!((band.mean_square_left_nm2(v, law.torque(v, 0.0)) - 0.01).abs() < 1e-9);
+        }
+        // sin of a uniform angle has the arcsine law.
+        let steps = 10_000;
+        let angle = |k: i32| std::f64::consts::TAU * (f64::from(k) + 0.5) / f64::from(steps);
+        let mean = (0..steps).map(|k| (0.6 * angle(k).sin() - 0.2).powi(2)).sum::<f64>() / f64::from(steps);
+        assert!((band.mean_square_left_nm2(0.0, 0.2) - 0.01 - mean).abs() < 1e-5);
     }
 
     #[test]

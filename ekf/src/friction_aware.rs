@@ -1,0 +1,89 @@
+//! The wrench filter that knows what it does not know about friction.
+
+use nalgebra::SVector;
+use tribo_friction::FrictionBand;
+use tribo_robot::{ControlTerms, EstimatorInput, SensorFrame, WrenchEstimate, WrenchEstimator};
+
+use crate::{WrenchEkf, WrenchEkfSettings, wrench_from_torque};
+
+/// [`WrenchEkf`] with the uncertainty of friction in its covariance:
+///
+/// ```text
+/// ĥ = h + W (tau_f − tau_f_hat),   W = Λ J B⁻¹
+/// cov(ĥ) = c² P_hh + W diag(σ_f²) Wᵀ,   σ_f² = mean of (tau_f − tau_f_hat)² in the band
+/// ```
+///
+/// Known friction enters the filter as an input; what of it is not known, the filter itself cannot see: it takes an error
+/// of the compensator for a wrench. At speed the band is closed and adds its noise; where a joint stands, its friction may
+/// be anything between the bounds and the covariance widens along that joint's column of W. σ_f² passes the filter's own
+/// delay, since the wrench does. P_hh allows for a wrench that walks at any moment, and is wide for one that rests: c, from a
+/// calibration without contact, says what its errors really are there; 1 is the filter's own word.
+///
+/// Friction that sticks is a *bias* for as long as it sticks: the interval is right over
+/// poses and pushes, not along one standstill.
+#[derive(Clone, Debug)]
+pub struct FrictionAwareEkf<const N: usize> {
+    ekf: WrenchEkf,
+    band: FrictionBand<N>,
+    /// c².
+    filter_part: f64,
+    left_nm2: SVector<f64, N>,
+    estimate: WrenchEstimate,
+}
+
+impl<const N: usize> FrictionAwareEkf<N> {
+    /// A filter that knows nothing yet; [`WrenchEstimator::reset`] places it.
+    ///
+    /// `filter_factor` is c.
+    pub fn new(settings: WrenchEkfSettings, band: FrictionBand<N>, filter_factor: f64) -> Self {
+        let filter_part = filter_factor * filter_factor;
+        Self {
+            ekf: WrenchEkf::new(settings),
+            band,
+            filter_part,
+            left_nm2: SVector::zeros(),
+            estimate: WrenchEstimate::none_yet(),
+        }
+    }
+
+    /// The filter without the band.
+    pub fn ekf(&self) -> &WrenchEkf {
+        &self.ekf
+    }
+
+    fn left_nm2(&self, qd: &SVector<f64, N>, belief_nm: &SVector<f64, N>) -> SVector<f64, N> {
+        SVector::from_fn(|j, _| self.band.joints()[j].mean_square_left_nm2(qd[j], belief_nm[j]))
+    }
+}
+
+impl<const N: usize> WrenchEstimator<N> for FrictionAwareEkf<N> {
+    fn reset(&mut self, frame: &SensorFrame<N>, terms: &ControlTerms<N>) {
+        self.ekf.reset(frame, terms);
+        self.left_nm2 = self.left_nm2(&frame.qd, &SVector::zeros());
+        self.estimate = WrenchEstimate::none_yet();
+    }
+
+    #[inline]
+    fn step(&mut self, input: &EstimatorInput<'_, N>) -> WrenchEstimate {
+        let mut estimate = self.ekf.step(input);
+        if let Some(fault) = estimate.fault {
+            return self.estimate.held(fault);
+        }
+        let share = 1.0 - (-input.dt_s / WrenchEstimator::<N>::delay_s(&self.ekf)).exp();
+        let left_nm2 = self.left_nm2(&input.frame.qd, input.tau_friction);
+        self.left_nm2 += (left_nm2 - self.left_nm2) * share;
+        estimate.covariance *= self.filter_part;
+        // The filter has factored the same matrix.
+        if let Some(w) = wrench_from_torque(input.terms) {
+            for j in 0..N {
+                estimate.covariance += w.column(j) * w.column(j).transpose() * self.left_nm2[j];
+            }
+        }
+        self.estimate = estimate;
+        estimate
+    }
+
+    fn delay_s(&self) -> f64 {
+        WrenchEstimator::<N>::delay_s(&self.ekf)
+    }
+}

@@ -1,0 +1,157 @@
+//! Which wrench estimator, and with which settings.
+
+use nalgebra::{SMatrix, SVector};
+use serde::{Deserialize, Serialize};
+use tribo_ekf::{FrictionAwareEkf, WrenchEkf, WrenchEkfSettings, wrench_from_torque};
+use tribo_friction::law::CoulombViscous;
+use tribo_friction::{FrictionBand, FrictionModel};
+use tribo_residual::{BandOf, MomentumEstimator, MomentumSettings, QpEstimator, QpSettings, diagonal_prior};
+use tribo_robot::{ControlTerms, EstimatorInput, SensorFrame, WrenchEstimate, WrenchEstimator};
+
+/// Name of a wrench estimator; whose wrench is the tuning cost.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum EstimatorName {
+    /// The augmented-state EKF.
+    #[default]
+    Ekf,
+    /// The generalised-momentum observer.
+    Momentum,
+    /// The friction-band programme.
+    Qp,
+}
+
+impl EstimatorName {
+    /// All of them, in the order of tables.
+    pub const ALL: [Self; 3] = [Self::Ekf, Self::Momentum, Self::Qp];
+
+    /// The name in files and on the command line.
+    pub fn as_str(self) -> &'static str {
+        match self {
+            Self::Ekf => "ekf",
+            Self::Momentum => "momentum",
+            Self::Qp => "qp",
+        }
+    }
+}
+
+/// Noise of a differentiated encoder (rad/s), where nobody says better.
+pub const VELOCITY_SD_RAD_S: f64 = 2.9e-3;
+/// Torque (Nm) that no law of friction holds, at rest.
+const NOISE_SD_NM: f64 = 0.1;
+/// Its growth with speed (s/rad).
+const NOISE_GROWTH_S_PER_RAD: f64 = 5.0;
+/// Dry friction (Nm) of a joint of which nothing is known, as the least squares on wrenches take it.
+const UNKNOWN_COULOMB_NM: f64 = 0.6;
+/// Prior of the wrench: force (N), moment (Nm).
+const PRIOR: [f64; 2] = [8.0, 1.0];
+
+/// The band of a believed friction model, with the noise of a Panda: 0.1 Nm at rest, five times that per rad/s more.
+pub fn believed_band<const N: usize>(friction: &FrictionModel<N>) -> FrictionBand<N> {
+    FrictionBand::of_model(friction, VELOCITY_SD_RAD_S, NOISE_SD_NM, NOISE_GROWTH_S_PER_RAD)
+}
+
+/// An estimator of one of the names, in the tick of a trial or on a log.
+#[derive(Clone, Debug)]
+pub enum AnyEstimator {
+    /// The filter alone; its covariance knows nothing of friction.
+    Ekf(WrenchEkf),
+    /// The filter with a friction band in its covariance.
+    FrictionAwareEkf(FrictionAwareEkf<7>),
+    /// The momentum observer.
+    Momentum(MomentumEstimator<7>),
+    /// The friction-band programme.
+    Qp(QpEstimator<7>),
+}
+
+impl AnyEstimator {
+    /// The estimator whose wrench in free motion judges a compensator.
+    ///
+    /// Where a joint may stick, `momentum` and `qp` expect anything up to 0.6 Nm; at speed their bands are closed: what the
+    /// compensator misses there is to be seen.
+    pub fn for_tuning(name: EstimatorName, ekf: WrenchEkfSettings) -> Self {
+        let unknown = CoulombViscous { coulomb_nm: UNKNOWN_COULOMB_NM, viscous_nm_s_per_rad: 0.0 };
+        let band = believed_band(&FrictionModel::uniform(unknown.into()));
+        match name {
+            EstimatorName::Ekf => Self::Ekf(WrenchEkf::new(ekf)),
+            EstimatorName::Momentum => Self::momentum(band, BandOf::Remainder),
+            EstimatorName::Qp => {
+                let settings = QpSettings { band_of: BandOf::Remainder, limits: false, ..QpSettings::new(band) };
+                Self::Qp(QpEstimator::new(QpSettings { prior: diagonal_prior(PRIOR[0], PRIOR[1]), ..settings }))
+            }
+        }
+    }
+
+    /// The estimator with its confidence, for joints whose friction lies in `band`; `noise_factor` multiplies the noise of the
+    /// band and, of the filter, its own deviation: 1 where no [`crate::Calibration`] says better.
+    pub fn with_confidence(
+        name: EstimatorName,
+        ekf: WrenchEkfSettings,
+        band: &FrictionBand<7>,
+        noise_factor: f64,
+    ) -> Self {
+        let band = band.with_noise_times(noise_factor);
+        match name {
+            EstimatorName::Ekf => Self::FrictionAwareEkf(FrictionAwareEkf::new(ekf, band, noise_factor)),
+            EstimatorName::Momentum => Self::momentum(band, BandOf::Friction),
+            EstimatorName::Qp => {
+                let prior = diagonal_prior(PRIOR[0], PRIOR[1]);
+                Self::Qp(QpEstimator::new(QpSettings { prior, ..QpSettings::new(band) }))
+            }
+        }
+    }
+
+    fn momentum(band: FrictionBand<7>, band_of: BandOf) -> Self {
+        let settings = MomentumSettings { band_of, ..MomentumSettings::new(band) };
+        let velocity_sd_rad_s = SVector::repeat(VELOCITY_SD_RAD_S);
+        Self::Momentum(MomentumEstimator::new(MomentumSettings { velocity_sd_rad_s, ..settings }))
+    }
+
+    /// How a torque (Nm) that nobody believes shows in the wrench `[moment; force]`, at low frequency, while the joints are
+    /// at qd (rad/s) and `belief` (Nm) is compensated.
+    pub fn wrench_from_torque(
+        &self,
+        terms: &ControlTerms<7>,
+        qd: &SVector<f64, 7>,
+        belief: &SVector<f64, 7>,
+    ) -> Option<SMatrix<f64, 6, 7>> {
+        match self {
+            Self::Ekf(_) | Self::FrictionAwareEkf(_) => wrench_from_torque(terms),
+            Self::Momentum(momentum) => momentum.wrench_from_torque(terms, qd, belief, PERIOD_S),
+            Self::Qp(qp) => qp.wrench_from_torque(terms, qd),
+        }
+    }
+}
+
+/// Period of the control loop (s).
+const PERIOD_S: f64 = 1e-3;
+
+impl WrenchEstimator<7> for AnyEstimator {
+    fn reset(&mut self, frame: &SensorFrame<7>, terms: &ControlTerms<7>) {
+        match self {
+            Self::Ekf(ekf) => ekf.reset(frame, terms),
+            Self::FrictionAwareEkf(ekf) => ekf.reset(frame, terms),
+            Self::Momentum(momentum) => momentum.reset(frame, terms),
+            Self::Qp(qp) => qp.reset(frame, terms),
+        }
+    }
+
+    #[inline]
+    fn step(&mut self, input: &EstimatorInput<'_, 7>) -> WrenchEstimate {
+        match self {
+            Self::Ekf(ekf) => ekf.step(input),
+            Self::FrictionAwareEkf(ekf) => ekf.step(input),
+            Self::Momentum(momentum) => momentum.step(input),
+            Self::Qp(qp) => qp.step(input),
+        }
+    }
+
+    fn delay_s(&self) -> f64 {
+        match self {
+            Self::Ekf(ekf) => WrenchEstimator::<7>::delay_s(ekf),
+            Self::FrictionAwareEkf(ekf) => ekf.delay_s(),
+            Self::Momentum(momentum) => momentum.delay_s(),
+            Self::Qp(qp) => qp.delay_s(),
+        }
+    }
+}

@@ -1,0 +1,234 @@
+//! Every wrench estimator on pushes that are known: error, bias, delay, and what its 95 % interval is worth.
+
+use rayon::prelude::*;
+use serde::{Deserialize, Serialize};
+use tribo_control::SinusoidReference;
+use tribo_ekf::WrenchEkfSettings;
+use tribo_friction::FrictionModel;
+use tribo_friction::law::CoulombViscous;
+use tribo_robot::{Kinematics, WrenchEstimator};
+use tribo_sim::{Truth, WrenchPulses};
+
+use crate::files::FieldError;
+use crate::scenario::{ModelError, POSES};
+use crate::{
+    AnyEstimator, Calibration, ConfigError, EstimatorName, LogWrench, Phases, Trial, TuneConfig, believed_band,
+    noise_seed, run_trial_observed,
+};
+
+/// Push on each axis in turn: 15 N or 2.5 Nm for 2.5 s, 1.5 s apart, from 5 s on.
+const PUSH: [f64; 5] = [15.0, 2.5, 5.0, 2.5, 1.5];
+/// Time before a push, and after it, that does not count as free of contact (s).
+const NEAR_PUSH_S: f64 = 0.3;
+
+/// Settings of the experiment, `schema: tribo.reproduce/1`.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct PushedTool {
+    /// `tribo.reproduce/1`.
+    pub schema: String,
+    /// Seeds 1 to this one: sensor noise and phases of the reference.
+    pub seeds: u64,
+    /// Configuration about which the tool moves.
+    pub pose: usize,
+    /// What is simulated.
+    pub cases: Vec<PushCase>,
+}
+
+/// One situation.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct PushCase {
+    /// Whether the joints have friction.
+    pub friction: bool,
+    /// Whether the controller knows and compensates it.
+    pub compensated: bool,
+    /// Whether the tool follows the reference; else it holds its pose.
+    pub moving: bool,
+    /// Mass at the flange that nobody knows of (kg).
+    pub payload_kg: f64,
+}
+
+/// What one estimator made of one situation, over all seeds.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct PushRow {
+    /// The situation.
+    pub case: PushCase,
+    /// The estimator.
+    pub estimator: EstimatorName,
+    /// Noise of the band after calibration, as a part of the assumed one.
+    pub noise_factor: f64,
+    /// RMS error of the force, mean over axes (N).
+    pub rmse_force_n: f64,
+    /// The same of the moment (Nm).
+    pub rmse_moment_nm: f64,
+    /// Largest mean force reported on an axis while nobody pushes (N).
+    pub bias_force_n: f64,
+    /// The same of the moment (Nm).
+    pub bias_moment_nm: f64,
+    /// Delay at which the estimate fits best (ms), mean over seeds.
+    pub delay_ms: f64,
+    /// Share of samples and axes in the 95 % interval.
+    pub coverage95: f64,
+    /// The same of the axis where it is least.
+    pub coverage95_worst: f64,
+    /// Mean half-width of the interval, force (N).
+    pub half_width_force_n: f64,
+    /// The same of the moment (Nm).
+    pub half_width_moment_nm: f64,
+}
+
+impl PushedTool {
+    /// Checks every field.
+    ///
+    /// # Errors
+    /// The first out of its range.
+    pub fn validate(&self) -> Result<(), FieldError> {
+        if self.schema != "tribo.reproduce/1" {
+            return Err(FieldError::new("schema", &self.schema, "tribo.reproduce/1"));
+        }
+        FieldError::check("seeds", self.seeds as f64, 1.0, 10_000.0)?;
+        FieldError::check("pose", self.pose as f64, 0.0, (POSES - 1) as f64)?;
+        self.cases.iter().try_for_each(|case| FieldError::check("cases.payload_kg", case.payload_kg, 0.0, 3.0))
+    }
+
+    /// Number of trials.
+    pub fn trials(&self) -> usize {
+        self.cases.len() * EstimatorName::ALL.len() * self.seeds as usize
+    }
+
+    /// Runs everything on the threads of the current rayon pool; `done` is told of each trial.
+    ///
+    /// # Errors
+    /// Settings that no trial can be made of.
+    pub fn run(&self, done: impl Fn() + Sync) -> Result<Vec<PushRow>, ConfigError> {
+        let keys: Vec<(PushCase, EstimatorName)> = self
+            .cases
+            .iter()
+            .flat_map(|case| EstimatorName::ALL.into_iter().map(|estimator| (*case, estimator)))
+            .collect();
+        keys.into_par_iter()
+            .map(|(case, estimator)| {
+                let moving = PushCase { moving: true, ..case };
+                let free = Stretch { case: moving, seed: FREE_SEED, pushed: false };
+                let trial = free.trial(self.pose)?;
+                let calibration = Calibration::of_free_stretch(|factor| free.watch(&trial, estimator, factor));
+                let pushes = (1..=self.seeds)
+                    .into_par_iter()
+                    .map(|seed| {
+                        let stretch = Stretch { case, seed, pushed: true };
+                        let mut log = stretch.watch(&stretch.trial(self.pose)?, estimator, calibration.noise_factor);
+                        log.tare(&calibration.tare);
+                        done();
+                        Ok(log)
+                    })
+                    .collect::<Result<Vec<LogWrench>, ConfigError>>()?;
+                Ok(row(case, estimator, calibration.noise_factor, &pushes))
+            })
+            .collect()
+    }
+}
+
+/// What is true of a case but for the payload.
+fn truth_of(case: PushCase) -> Truth<7> {
+    if case.friction { Truth::panda_coulomb_viscous() } else { Truth::panda_frictionless() }
+}
+
+/// One trial of a case.
+#[derive(Clone, Copy)]
+struct Stretch {
+    case: PushCase,
+    seed: u64,
+    pushed: bool,
+}
+
+impl Stretch {
+    fn trial(&self, pose: usize) -> Result<Trial<7>, ConfigError> {
+        let config = TuneConfig { seed: self.seed, pose, phases: Phases::Random, ..TuneConfig::default() };
+        let mut trial = config.validate()?.trial;
+        let payload = ModelError { payload_kg: self.case.payload_kg, ..ModelError::default() };
+        trial.truth = payload.apply(truth_of(self.case), self.seed);
+        if self.pushed {
+            let [force_n, moment_nm, start_s, width_s, pause_s] = PUSH;
+            trial.pulses = WrenchPulses::each_axis(force_n, moment_nm, start_s, width_s, pause_s);
+        }
+        if !self.case.moving {
+            trial.reference = SinusoidReference::fixed(Kinematics::at(&trial.model, &trial.start).base_from_flange());
+        }
+        Ok(trial)
+    }
+
+    /// Estimate and truth at every tick of the judged part.
+    fn watch(&self, trial: &Trial<7>, estimator: EstimatorName, noise_factor: f64) -> LogWrench {
+        let none = FrictionModel::uniform(CoulombViscous::default().into());
+        let friction = if self.case.compensated { truth_of(self.case).friction } else { none };
+        let estimator = {
+            let band = believed_band(&truth_of(self.case).friction);
+            AnyEstimator::with_confidence(estimator, WrenchEkfSettings::default(), &band, noise_factor)
+        };
+        let mut log = LogWrench { stated_delay_s: estimator.delay_s(), ..LogWrench::default() };
+        let mut reference = Vec::new();
+        run_trial_observed(trial, &friction, estimator, noise_seed(self.seed, 0), |record, _| {
+            let time_s = record.frame.time_s;
+            if time_s >= trial.reference.pre_roll_s() {
+                log.push(time_s, &record.estimate);
+                reference.push(trial.pulses.at(time_s - trial.dt_s).to_force_moment());
+            }
+        });
+        log.reference = Some(reference);
+        log
+    }
+}
+
+/// Seed of the stretch that calibrates, no trial's.
+const FREE_SEED: u64 = 1_000_003;
+
+fn row(case: PushCase, estimator: EstimatorName, noise_factor: f64, pushes: &[LogWrench]) -> PushRow {
+    let n = pushes.len().max(1) as f64;
+    let (mut mean_square, mut coverage, mut half_width, mut bias) = ([0.0; 6], [0.0; 6], [0.0; 6], [0.0; 6]);
+    let mut delay_s = 0.0;
+    for log in pushes {
+        let summary = log.summary();
+        let free = free_mean(log);
+        let errors = summary.against_reference.unwrap_or_default();
+        delay_s += errors.delay_s.unwrap_or(0.0) / n;
+        for i in 0..6 {
+            mean_square[i] += errors.rmse[i].powi(2) / n;
+            coverage[i] += errors.coverage95[i] / n;
+            half_width[i] += summary.half_width95[i] / n;
+            bias[i] += free[i] / n;
+        }
+    }
+    let root_of_mean = |x: &[f64]| (x.iter().sum::<f64>() / 3.0).sqrt();
+    let mean = |x: &[f64]| x.iter().sum::<f64>() / x.len() as f64;
+    let largest = |x: &[f64]| x.iter().fold(0.0, |most: f64, value| most.max(value.abs()));
+    PushRow {
+        case,
+        estimator,
+        noise_factor,
+        rmse_force_n: root_of_mean(&mean_square[..3]),
+        rmse_moment_nm: root_of_mean(&mean_square[3..]),
+        bias_force_n: largest(&bias[..3]),
+        bias_moment_nm: largest(&bias[3..]),
+        delay_ms: 1e3 * delay_s,
+        coverage95: mean(&coverage),
+        coverage95_worst: coverage.iter().copied().fold(1.0, f64::min),
+        half_width_force_n: mean(&half_width[..3]),
+        half_width_moment_nm: mean(&half_width[3..]),
+    }
+}
+
+/// Mean wrench while nobody pushes.
+fn free_mean(log: &LogWrench) -> [f64; 6] {
+    let Some(reference) = &log.reference else { return [0.0; 6] };
+    let [.., start_s, width_s, pause_s] = PUSH;
+    let begin_s = log.time_s.first().copied().unwrap_or(0.0);
+    let near = |time_s: f64| {
+        let since = time_s - start_s;
+        since >= -NEAR_PUSH_S && since.rem_euclid(width_s + pause_s) <= width_s + NEAR_PUSH_S
+    };
+    let free: Vec<usize> = (0..reference.len())
+        .filter(|&k| reference[k] == [0.0; 6] && !near(log.time_s[k]) && log.time_s[k] >= begin_s)
+        .collect();
+    std::array::from_fn(|i| free.iter().map(|&k| log.wrench[k][i]).sum::<f64>() / free.len().max(1) as f64)
+}
