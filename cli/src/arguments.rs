@@ -118,7 +118,7 @@ pub struct Tune {
     #[arg(long, value_parser = PossibleValuesParser::new(["ekf", "momentum", "qp"]))]
     pub residual: Option<String>,
     /// What chooses the next parameters.
-    #[arg(long, value_parser = PossibleValuesParser::new(["zero", "gaz", "random", "sobol", "paper", "bo", "grey_box"]))]
+    #[arg(long, value_parser = PossibleValuesParser::new(["zero", "gaz", "random", "sobol", "paper", "bo", "iterative_learning", "grey_box"]))]
     pub strategy: Option<String>,
     /// Number of trials.
     #[arg(long, allow_negative_numbers = true)]

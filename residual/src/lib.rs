@@ -48,6 +48,6 @@ mod qp;
 pub use band::{BandFitError, BandOf, JointBandFit, SPEED_CLASSES, band_coverage, identify_band};
 pub use momentum::{MomentumEstimator, MomentumObserver, MomentumSettings};
 pub use qp::{
-    BoxOutcome, BoxQp, BoxSolution, ForceEstimate, ForceLimit, ForcePrior, ForceProblem, ForceSolver, PIVOT_LIMIT,
-    QpEstimator, QpSettings, Side, diagonal_prior,
+    BandObserver, BoxOutcome, BoxQp, BoxSolution, ForceEstimate, ForceLimit, ForcePrior, ForceProblem, ForceSolver,
+    PIVOT_LIMIT, QpEstimator, QpSettings, Side, diagonal_prior, stack_opposed,
 };

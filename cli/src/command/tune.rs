@@ -147,6 +147,7 @@ fn origin(origin: Origin) -> &'static str {
         Origin::Design => "design",
         Origin::LeastSquares => "least squares",
         Origin::Model => "model",
+        Origin::Learning => "learning",
     }
 }
 

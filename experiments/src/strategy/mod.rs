@@ -3,6 +3,7 @@
 mod baseline;
 mod bayes;
 mod grey_box;
+mod iterative_learning;
 
 use serde::{Deserialize, Serialize};
 use tribo_bayesopt::BayesoptError;
@@ -29,6 +30,8 @@ pub enum StrategyName {
     Paper,
     /// Bayesian optimisation grown from zero compensation: ARD Matérn-5/2, LogEI, capped log cost.
     Bo,
+    /// Iterative learning with fixed gains from the motion alone, the baseline of roveda2022.
+    IterativeLearning,
     /// Least squares on the logs of past trials, then local Bayesian optimisation of what is left.
     #[default]
     GreyBox,
@@ -61,6 +64,8 @@ pub enum Origin {
     LeastSquares,
     /// The Gaussian process.
     Model,
+    /// A step of iterative learning.
+    Learning,
 }
 
 /// A parameter vector to try, and who chose it.
@@ -118,6 +123,7 @@ impl StrategyName {
             Self::Sobol => Box::new(bayes::Search::sobol(&space, seed)?),
             Self::Paper => Box::new(bayes::Search::paper(&space, seed, tune.config.init)?),
             Self::Bo => Box::new(bayes::Search::bo(&space, seed, tune.config.init)?),
+            Self::IterativeLearning => Box::new(iterative_learning::IterativeLearning::new(space)),
             Self::GreyBox => Box::new(GreyBox::new(tune)?),
         })
     }

@@ -6,8 +6,8 @@ use tribo_robot::{
     WrenchLimits,
 };
 
-use super::{BoxOutcome, ForcePrior, ForceProblem, ForceSolver};
-use crate::{BandOf, MomentumObserver};
+use super::{BandObserver, BoxOutcome, ForcePrior, ForceSolver};
+use crate::BandOf;
 use tribo_friction::FrictionBand;
 
 /// Settings of [`QpEstimator`].
@@ -45,10 +45,8 @@ pub fn diagonal_prior(force_sd_n: f64, moment_sd_nm: f64) -> ForcePrior<6> {
 /// r = Jᵀ h + tau_f + e,   lower ≤ tau_f ≤ upper,   h ~ N(h̄, R_F),   e ~ N(0, σ²(1 + k|q̇|)²)
 /// ```
 ///
-/// r is the residual of a [`MomentumObserver`] of the whole motor torque: it takes inertia and gravity away, where the
-/// paper neglects inertia, and low-passes, where the paper filters with (5). The bounds of the band pass the same
-/// low-pass, whose kernel is not negative: if friction was between its bounds, what the observer sees of it is between
-/// the filtered ones. So does J.
+/// r, J and the bounds come from a [`BandObserver`] of the whole motor torque: the momentum in it takes inertia and gravity
+/// away, where the paper neglects inertia, and low-passes, where the paper filters with (5).
 ///
 /// With [`BandOf::Remainder`] r and tau_f are those left by the friction believed.
 /// [`WrenchEstimate::covariance`] is that of the joints at a bound of their band; [`WrenchEstimate::limits95`] are the
@@ -56,10 +54,8 @@ pub fn diagonal_prior(force_sd_n: f64, moment_sd_nm: f64) -> ForcePrior<6> {
 #[derive(Clone, Copy, Debug)]
 pub struct QpEstimator<const N: usize> {
     settings: QpSettings<N>,
-    observer: MomentumObserver<N>,
+    observer: BandObserver<N>,
     solver: ForceSolver<N, 6>,
-    lower: SVector<f64, N>,
-    upper: SVector<f64, N>,
     estimate: WrenchEstimate,
 }
 
@@ -68,10 +64,8 @@ impl<const N: usize> QpEstimator<N> {
     pub fn new(settings: QpSettings<N>) -> Self {
         Self {
             settings,
-            observer: MomentumObserver::new(settings.gain_rad_s),
+            observer: BandObserver::new(settings.band, settings.band_of, settings.gain_rad_s),
             solver: ForceSolver::new(settings.prior),
-            lower: SVector::zeros(),
-            upper: SVector::zeros(),
             estimate: WrenchEstimate::none_yet(),
         }
     }
@@ -94,16 +88,6 @@ impl<const N: usize> QpEstimator<N> {
         Some(information.cholesky()?.solve(&weighted))
     }
 
-    /// Bounds of the friction that is looked for (Nm).
-    #[inline]
-    fn bounds(&self, qd: &SVector<f64, N>, belief: &SVector<f64, N>) -> [SVector<f64, N>; 2] {
-        let band = &self.settings.band;
-        match self.settings.band_of {
-            BandOf::Friction => band.limits_nm(qd),
-            BandOf::Remainder => self.settings.band_of.left_nm(band, qd, belief),
-        }
-    }
-
     /// Limit in any direction v `[moment; force]` of the wrench of the last step, `lambda` standard deviations out; see
     /// [`ForceSolver::limit`].
     ///
@@ -115,14 +99,8 @@ impl<const N: usize> QpEstimator<N> {
 
     /// Estimate and limits for the present residual and bounds.
     #[inline]
-    fn solve(&mut self, input: &EstimatorInput<'_, N>) -> Result<WrenchEstimate, BoxOutcome> {
-        let estimate = self.solver.estimate(&ForceProblem {
-            torque: *self.observer.residual_nm(),
-            jacobian: *self.observer.lagged_jacobian(),
-            lower: self.lower,
-            upper: self.upper,
-            variance: self.settings.band.noise_variance_nm2(&input.frame.qd),
-        })?;
+    fn solve(&mut self) -> Result<WrenchEstimate, BoxOutcome> {
+        let estimate = self.solver.estimate(&self.observer.problem())?;
         let limits95 = if self.settings.limits { Some(self.limits95()?) } else { None };
         let wrench_base = Wrench::from_vector(&estimate.force);
         Ok(WrenchEstimate { wrench_base, covariance: estimate.covariance, limits95, nis: None, fault: None })
@@ -146,7 +124,6 @@ impl<const N: usize> WrenchEstimator<N> for QpEstimator<N> {
     fn reset(&mut self, frame: &SensorFrame<N>, terms: &ControlTerms<N>) {
         self.observer.start(frame, terms);
         self.solver.reset();
-        [self.lower, self.upper] = self.bounds(&frame.qd, &SVector::zeros());
         self.estimate = WrenchEstimate::none_yet();
     }
 
@@ -155,22 +132,12 @@ impl<const N: usize> WrenchEstimator<N> for QpEstimator<N> {
         if let Err(fault) = input.check() {
             return self.estimate.held(fault);
         }
-        let before = (self.observer, self.solver, self.lower, self.upper);
-        let torque = match self.settings.band_of {
-            BandOf::Friction => *input.tau_motor,
-            BandOf::Remainder => input.tau_motor - input.tau_friction,
-        };
-        self.observer.step(input.frame, input.terms, &torque, input.dt_s);
-        let share = self.observer.share(input.dt_s);
-        let [lower, upper] = self.bounds(&input.frame.qd, input.tau_friction);
-        for j in 0..N {
-            self.lower[j] = lagged(self.lower[j], lower[j], share);
-            self.upper[j] = lagged(self.upper[j], upper[j], share);
-        }
-        match self.solve(input) {
+        let before = (self.observer, self.solver);
+        self.observer.step(input);
+        match self.solve() {
             Ok(estimate) => self.estimate = estimate,
             Err(outcome) => {
-                (self.observer, self.solver, self.lower, self.upper) = before;
+                (self.observer, self.solver) = before;
                 return self.estimate.held(fault_of(outcome));
             }
         }
@@ -185,12 +152,6 @@ impl<const N: usize> WrenchEstimator<N> for QpEstimator<N> {
 
 /// Doubt below which a joint counts as sliding.
 const HALF: f64 = 0.5;
-
-/// `old + share (new − old)`, also for bounds that are infinite.
-#[inline]
-fn lagged(old: f64, new: f64, share: f64) -> f64 {
-    if old.is_finite() && new.is_finite() { old + share * (new - old) } else { new }
-}
 
 #[inline]
 fn fault_of(outcome: BoxOutcome) -> EstimateFault {

@@ -1,0 +1,112 @@
+//! Residual and friction bounds of one arm, ready for the programme.
+
+use nalgebra::{SMatrix, SVector};
+use tribo_friction::FrictionBand;
+use tribo_robot::{ControlTerms, EstimatorInput, SensorFrame};
+
+use super::ForceProblem;
+use crate::{BandOf, MomentumObserver};
+
+/// What a friction band makes of one arm in the tick: the residual of a [`MomentumObserver`] and the bounds of friction,
+/// both through the same low-pass.
+///
+/// The kernel of the low-pass is not negative: if friction was between its bounds, what the observer sees of it is between
+/// the filtered ones. So does J.
+#[derive(Clone, Copy, Debug)]
+pub struct BandObserver<const N: usize> {
+    band: FrictionBand<N>,
+    band_of: BandOf,
+    observer: MomentumObserver<N>,
+    lower: SVector<f64, N>,
+    upper: SVector<f64, N>,
+    variance: SVector<f64, N>,
+}
+
+impl<const N: usize> BandObserver<N> {
+    /// An observer of gain `gain_rad_s`; [`Self::start`] places it.
+    pub fn new(band: FrictionBand<N>, band_of: BandOf, gain_rad_s: f64) -> Self {
+        let zero = SVector::zeros();
+        Self {
+            band,
+            band_of,
+            observer: MomentumObserver::new(gain_rad_s),
+            lower: zero,
+            upper: zero,
+            variance: SVector::repeat(1.0),
+        }
+    }
+
+    /// Starts at a sample.
+    pub fn start(&mut self, frame: &SensorFrame<N>, terms: &ControlTerms<N>) {
+        self.observer.start(frame, terms);
+        [self.lower, self.upper] = self.bounds(&frame.qd, &SVector::zeros());
+        self.variance = self.band.noise_variance_nm2(&frame.qd);
+    }
+
+    /// Takes one sample.
+    #[inline]
+    pub fn step(&mut self, input: &EstimatorInput<'_, N>) {
+        let qd = &input.frame.qd;
+        let torque = match self.band_of {
+            BandOf::Friction => *input.tau_motor,
+            BandOf::Remainder => input.tau_motor - input.tau_friction,
+        };
+        self.observer.step(input.frame, input.terms, &torque, input.dt_s);
+        let share = self.observer.share(input.dt_s);
+        let [lower, upper] = self.bounds(qd, input.tau_friction);
+        for j in 0..N {
+            self.lower[j] = lagged(self.lower[j], lower[j], share);
+            self.upper[j] = lagged(self.upper[j], upper[j], share);
+        }
+        self.variance = self.band.noise_variance_nm2(qd);
+    }
+
+    /// What is known after the last sample about the wrench `[moment; force]`, base axes.
+    #[inline]
+    pub fn problem(&self) -> ForceProblem<N, 6> {
+        ForceProblem {
+            torque: *self.observer.residual_nm(),
+            jacobian: *self.observer.lagged_jacobian(),
+            lower: self.lower,
+            upper: self.upper,
+            variance: self.variance,
+        }
+    }
+
+    /// Bounds of the friction that is looked for (Nm).
+    #[inline]
+    fn bounds(&self, qd: &SVector<f64, N>, belief: &SVector<f64, N>) -> [SVector<f64, N>; 2] {
+        match self.band_of {
+            BandOf::Friction => self.band.limits_nm(qd),
+            BandOf::Remainder => self.band_of.left_nm(&self.band, qd, belief),
+        }
+    }
+}
+
+/// `old + share (new − old)`, also for bounds that are infinite.
+#[inline]
+fn lagged(old: f64, new: f64, share: f64) -> f64 {
+    if old.is_finite() && new.is_finite() { old + share * (new - old) } else { new }
+}
+
+/// The problem of two arms that hold one thing between them: the wrench of the first on it is minus that of the second. Both
+/// Jacobians are for the same point and axes; C = A + B, checked when compiled.
+///
+/// ```text
+/// [torque_a; torque_b] = [J_a, −J_b]ᵀ F + tau_f + e
+/// ```
+#[inline]
+pub fn stack_opposed<const A: usize, const B: usize, const C: usize>(
+    a: &ForceProblem<A, 6>,
+    b: &ForceProblem<B, 6>,
+) -> ForceProblem<C, 6> {
+    const { assert!(C == A + B, "as many joints as both arms have") };
+    let both = |a: &SVector<f64, A>, b: &SVector<f64, B>| SVector::from_fn(|i, _| if i < A { a[i] } else { b[i - A] });
+    ForceProblem {
+        torque: both(&a.torque, &b.torque),
+        jacobian: SMatrix::from_fn(|r, c| if c < A { a.jacobian[(r, c)] } else { -b.jacobian[(r, c - A)] }),
+        lower: both(&a.lower, &b.lower),
+        upper: both(&a.upper, &b.upper),
+        variance: both(&a.variance, &b.variance),
+    }
+}
