@@ -97,11 +97,13 @@ fn fit(seed: u64, sd: f64, rooms: [f64; 4], minutes: f64) -> Result<ThermalFit, 
 
 const ROOMS: [f64; 4] = [18.0, 25.0, 22.0, 28.0];
 
-/// Without noise everything is found again. Tolerances: friction of a block is taken at its mean temperature; blocks of a
-/// minute instead of 15 s are off by 0.5 % in δ.
+/// Without noise everything is found again. What is left is the mean temperature of a block, here of 2 s: blocks of a
+/// minute are off by 0.5 % in δ.
 #[test]
 fn noise_free_logs_give_the_truth() {
-    let fit = fit(1, 1e-3, ROOMS, 200.0).unwrap();
+    let (cold, sessions) = TRUTH.study(1, 1e-3, ROOMS, 200.0);
+    let settings = ThermalFitSettings { block_s: 2.0, ..ThermalFitSettings::new(T0) };
+    let fit = identify_thermal(&cold, &sessions, &settings).unwrap();
     let [c4, gamma, delta, h] = fit.stribeck.unwrap();
     for (name, got, truth, relative) in [
         ("alpha", fit.alpha_per_k.value, TRUTH.alpha, 0.01),

@@ -154,7 +154,7 @@ pub fn identify_thermal(
     let warmest = sessions.iter().map(|s| s.ambient_c).fold(f64::NEG_INFINITY, f64::max);
     let coolest = sessions.iter().map(|s| s.ambient_c).fold(f64::INFINITY, f64::min);
     let problem = Problem::new(cold, sessions, settings)?;
-    if settings.capacity.is_none() && !(warmest - coolest >= ROOM_SPREAD_K) {
+    if settings.capacity.is_none() && warmest - coolest < ROOM_SPREAD_K {
         return Err(ThermalFitError::ScaleUnknown { got_k: warmest - coolest, need_k: ROOM_SPREAD_K });
     }
     let (p, expansion) = problem.solve();
@@ -342,7 +342,7 @@ impl<'a> Problem<'a> {
             std::array::from_fn(|i| free.iter().position(|&k| k == i).map_or(0.0, |k| robust[(k, k)].max(0.0).sqrt()));
         // Logarithms beyond a factor of 1.6, a factor whose slope is as uncertain as a warm joint's whole loss.
         for (i, allowed) in [(LN_K, 0.5), (LN_C, 0.5), (ALPHA, 0.02), (BETA, 0.3), (GAMMA, 0.1), (DELTA, 1.0)] {
-            if self.free[i] && !(sd[i] <= allowed) {
+            if self.free[i] && (sd[i].is_nan() || sd[i] > allowed) {
                 return Err(undetermined(NAMES[i], sd[i], allowed));
             }
         }
