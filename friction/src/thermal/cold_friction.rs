@@ -43,7 +43,7 @@ impl ColdFriction {
     /// Polynomial and Stribeck part (Nm) at q̇ [rad/s]; their sum is the friction at T0.
     ///
     /// Below the threshold [rad/s] the papers' law runs linearly through zero (simoni2017 (11)); any other law has its
-    /// sign smoothed over it.
+    /// sign smoothed over it. Zero is the hard sign.
     #[inline]
     pub fn parts_nm(&self, qd: f64, threshold_rad_s: f64) -> [f64; 2] {
         match self {

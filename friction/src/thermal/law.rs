@@ -63,6 +63,14 @@ impl ThermalLaw {
         polynomial * f + stribeck * g
     }
 
+    /// Friction torque (Nm) of sliding at q̇ [rad/s] and T (°C): the sign of q̇ is hard and zero at rest.
+    #[inline]
+    pub fn sliding_nm(&self, qd: f64, temperature_c: f64) -> f64 {
+        let [polynomial, stribeck] = self.cold.parts_nm(qd, 0.0);
+        let [f, g] = self.factors(temperature_c);
+        polynomial * f + stribeck * g
+    }
+
     /// ∂tau_f/∂T [Nm/K] at q̇ [rad/s] and T (°C).
     #[inline]
     pub fn slope_nm_per_k(&self, qd: f64, temperature_c: f64) -> f64 {

@@ -1,10 +1,11 @@
 //! Wrench from the residual of the momentum observer.
 
-use nalgebra::{Matrix6, SMatrix, SVector, Vector6};
+use nalgebra::{SMatrix, SVector};
 use tribo_robot::{ControlTerms, EstimateFault, EstimatorInput, SensorFrame, Wrench, WrenchEstimate, WrenchEstimator};
 
 use super::MomentumObserver;
 use crate::FrictionBand;
+use crate::damped_wrench::damped_wrench;
 
 /// Settings of [`MomentumEstimator`].
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -105,19 +106,6 @@ impl<const N: usize> MomentumEstimator<N> {
         }
         r
     }
-
-    /// ĥ and P.
-    #[inline]
-    fn wrench(&self, r: &SMatrix<f64, N, N>) -> Option<(Vector6<f64>, Matrix6<f64>)> {
-        let jacobian = self.observer.lagged_jacobian();
-        let mut weighted = jacobian.transpose();
-        r.cholesky()?.solve_mut(&mut weighted);
-        let (m, f) = (self.settings.moment_damping_nm.powi(-2), self.settings.force_damping_n.powi(-2));
-        let information = jacobian * weighted + Matrix6::from_diagonal(&Vector6::new(m, m, m, f, f, f));
-        let covariance = information.cholesky()?.inverse();
-        let h = covariance * weighted.tr_mul(self.observer.residual_nm());
-        h.iter().all(|value| value.is_finite()).then_some((h, covariance))
-    }
 }
 
 /// Variance that stands for an unlimited one (Nm²).
@@ -137,7 +125,9 @@ impl<const N: usize> WrenchEstimator<N> for MomentumEstimator<N> {
         let before = self.observer;
         self.observer.step(input.frame, input.terms, &(input.tau_motor - input.tau_friction), input.dt_s);
         let r = self.residual_covariance(input);
-        match self.wrench(&r) {
+        let s = &self.settings;
+        let (jacobian, residual) = (self.observer.lagged_jacobian(), self.observer.residual_nm());
+        match damped_wrench(jacobian, &r, residual, s.moment_damping_nm, s.force_damping_n) {
             Some((h, covariance)) => {
                 let wrench_base = Wrench::from_vector(&h);
                 self.estimate = WrenchEstimate { wrench_base, covariance, limits95: None, nis: None, fault: None };
