@@ -31,7 +31,8 @@ fn joints() -> [ThermalJoint; 7] {
             ..PolynomialStribeck::default()
         };
         let polynomial = TemperatureFactor { slope_per_k: ALPHA, level: 1.0 };
-        ThermalJoint::new(ThermalLaw { polynomial, ..ThermalLaw::without_temperature(cold.into()) }, HEAT).unwrap()
+        ThermalJoint::new(ThermalLaw { polynomial, ..ThermalLaw::without_temperature(cold.into()) }, HEAT)
+            .expect("a valid joint")
     })
 }
 
