@@ -81,12 +81,9 @@ impl ObserverRun<'_> {
         peak * (std::f64::consts::TAU * t_s / 4.37).sin()
     }
 
-    /// Temperature (°C) at which the model's friction is the true one. A temperature that nobody measures has no unit of its own:
-    /// α (T − T0) is what a friction torque shows, and the fit of a joint with two thermal masses by one settles on another α.
+    /// See [`equivalent_c`].
     pub fn equivalent_c(&self, warmth: JointWarmth) -> f64 {
-        let law = self.model.law();
-        let factor = 1.0 + self.truth.polynomial_slope_per_k * (warmth.gear_c - self.truth.reference_c);
-        law.reference_c + (factor - law.polynomial.level) / law.polynomial.slope_per_k
+        equivalent_c(self.truth, &self.model, warmth)
     }
 
     /// The true joint after `seconds` of this work, from a night's rest.
@@ -149,4 +146,13 @@ impl ObserverRun<'_> {
         }
         Ok(trace)
     }
+}
+
+/// Temperature (°C) at which the polynomial part of the model's friction is the true one. A temperature that nobody measures has
+/// no unit of its own: α (T − T0) is what a friction torque shows, and the fit of a joint with two thermal masses by one
+/// settles on another α.
+pub(super) fn equivalent_c(truth: &WarmJoint, model: &ThermalJoint, warmth: JointWarmth) -> f64 {
+    let law = model.law();
+    let factor = 1.0 + truth.polynomial_slope_per_k * (warmth.gear_c - truth.reference_c);
+    law.reference_c + (factor - law.polynomial.level) / law.polynomial.slope_per_k
 }

@@ -10,6 +10,7 @@ use tribo_residual::{ThermalEstimator, ThermalSettings};
 use tribo_robot::{Arm, ControlTerms, EstimatorInput, Kinematics, SensorFrame, Wrench, WrenchEstimator, presets, rnea};
 use tribo_sim::{JointWarmth, WarmJoint};
 
+use super::observer_run::equivalent_c;
 use super::simoni2019::rounded;
 use super::{DutyCycleStudy, ThermalExperimentError};
 use crate::files::FieldError;
@@ -62,8 +63,8 @@ pub struct Simoni2017 {
     pub torque_sd_nm: f64,
     /// Noise of the velocity [rad/s].
     pub velocity_sd_rad_s: f64,
-    /// Torque ripple that no model knows (Nm).
-    pub ripple_nm: f64,
+    /// Torque ripple that no model knows, as a part of the joint's Coulomb friction [-].
+    pub ripple_share: f64,
     /// Part of the heat capacity that is in the gears, of the rest in the housing.
     pub gear_share: f64,
     /// Part of the thermal resistance that is between gears and housing.
@@ -77,9 +78,10 @@ pub struct Simoni2017 {
 pub struct PolishingTrace {
     /// Times (s), twice a second.
     pub time_s: Vec<f64>,
-    /// Estimated and true temperature of every joint (°C).
+    /// Of every joint, the estimated temperature and the one at which the model's friction would be the true one (°C).
     pub temperature_c: Vec<[[f64; 2]; 7]>,
-    /// Ten times a second in measured contacts: time (s), normal force true, with temperature, without (N).
+    /// Ten times a second in measured contacts: time (s), force along z true (as late as the estimates), with temperature,
+    /// without (N).
     pub force: Vec<[f64; 4]>,
 }
 
@@ -110,7 +112,7 @@ impl Simoni2017 {
         FieldError::check("rubbing", self.rubbing, 0.0, 2.0)?;
         FieldError::check("torque_sd_nm", self.torque_sd_nm, 1e-6, 10.0)?;
         FieldError::check("velocity_sd_rad_s", self.velocity_sd_rad_s, 0.0, 1.0)?;
-        FieldError::check("ripple_nm", self.ripple_nm, 0.0, 10.0)?;
+        FieldError::check("ripple_share", self.ripple_share, 0.0, 1.0)?;
         FieldError::check("gear_share", self.gear_share, 0.05, 0.95)?;
         FieldError::check("gear_resistance_share", self.gear_resistance_share, 0.01, 0.95)?;
         FieldError::check("capacity_relative_sd", self.capacity_relative_sd, 1e-4, 1.0)
@@ -207,6 +209,8 @@ impl Simoni2017 {
             housing_c: self.room_c + (1.0 - self.gear_resistance_share) * self.start_error_k,
         };
         let mut warmth = [start; 7];
+        // The true wrench as late as the estimates say they are.
+        let (mut late, share) = (Vector6::<f64>::zeros(), -(-dt / estimators[0].delay_s()).exp_m1());
         let mut trace = PolishingTrace::default();
         let mut errors = [Errors::default(); 3];
         let (mut worst_at_120, mut found_s, mut missed, mut in_contact) = (0.0_f64, 0.0_f64, 0.0, 0.0);
@@ -222,10 +226,11 @@ impl Simoni2017 {
             let kinematics = Kinematics::at(arm, &qm);
             let jacobian = kinematics.jacobian();
             let wrench = if touches { self.contact(phase, &(jacobian * qdm)) } else { Wrench::default() };
+            late += (wrench.to_vector() - late) * share;
             let mut noise = |sd: f64| -> Joints { Joints::from_fn(|_, _| sd * rng.sample::<f64, _>(StandardNormal)) };
             let (torque_noise, velocity_noise) = (noise(self.torque_sd_nm), noise(self.velocity_sd_rad_s));
             let friction = Joints::from_fn(|j, _| {
-                let ripple = self.ripple_nm * (23.0 * qm[j] + j as f64).sin();
+                let ripple = self.ripple_share * COULOMB_NM[j] * (23.0 * qm[j] + j as f64).sin();
                 let tau = truth[j].friction_nm(qdm[j], warmth[j].gear_c) + ripple;
                 warmth[j] = truth[j].warmed(warmth[j], qdm[j], self.room_c, dt);
                 tau
@@ -249,39 +254,38 @@ impl Simoni2017 {
             };
             let estimates = estimators.each_mut().map(|estimator| estimator.step(&input));
 
-            if since < 0.0 {
-                let temperatures = estimators[0].temperatures_c();
-                let worst = (0..7).map(|j| (temperatures[j] - warmth[j].gear_c).abs()).fold(0.0, f64::max);
-                worst_at_120 = worst;
-                if worst >= 2.0 {
-                    found_s = t;
-                }
-            }
             if k % (0.5 * self.rate_hz) as u64 == 0 {
-                trace.time_s.push(t);
                 let temperatures = estimators[0].temperatures_c();
-                trace.temperature_c.push(std::array::from_fn(|j| [temperatures[j], warmth[j].gear_c]));
+                let both: [[f64; 2]; 7] = std::array::from_fn(|j| {
+                    [temperatures[j], equivalent_c(&truth[j], &estimators[0].settings().joints[j], warmth[j])]
+                });
+                if since < 0.0 {
+                    worst_at_120 = both.iter().map(|[a, b]| (a - b).abs()).fold(0.0, f64::max);
+                    if worst_at_120 >= 2.0 {
+                        found_s = t;
+                    }
+                }
+                trace.time_s.push(t);
+                trace.temperature_c.push(both);
             }
             let measured = MEASURED.iter().position(|&c| touches && c as f64 == cycle);
             let Some(row) = measured else { continue };
             if !(EDGE_S..CONTACT_S - EDGE_S).contains(&phase) {
                 continue;
             }
-            // The estimate says by how much it is late.
-            let force_n = self.normal_n(phase - estimators[0].delay_s());
             let forces = estimates.map(|estimate| estimate.wrench_base.force_n.z);
             let e = &mut errors[row];
             e.count += 1.0;
             e.components += 6.0;
             for i in 0..2 {
-                e.square[i] += (forces[i] - force_n).powi(2);
-                let inside = estimates[i].interval95().contain(&wrench);
+                e.square[i] += (forces[i] - late[5]).powi(2);
+                let inside = estimates[i].interval95().contain(&Wrench::from_vector(&late));
                 e.covered[i] += inside.iter().filter(|&&inside| inside).count() as f64;
             }
             in_contact += 1.0;
             missed += f64::from(estimators[0].is_free());
             if k % (0.1 * self.rate_hz) as u64 == 0 {
-                trace.force.push([t, force_n, forces[0], forces[1]]);
+                trace.force.push([t, late[5], forces[0], forces[1]]);
             }
         }
         let mut values = vec![worst_at_120, found_s];
@@ -297,15 +301,11 @@ impl Simoni2017 {
         (SeedRun { seed, values: values.into_iter().map(rounded).collect() }, trace)
     }
 
-    /// Normal force (N) along z: pressed in and lifted off within a quarter of a second; the disc is not quite flat.
-    fn normal_n(&self, phase_s: f64) -> f64 {
-        let ramp = (phase_s / 0.25).min((CONTACT_S - phase_s) / 0.25).clamp(0.0, 1.0);
-        -ramp * self.normal_force_n * (1.0 + 0.2 * (std::f64::consts::TAU * 0.2 * phase_s).sin())
-    }
-
-    /// The disc pushes back along z, and rubs against the motion of the tool.
+    /// Pressed in and lifted off within a quarter of a second, on a disc that is not quite flat and pushes back along z; it
+    /// rubs against the motion of the tool.
     fn contact(&self, phase_s: f64, twist_base: &Vector6<f64>) -> Wrench {
-        let normal = self.normal_n(phase_s);
+        let ramp = (phase_s / 0.25).min((CONTACT_S - phase_s) / 0.25).clamp(0.0, 1.0);
+        let normal = -ramp * self.normal_force_n * (1.0 + 0.2 * (std::f64::consts::TAU * 0.7 * phase_s).sin());
         let slip = Vector3::new(twist_base[3], twist_base[4], 0.0);
         let along = slip / (slip.norm() + 1e-3);
         let force = along * (self.rubbing * normal.abs()) + Vector3::new(0.0, 0.0, normal);
