@@ -138,6 +138,12 @@ fn settings() {
             arguments: "reproduce roveda2022 --config r.yaml --out z.json",
             needles: &["r.yaml:"],
         },
+        Case {
+            files: &[("r.yaml", "schema: tribo.reproduce/2\n")],
+            arguments: "reproduce 04 --config r.yaml --out z.json",
+            needles: &["r.yaml:"],
+        },
+        Case { files: &[], arguments: "reproduce 03 --seeds 0 --out z.json", needles: &["seeds", "1 to 10000"] },
     ]);
     // Not text at all.
     let at = scratch();

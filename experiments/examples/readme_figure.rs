@@ -15,7 +15,8 @@ fn main() -> Result<(), Box<dyn Error>> {
     let path = std::env::args().nth(1).ok_or("usage: readme_figure OUT.svg")?;
     let tune = TuneConfig { trials: 2, ..TuneConfig::default() }.validate()?;
     let trials = run_in_memory(&tune)?;
-    let logs: Vec<_> = trials.iter().map(|trial| run_numbered(&tune, trial.number, &trial.theta)).collect();
+    let logs: Vec<_> =
+        trials.iter().map(|trial| run_numbered(&tune, trial.number, &trial.theta)).collect::<Result<_, _>>()?;
 
     let root = SVGBackend::new(&path, (900, 420)).into_drawing_area();
     root.fill(&WHITE)?;

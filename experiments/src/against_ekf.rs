@@ -36,11 +36,11 @@ pub fn against_ekf(tune: &ValidTune, result: &CampaignResult) -> Result<Option<A
     let Some((ekf_best, _)) = best_trial(&trials) else { return Ok(None) };
     let judged = |theta: &[f64]| {
         let seed = noise_seed(ekf.config.seed, UNSEEN);
-        run_estimated(&ekf, &ekf.trial, &ekf.space.friction(theta), seed).cost.total()
+        run_estimated(&ekf, &ekf.trial, &ekf.space.friction(theta), seed).map(|outcome| outcome.cost.total())
     };
     Ok(Some(AgainstEkf {
-        cost: judged(&result.trials[best].theta),
-        cost_of_ekf_campaign: judged(&trials[ekf_best].theta),
+        cost: judged(&result.trials[best].theta)?,
+        cost_of_ekf_campaign: judged(&trials[ekf_best].theta)?,
     }))
 }
 

@@ -30,25 +30,28 @@ impl Calibration {
     /// the mean wrench, the noise that of the narrowest 95 % intervals which hold 95 % of what is left.
     ///
     /// The arm must move in it: what a standing joint shows is one value of its stiction.
-    pub fn of_free_stretch(run: impl Fn(f64) -> LogWrench) -> Self {
-        let tare = run(1.0).summary().mean;
+    ///
+    /// # Errors
+    /// Those of `run`.
+    pub fn of_free_stretch<E>(run: impl Fn(f64) -> Result<LogWrench, E>) -> Result<Self, E> {
+        let tare = run(1.0)?.summary().mean;
         let holds = |factor: f64| {
-            let mut log = run(factor);
+            let mut log = run(factor)?;
             log.tare(&tare);
-            log.share_inside(&[0.0; 6]) >= COVERAGE
+            Ok::<bool, E>(log.share_inside(&[0.0; 6]) >= COVERAGE)
         };
         let [mut low, mut high] = FACTORS.map(f64::ln);
-        if holds(low.exp()) {
-            return Self { tare, noise_factor: low.exp() };
+        if holds(low.exp())? {
+            return Ok(Self { tare, noise_factor: low.exp() });
         }
         for _ in 0..BISECTIONS {
             let middle = 0.5 * (low + high);
-            if holds(middle.exp()) {
+            if holds(middle.exp())? {
                 high = middle;
             } else {
                 low = middle;
             }
         }
-        Self { tare, noise_factor: high.exp() }
+        Ok(Self { tare, noise_factor: high.exp() })
     }
 }

@@ -14,7 +14,7 @@ use crate::leftovers::sweep;
 use crate::stored_logs::StoredLogs;
 use crate::strategy::{FinishedTrial, Proposal, Strategy, StrategyError};
 use crate::trial_store::{trial_log_path, write_trial_log};
-use crate::{References, TuneConfig, ValidTune, references, run_numbered};
+use crate::{EstimatorError, References, TuneConfig, ValidTune, references, run_numbered};
 
 /// Why a campaign cannot go on.
 #[derive(Debug, thiserror::Error)]
@@ -33,6 +33,9 @@ pub enum CampaignError {
         /// Why it could not be.
         source: StrategyError,
     },
+    /// The estimator cannot work with the parameters of a trial.
+    #[error(transparent)]
+    Estimator(#[from] EstimatorError),
     /// Somebody asked to stop; finished trials are safe.
     #[error("stopped after {finished} finished trials")]
     Stopped {
@@ -154,7 +157,7 @@ impl Campaign {
     /// Runs what is left of the campaign, independent trials on the threads of the current rayon pool, and writes
     /// `tuned.yaml`. The result does not depend on the number of threads.
     pub fn run(mut self, observer: &mut dyn CampaignObserver) -> Result<CampaignResult, CampaignError> {
-        let references = references(&self.tune);
+        let references = references(&self.tune)?;
         observer.references(&references);
         let strategy = self
             .tune
@@ -215,7 +218,7 @@ impl Campaign {
         let (tune, directory) = (&self.tune, &self.directory);
         let shared = Mutex::new((&mut self.journal, &mut self.trials, observer));
         batch.par_iter().try_for_each(|(number, proposal)| -> Result<(), CampaignError> {
-            let outcome = run_numbered(tune, *number, &proposal.theta);
+            let outcome = run_numbered(tune, *number, &proposal.theta)?;
             write_trial_log(&trial_log_path(directory, *number), &outcome.log)?;
             let trial = FinishedTrial {
                 number: *number,

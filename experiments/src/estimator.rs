@@ -4,8 +4,12 @@ use nalgebra::{SMatrix, SVector};
 use serde::{Deserialize, Serialize};
 use tribo_ekf::{FrictionAwareEkf, WrenchEkf, WrenchEkfSettings, wrench_from_torque};
 use tribo_friction::law::CoulombViscous;
+use tribo_friction::thermal::ThermalError;
 use tribo_friction::{FrictionBand, FrictionModel};
-use tribo_residual::{BandOf, MomentumEstimator, MomentumSettings, QpEstimator, QpSettings, diagonal_prior};
+use tribo_residual::{
+    BandOf, MomentumEstimator, MomentumSettings, QpEstimator, QpSettings, ThermalEstimator, ThermalSettings,
+    ThermalSettingsError, diagonal_prior,
+};
 use tribo_robot::{ControlTerms, EstimatorInput, SensorFrame, WrenchEstimate, WrenchEstimator};
 
 /// Name of a wrench estimator; whose wrench is the tuning cost.
@@ -19,11 +23,13 @@ pub enum EstimatorName {
     Momentum,
     /// The friction-band programme.
     Qp,
+    /// The thermal virtual force sensor.
+    Thermal,
 }
 
 impl EstimatorName {
     /// All of them, in the order of tables.
-    pub const ALL: [Self; 3] = [Self::Ekf, Self::Momentum, Self::Qp];
+    pub const ALL: [Self; 4] = [Self::Ekf, Self::Momentum, Self::Qp, Self::Thermal];
 
     /// The name in files and on the command line.
     pub fn as_str(self) -> &'static str {
@@ -31,6 +37,7 @@ impl EstimatorName {
             Self::Ekf => "ekf",
             Self::Momentum => "momentum",
             Self::Qp => "qp",
+            Self::Thermal => "thermal",
         }
     }
 }
@@ -62,43 +69,80 @@ pub enum AnyEstimator {
     Momentum(MomentumEstimator<7>),
     /// The friction-band programme.
     Qp(QpEstimator<7>),
+    /// The thermal virtual force sensor.
+    Thermal(Box<ThermalEstimator<7>>),
+}
+
+/// Why there is no estimator.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum EstimatorError {
+    /// A friction law that a thermal joint cannot have.
+    #[error(transparent)]
+    Friction(#[from] ThermalError),
+    /// A setting of the thermal estimator.
+    #[error(transparent)]
+    Thermal(#[from] ThermalSettingsError),
 }
 
 impl AnyEstimator {
     /// The estimator whose wrench in free motion judges a compensator.
     ///
     /// Where a joint may stick, `momentum` and `qp` expect anything up to 0.6 Nm; at speed their bands are closed: what the
-    /// compensator misses there is to be seen.
-    pub fn for_tuning(name: EstimatorName, ekf: WrenchEkfSettings) -> Self {
+    /// compensator misses there is to be seen. `thermal` takes `friction`, what the compensator believes, as that of its joints
+    /// at any temperature.
+    ///
+    /// # Errors
+    /// A friction that the thermal estimator cannot have.
+    pub fn for_tuning(
+        name: EstimatorName,
+        ekf: WrenchEkfSettings,
+        friction: &FrictionModel<7>,
+    ) -> Result<Self, EstimatorError> {
         let unknown = CoulombViscous { coulomb_nm: UNKNOWN_COULOMB_NM, viscous_nm_s_per_rad: 0.0 };
         let band = believed_band(&FrictionModel::uniform(unknown.into()));
-        match name {
+        Ok(match name {
             EstimatorName::Ekf => Self::Ekf(WrenchEkf::new(ekf)),
             EstimatorName::Momentum => Self::momentum(band, BandOf::Remainder),
             EstimatorName::Qp => {
                 let settings = QpSettings { band_of: BandOf::Remainder, limits: false, ..QpSettings::new(band) };
                 Self::Qp(QpEstimator::new(QpSettings { prior: diagonal_prior(PRIOR[0], PRIOR[1]), ..settings }))
             }
-        }
+            EstimatorName::Thermal => Self::thermal(friction, 1.0)?,
+        })
     }
 
-    /// The estimator with its confidence, for joints whose friction lies in `band`; `noise_factor` multiplies the noise of the
-    /// band and, of the filter, its own deviation: 1 where no [`crate::Calibration`] says better.
+    /// The estimator with its confidence, for joints whose friction is believed to be `friction` and lies in `band`;
+    /// `noise_factor` multiplies the noise of the band and, of the filter, its own deviation: 1 where no
+    /// [`crate::Calibration`] says better.
+    ///
+    /// # Errors
+    /// A friction that the thermal estimator cannot have.
     pub fn with_confidence(
         name: EstimatorName,
         ekf: WrenchEkfSettings,
+        friction: &FrictionModel<7>,
         band: &FrictionBand<7>,
         noise_factor: f64,
-    ) -> Self {
+    ) -> Result<Self, EstimatorError> {
         let band = band.with_noise_times(noise_factor);
-        match name {
+        Ok(match name {
             EstimatorName::Ekf => Self::FrictionAwareEkf(FrictionAwareEkf::new(ekf, band, noise_factor)),
             EstimatorName::Momentum => Self::momentum(band, BandOf::Friction),
             EstimatorName::Qp => {
                 let prior = diagonal_prior(PRIOR[0], PRIOR[1]);
                 Self::Qp(QpEstimator::new(QpSettings { prior, ..QpSettings::new(band) }))
             }
-        }
+            EstimatorName::Thermal => Self::thermal(friction, noise_factor)?,
+        })
+    }
+
+    fn thermal(friction: &FrictionModel<7>, noise_factor: f64) -> Result<Self, EstimatorError> {
+        let mut settings = ThermalSettings::without_temperature(friction)?;
+        settings.torque_sd_nm *= noise_factor;
+        settings.velocity_sd_rad_s = SVector::repeat(VELOCITY_SD_RAD_S);
+        settings.observer.friction_sd_nm *= noise_factor;
+        settings.observer.model_error *= noise_factor;
+        Ok(Self::Thermal(Box::new(ThermalEstimator::new(settings)?)))
     }
 
     fn momentum(band: FrictionBand<7>, band_of: BandOf) -> Self {
@@ -119,6 +163,7 @@ impl AnyEstimator {
             Self::Ekf(_) | Self::FrictionAwareEkf(_) => wrench_from_torque(terms),
             Self::Momentum(momentum) => momentum.wrench_from_torque(terms, qd, belief, PERIOD_S),
             Self::Qp(qp) => qp.wrench_from_torque(terms, qd),
+            Self::Thermal(thermal) => thermal.wrench_from_torque(terms, qd, PERIOD_S),
         }
     }
 }
@@ -133,6 +178,7 @@ impl WrenchEstimator<7> for AnyEstimator {
             Self::FrictionAwareEkf(ekf) => ekf.reset(frame, terms),
             Self::Momentum(momentum) => momentum.reset(frame, terms),
             Self::Qp(qp) => qp.reset(frame, terms),
+            Self::Thermal(thermal) => thermal.reset(frame, terms),
         }
     }
 
@@ -143,6 +189,7 @@ impl WrenchEstimator<7> for AnyEstimator {
             Self::FrictionAwareEkf(ekf) => ekf.step(input),
             Self::Momentum(momentum) => momentum.step(input),
             Self::Qp(qp) => qp.step(input),
+            Self::Thermal(thermal) => thermal.step(input),
         }
     }
 
@@ -152,6 +199,7 @@ impl WrenchEstimator<7> for AnyEstimator {
             Self::FrictionAwareEkf(ekf) => ekf.delay_s(),
             Self::Momentum(momentum) => momentum.delay_s(),
             Self::Qp(qp) => qp.delay_s(),
+            Self::Thermal(thermal) => thermal.delay_s(),
         }
     }
 }

@@ -28,7 +28,7 @@ pub fn run_in_memory(tune: &ValidTune) -> Result<Vec<FinishedTrial>, CampaignErr
             Some(proposal) => proposal,
             None => strategy.propose(number, &trials, &logs).map_err(fail)?,
         };
-        let outcome = run_numbered(tune, number, &proposal.theta);
+        let outcome = run_numbered(tune, number, &proposal.theta)?;
         trials.push(FinishedTrial {
             number,
             theta: proposal.theta,

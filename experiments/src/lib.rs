@@ -12,10 +12,10 @@
 //! use tribo_experiments::{TuneConfig, run_numbered};
 //!
 //! let tune = TuneConfig::default().validate()?;
-//! let outcome = run_numbered(&tune, 0, &tune.space.zero());
+//! let outcome = run_numbered(&tune, 0, &tune.space.zero())?;
 //! assert!(outcome.aborted.is_none());
 //! assert!((outcome.cost.total() - 24.2).abs() < 0.5); // the cost of not compensating friction
-//! # Ok::<(), tribo_experiments::ConfigError>(())
+//! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
 mod against_ekf;
@@ -55,7 +55,7 @@ pub use campaign::{Campaign, CampaignError, CampaignObserver, CampaignResult};
 pub use closed_loop_gain::{ClosedLoopGain, closed_loop_gain};
 pub use config::{ConfigError, Phases, TuneConfig, ValidTune};
 pub use cost::{Cost, CostAccumulator};
-pub use estimator::{AnyEstimator, EstimatorName, VELOCITY_SD_RAD_S, believed_band};
+pub use estimator::{AnyEstimator, EstimatorError, EstimatorName, VELOCITY_SD_RAD_S, believed_band};
 pub use follow::{Followed, follow};
 pub use in_memory::run_in_memory;
 pub use log_wrench::{LogWrench, ReferenceErrors, WrenchSummary, without_effects, wrench_on_log};

@@ -2,11 +2,14 @@
 
 use tribo_friction::FrictionModel;
 
-use crate::{AnyEstimator, Trial, TrialOutcome, ValidTune, run_trial};
+use crate::{AnyEstimator, EstimatorError, Trial, TrialOutcome, ValidTune, run_trial};
 
 /// Runs trial `number` with parameters θ: the noise depends on the campaign's seed and the number alone, and a truth
 /// that warms up has run all trials before.
-pub fn run_numbered(tune: &ValidTune, number: usize, theta: &[f64]) -> TrialOutcome<7> {
+///
+/// # Errors
+/// Parameters that the estimator cannot work with.
+pub fn run_numbered(tune: &ValidTune, number: usize, theta: &[f64]) -> Result<TrialOutcome<7>, EstimatorError> {
     let mut trial = tune.trial.clone();
     if let Some(warm_up) = &mut trial.truth.warm_up {
         warm_up.operated_s = number as f64 * trial.reference.total_s();
@@ -19,8 +22,9 @@ pub(crate) fn run_estimated(
     trial: &Trial<7>,
     friction: &FrictionModel<7>,
     seed: u64,
-) -> TrialOutcome<7> {
-    run_trial(trial, friction, AnyEstimator::for_tuning(tune.config.residual, tune.config.ekf), seed)
+) -> Result<TrialOutcome<7>, EstimatorError> {
+    let estimator = AnyEstimator::for_tuning(tune.config.residual, tune.config.ekf, friction)?;
+    Ok(run_trial(trial, friction, estimator, seed))
 }
 
 /// SplitMix64 of seed and stream: neighbouring trials get unrelated noise.

@@ -6,7 +6,7 @@ use tribo_friction::{FrictionModel, JointEffects};
 use tribo_sim::Effect;
 
 use crate::numbered_trial::{noise_seed, run_estimated};
-use crate::{Trial, ValidTune, joint_effects};
+use crate::{EstimatorError, Trial, ValidTune, joint_effects};
 
 /// Costs that put a campaign's result into proportion; known only in simulation.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -20,7 +20,10 @@ pub struct References {
 }
 
 /// The three reference costs, on noise of their own.
-pub fn references(tune: &ValidTune) -> References {
+///
+/// # Errors
+/// A friction that the estimator cannot work with.
+pub fn references(tune: &ValidTune) -> Result<References, EstimatorError> {
     let none = FrictionModel::uniform(CoulombViscous::default().into());
     let no_effects = [JointEffects::default(); 7];
     let uncompensated = Trial { effects: no_effects, ..tune.trial.clone() };
@@ -34,10 +37,10 @@ pub fn references(tune: &ValidTune) -> References {
         .enumerate()
         .map(|(k, (trial, friction))| {
             let seed = noise_seed(tune.config.seed, u64::MAX - k as u64);
-            run_estimated(tune, trial, friction, seed).cost.total()
+            Ok(run_estimated(tune, trial, friction, seed)?.cost.total())
         })
-        .collect();
-    References { uncompensated: costs[0], oracle: costs[1], frictionless: costs[2] }
+        .collect::<Result<_, EstimatorError>>()?;
+    Ok(References { uncompensated: costs[0], oracle: costs[1], frictionless: costs[2] })
 }
 
 /// Whether an effect belongs to the arm even when nothing acts in its joints.

@@ -3,6 +3,7 @@
 //! ```text
 //! tau_f(qd) = Fv qd + Fc sign(qd)                                  Coulomb-viscous, roveda2022 eq. (27)
 //! tau_f(qd) = Fv qd + (Fc + dF exp(−|qd/vs|^shape)) sign(qd)        Stribeck, roveda2022 eq. (28)
+//! tau_f(qd, T) = tau_pol [α (T − T0) + β] + tau_str [γ (T − T0) + δ]  warm joints, simoni2017 eq. (6): [`thermal`]
 //! ```
 //!
 //! Each law lives in one file of [`law`], answers two questions — its torque with a smooth sign (what a compensator or a
@@ -29,6 +30,7 @@ mod effects;
 pub mod identify;
 pub mod law;
 mod model;
+pub mod thermal;
 
 pub use band::{BandError, FrictionBand, JointBand};
 pub use compensator::{Bristles, Compensation, Compensator, CompensatorInput, VelocitySource};

@@ -1,13 +1,14 @@
-//! Wrench estimators on the torque residual: momentum observer and friction-band programme.
+//! Wrench estimators on the torque residual: momentum observer, friction-band programme, thermal virtual sensor.
 //!
 //! ```text
 //! ṗ = τ + Cᵀ q̇ − g − (Jᵀ h + tau_f),   p = M q̇             [`MomentumObserver`] sees Jᵀ h + tau_f, 1/K late
 //! Jᵀ h + tau_f − tau_f_hat = r         weighted least squares on r:             [`MomentumEstimator`]
 //! Jᵀ h + tau_f + e = r                 tau_f in a band, prior on h, exactly:    [`QpEstimator`]
+//! Jᵀ h + tau_f(q̇, T) = r              T from heat and free motion:             [`ThermalEstimator`]
 //! ```
 //!
-//! Both implement [`tribo_robot::WrenchEstimator`] and return the wrench with a confidence that follows from stated
-//! noise: the first a covariance, the second 95 % limits as well, which widen where a joint sticks. What friction a joint
+//! All implement [`tribo_robot::WrenchEstimator`] and return the wrench with a confidence that follows from stated
+//! noise: a covariance, and from the second 95 % limits as well, which widen where a joint sticks. What friction a joint
 //! may have is a [`tribo_friction::FrictionBand`]; [`identify_band`] finds it in a log of contact-free strokes.
 //!
 //! h is the wrench by the robot on the environment, flange, base axes, moment then force; SI units.
@@ -38,16 +39,21 @@
 //! # Ok::<(), tribo_friction::BandError>(())
 //! ```
 //!
-//! Leaves out: friction that depends on load, position or temperature inside the band; the thermal and double-encoder
-//! estimators.
+//! Leaves out: friction that depends on load or position; the double-encoder estimator.
 
 mod band;
+mod damped_wrench;
 mod momentum;
 mod qp;
+mod thermal;
 
 pub use band::{BandFitError, BandOf, JointBandFit, SPEED_CLASSES, band_coverage, identify_band};
 pub use momentum::{MomentumEstimator, MomentumObserver, MomentumSettings};
 pub use qp::{
     BandObserver, BoxOutcome, BoxQp, BoxSolution, ForceEstimate, ForceLimit, ForcePrior, ForceProblem, ForceSolver,
     PIVOT_LIMIT, QpEstimator, QpSettings, Side, diagonal_prior, stack_opposed,
+};
+pub use thermal::{
+    ContactGate, ContactSettings, FrictionSample, Innovation, MAX_WINDOW, ObserverGain, ObserverSettings,
+    TemperatureObserver, ThermalEstimator, ThermalSettings, ThermalSettingsError,
 };

@@ -16,7 +16,9 @@ use tribo_ekf::{WrenchEkf, WrenchEkfSettings};
 use tribo_friction::FrictionModel;
 use tribo_friction::law::CoulombViscous;
 use tribo_friction::{FrictionBand, JointBand};
-use tribo_residual::{MomentumEstimator, MomentumSettings, QpEstimator, QpSettings, diagonal_prior};
+use tribo_residual::{
+    MomentumEstimator, MomentumSettings, QpEstimator, QpSettings, ThermalEstimator, ThermalSettings, diagonal_prior,
+};
 use tribo_robot::{EstimateFault, Wrench, WrenchEstimator};
 
 const COULOMB_NM: f64 = 0.5;
@@ -44,6 +46,11 @@ fn qp(coulomb_nm: f64, viscous_nm_s: f64) -> QpEstimator<7> {
         FrictionBand::new([JointBand::coulomb_viscous(coulomb_nm, viscous_nm_s, 3e-3, 0.05); 7]).expect("a valid band");
     // A prior far wider than the wrenches of the suite, so that what it pulls is not seen.
     QpEstimator::new(QpSettings { prior: diagonal_prior(100.0, 20.0), ..QpSettings::new(band) })
+}
+
+fn thermal(friction: FrictionModel<7>) -> ThermalEstimator<7> {
+    let settings = ThermalSettings::without_temperature(&friction).expect("a finite friction");
+    ThermalEstimator::new(settings).expect("valid settings")
 }
 
 /// The suite, once per implementation; the second estimator expects friction.
@@ -88,6 +95,7 @@ macro_rules! conforms {
 conforms!(ekf_conforms, ekf(), ekf());
 conforms!(momentum_conforms, momentum(), momentum());
 conforms!(qp_conforms, qp(0.0, 0.0), qp(COULOMB_NM, VISCOUS_NM_S));
+conforms!(thermal_conforms, thermal(no_friction()), thermal(friction()));
 
 fn no_friction() -> FrictionModel<7> {
     FrictionModel::uniform(CoulombViscous::default().into())

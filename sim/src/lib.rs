@@ -37,6 +37,7 @@ mod projected_gauss_seidel;
 mod recording;
 mod sensors;
 mod truth;
+mod warm_joint;
 mod warm_up;
 
 pub use contact::{Pulse, WrenchPulses};
@@ -47,4 +48,5 @@ pub use plant::{BoxFrictionPlant, DEFAULT_SUB_STEPS};
 pub use recording::{ExtraTorque, Recorder, Recording, RecordingError, Session, record};
 pub use sensors::Sensors;
 pub use truth::{TorqueSide, Truth, panda_gaz_joints};
+pub use warm_joint::{JointWarmth, WarmJoint};
 pub use warm_up::WarmUp;

@@ -6,9 +6,10 @@
 
 use nalgebra::{SVector, Vector6};
 use tribo_control::{PAPER_PHASES_RAD, SinusoidReference};
+use tribo_friction::thermal::{HeatBalance, PolynomialStribeck, TemperatureFactor, ThermalJoint, ThermalLaw};
 use tribo_friction::{Compensator, JointEffects, VelocitySource};
 use tribo_friction::{FrictionBand, JointBand};
-use tribo_residual::{MomentumEstimator, MomentumSettings, QpEstimator, QpSettings};
+use tribo_residual::{MomentumEstimator, MomentumSettings, QpEstimator, QpSettings, ThermalEstimator, ThermalSettings};
 use tribo_robot::{ControlTerms, EstimatorInput, SensorFrame, WrenchEstimator, presets};
 use tribo_sim::{BoxFrictionPlant, Sensors, Truth, WrenchPulses};
 use tribo_tests::{DT_S, TamperedPlant, all_effects, five_truths, loop_with, ready_flange};
@@ -49,6 +50,13 @@ fn no_estimator_allocates() {
     watch_estimator("momentum", MomentumEstimator::new(MomentumSettings::new(band)));
     watch_estimator("qp", QpEstimator::new(QpSettings::new(band)));
     watch_estimator("qp, one joint unknown", QpEstimator::new(QpSettings::new(partly_unknown)));
+    let cold =
+        PolynomialStribeck { polynomial: [0.5, 0.8, 0.1, 0.0], stribeck_nm: 0.2, stribeck_decay_s_per_rad: 10.0 };
+    let polynomial = TemperatureFactor { slope_per_k: -0.009, level: 1.0 };
+    let law = ThermalLaw { polynomial, ..ThermalLaw::without_temperature(cold.into()) };
+    let warm = ThermalJoint::new(law, HeatBalance::SIMONI2019).expect("a valid joint");
+    let settings = ThermalSettings::new([warm; 7], 22.0);
+    watch_estimator("thermal", ThermalEstimator::new(settings).expect("valid settings"));
 }
 
 fn watch_estimator<E: WrenchEstimator<7>>(name: &str, mut estimator: E) {

@@ -9,8 +9,8 @@ use tribo_diagnose::{
 use tribo_ekf::WrenchEkfSettings;
 use tribo_experiments::files::Model;
 use tribo_experiments::{
-    AnyEstimator, Believed, Calibration, EstimatorName, LogWrench, WrenchSummary, believed_band, without_effects,
-    wrench_on_log,
+    AnyEstimator, Believed, Calibration, EstimatorError, EstimatorName, LogWrench, WrenchSummary, believed_band,
+    without_effects, wrench_on_log,
 };
 use tribo_friction::law::CoulombViscous;
 use tribo_friction::{FrictionBand, FrictionModel};
@@ -54,22 +54,24 @@ pub fn run(arguments: &Estimate, common: &Common) -> anyhow::Result<()> {
     let free = arguments.free.as_deref().map(|path| FreeLog::read(path, &believed)).transpose()?;
     let band = free.as_ref().map_or_else(|| believed_band(&believed.friction), |free| free.band);
     let watch = |name: EstimatorName, noise_factor: f64, log: &RobotLog| {
-        let mut estimator = AnyEstimator::with_confidence(name, WrenchEkfSettings::default(), &band, noise_factor);
-        wrench_on_log(log, &believed, model.smoothing_rad_s, &mut estimator)
+        let settings = WrenchEkfSettings::default();
+        let mut estimator = AnyEstimator::with_confidence(name, settings, &believed.friction, &band, noise_factor)?;
+        Ok::<LogWrench, EstimatorError>(wrench_on_log(log, &believed, model.smoothing_rad_s, &mut estimator))
     };
-    let wrenches: Vec<Estimated> = EstimatorName::ALL
+    let wrenches = EstimatorName::ALL
         .into_iter()
         .filter(|name| wants(name.as_str()))
         .map(|name| {
             let calibration = free
                 .as_ref()
                 .map(|free| Calibration::of_free_stretch(|factor| watch(name, factor, &free.log)))
-                .unwrap_or_default();
-            let mut wrench = watch(name, calibration.noise_factor, &log);
-            wrench.tare(&calibration.tare);
-            Estimated { name, calibration: free.is_some().then_some(calibration), summary: wrench.summary(), wrench }
+                .transpose()?;
+            let used = calibration.unwrap_or_default();
+            let mut wrench = watch(name, used.noise_factor, &log)?;
+            wrench.tare(&used.tare);
+            Ok(Estimated { name, calibration, summary: wrench.summary(), wrench })
         })
-        .collect();
+        .collect::<Result<Vec<Estimated>, EstimatorError>>()?;
     if let (Some(out), false) = (&arguments.out, wrenches.is_empty()) {
         write_table(out, &wrench_table(&wrenches))?;
     }

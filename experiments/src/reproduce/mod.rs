@@ -1,7 +1,17 @@
 //! Experiments that anyone can rerun, one per paper or question.
 
+mod error;
+mod linderoth2013;
+mod quantity;
 mod roveda2022;
+mod seeded;
+mod thermal;
 mod wrench_pulses;
 
+pub use error::ExperimentError;
+pub use linderoth2013::Linderoth2013;
+pub use quantity::{Quantity, QuantitySummary, SeedRun, summarize_quantities};
 pub use roveda2022::{CaseConfig, CellResult, Roveda2022, RowSummary, StrategyConfig, summarize};
+pub use seeded::SeededExperiment;
+pub use thermal::{DutyCycleStudy, ObserverTrace, PolishingTrace, Simoni2017, Simoni2019, Simoni2019Trace, Table4Row};
 pub use wrench_pulses::{PushCase, PushRow, PushedTool};

@@ -165,7 +165,7 @@ impl Roveda2022 {
         for run in 0..self.oracle_runs {
             let mut other_noise = tune.clone();
             other_noise.config.seed = tune.config.seed + 1_000_003 * (run + 1);
-            let costs = references(&other_noise);
+            let costs = references(&other_noise)?;
             oracle += costs.oracle / self.oracle_runs as f64;
             uncompensated += costs.uncompensated / self.oracle_runs as f64;
         }

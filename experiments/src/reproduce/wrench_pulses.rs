@@ -9,11 +9,12 @@ use tribo_friction::law::CoulombViscous;
 use tribo_robot::{Kinematics, WrenchEstimator};
 use tribo_sim::{Truth, WrenchPulses};
 
+use super::ExperimentError;
 use crate::files::FieldError;
 use crate::scenario::{ModelError, POSES};
 use crate::{
-    AnyEstimator, Calibration, ConfigError, EstimatorName, LogWrench, Phases, Trial, TuneConfig, believed_band,
-    noise_seed, run_trial_observed,
+    AnyEstimator, Calibration, EstimatorName, LogWrench, Phases, Trial, TuneConfig, believed_band, noise_seed,
+    run_trial_observed,
 };
 
 /// Push on each axis in turn: 15 N or 2.5 Nm for 2.5 s, 1.5 s apart, from 5 s on.
@@ -101,7 +102,7 @@ impl PushedTool {
     ///
     /// # Errors
     /// Settings that no trial can be made of.
-    pub fn run(&self, done: impl Fn() + Sync) -> Result<Vec<PushRow>, ConfigError> {
+    pub fn run(&self, done: impl Fn() + Sync) -> Result<Vec<PushRow>, ExperimentError> {
         let keys: Vec<(PushCase, EstimatorName)> = self
             .cases
             .iter()
@@ -112,17 +113,17 @@ impl PushedTool {
                 let moving = PushCase { moving: true, ..case };
                 let free = Stretch { case: moving, seed: FREE_SEED, pushed: false };
                 let trial = free.trial(self.pose)?;
-                let calibration = Calibration::of_free_stretch(|factor| free.watch(&trial, estimator, factor));
+                let calibration = Calibration::of_free_stretch(|factor| free.watch(&trial, estimator, factor))?;
                 let pushes = (1..=self.seeds)
                     .into_par_iter()
                     .map(|seed| {
                         let stretch = Stretch { case, seed, pushed: true };
-                        let mut log = stretch.watch(&stretch.trial(self.pose)?, estimator, calibration.noise_factor);
+                        let mut log = stretch.watch(&stretch.trial(self.pose)?, estimator, calibration.noise_factor)?;
                         log.tare(&calibration.tare);
                         done();
                         Ok(log)
                     })
-                    .collect::<Result<Vec<LogWrench>, ConfigError>>()?;
+                    .collect::<Result<Vec<LogWrench>, ExperimentError>>()?;
                 Ok(row(case, estimator, calibration.noise_factor, &pushes))
             })
             .collect()
@@ -143,7 +144,7 @@ struct Stretch {
 }
 
 impl Stretch {
-    fn trial(&self, pose: usize) -> Result<Trial<7>, ConfigError> {
+    fn trial(&self, pose: usize) -> Result<Trial<7>, ExperimentError> {
         let config = TuneConfig { seed: self.seed, pose, phases: Phases::Random, ..TuneConfig::default() };
         let mut trial = config.validate()?.trial;
         let payload = ModelError { payload_kg: self.case.payload_kg, ..ModelError::default() };
@@ -159,13 +160,17 @@ impl Stretch {
     }
 
     /// Estimate and truth at every tick of the judged part.
-    fn watch(&self, trial: &Trial<7>, estimator: EstimatorName, noise_factor: f64) -> LogWrench {
+    fn watch(
+        &self,
+        trial: &Trial<7>,
+        estimator: EstimatorName,
+        noise_factor: f64,
+    ) -> Result<LogWrench, ExperimentError> {
         let none = FrictionModel::uniform(CoulombViscous::default().into());
         let friction = if self.case.compensated { truth_of(self.case).friction } else { none };
-        let estimator = {
-            let band = believed_band(&truth_of(self.case).friction);
-            AnyEstimator::with_confidence(estimator, WrenchEkfSettings::default(), &band, noise_factor)
-        };
+        let band = believed_band(&truth_of(self.case).friction);
+        let settings = WrenchEkfSettings::default();
+        let estimator = AnyEstimator::with_confidence(estimator, settings, &friction, &band, noise_factor)?;
         let mut log = LogWrench { stated_delay_s: estimator.delay_s(), ..LogWrench::default() };
         let mut reference = Vec::new();
         run_trial_observed(trial, &friction, estimator, noise_seed(self.seed, 0), |record, _| {
@@ -176,7 +181,7 @@ impl Stretch {
             }
         });
         log.reference = Some(reference);
-        log
+        Ok(log)
     }
 }
 

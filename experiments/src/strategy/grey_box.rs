@@ -59,7 +59,7 @@ impl GreyBox {
             space,
             domain: space.domain()?,
             model: tune.trial.model.clone(),
-            estimator: AnyEstimator::for_tuning(tune.config.residual, tune.config.ekf),
+            estimator: AnyEstimator::for_tuning(tune.config.residual, tune.config.ekf, &space.friction(&space.zero()))?,
             gls,
             seed: tune.config.seed,
             fits: Mutex::new(BTreeMap::new()),

@@ -12,7 +12,7 @@ use tribo_friction::identify::GlsError;
 pub use grey_box::{GreyBox, identification_samples};
 
 use crate::files::FileError;
-use crate::{AbortReason, Cost, TrialLog, ValidTune};
+use crate::{AbortReason, Cost, EstimatorError, TrialLog, ValidTune};
 
 /// Strategies by name.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
@@ -86,6 +86,9 @@ pub enum StrategyError {
     /// Friction could not be identified.
     #[error("identification: {0}")]
     Identification(#[from] GlsError),
+    /// The campaign's estimator cannot be had.
+    #[error(transparent)]
+    Estimator(#[from] EstimatorError),
     /// The log of a past trial could not be read.
     #[error(transparent)]
     File(#[from] FileError),

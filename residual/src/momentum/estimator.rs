@@ -1,10 +1,11 @@
 //! Wrench from the residual of the momentum observer.
 
-use nalgebra::{Matrix6, SMatrix, SVector, Vector6};
+use nalgebra::{SMatrix, SVector};
 use tribo_robot::{ControlTerms, EstimateFault, EstimatorInput, SensorFrame, Wrench, WrenchEstimate, WrenchEstimator};
 
 use super::MomentumObserver;
 use crate::BandOf;
+use crate::damped_wrench::{damped_wrench, weighted_inverse};
 use tribo_friction::FrictionBand;
 
 /// Settings of [`MomentumEstimator`].
@@ -101,9 +102,9 @@ impl<const N: usize> MomentumEstimator<N> {
         belief: &SVector<f64, N>,
         dt_s: f64,
     ) -> Option<SMatrix<f64, 6, N>> {
-        let (weighted, covariance) =
-            self.weights(&terms.jacobian, &self.residual_covariance(terms, qd, belief, dt_s))?;
-        Some(covariance * weighted.transpose())
+        let r = self.residual_covariance(terms, qd, belief, dt_s);
+        let damping = [self.settings.moment_damping_nm, self.settings.force_damping_n];
+        weighted_inverse(&terms.jacobian, &r, damping).map(|(inverse, _)| inverse)
     }
 
     /// R: covariance of the residual (Nm²).
@@ -130,28 +131,6 @@ impl<const N: usize> MomentumEstimator<N> {
         }
         r
     }
-
-    /// R⁻¹ Jᵀ and P.
-    #[inline]
-    fn weights(
-        &self,
-        jacobian: &SMatrix<f64, 6, N>,
-        r: &SMatrix<f64, N, N>,
-    ) -> Option<(SMatrix<f64, N, 6>, Matrix6<f64>)> {
-        let mut weighted = jacobian.transpose();
-        r.cholesky()?.solve_mut(&mut weighted);
-        let (m, f) = (self.settings.moment_damping_nm.powi(-2), self.settings.force_damping_n.powi(-2));
-        let information = jacobian * weighted + Matrix6::from_diagonal(&Vector6::new(m, m, m, f, f, f));
-        Some((weighted, information.cholesky()?.inverse()))
-    }
-
-    /// ĥ and P.
-    #[inline]
-    fn wrench(&self, r: &SMatrix<f64, N, N>) -> Option<(Vector6<f64>, Matrix6<f64>)> {
-        let (weighted, covariance) = self.weights(self.observer.lagged_jacobian(), r)?;
-        let h = covariance * weighted.tr_mul(self.observer.residual_nm());
-        h.iter().all(|value| value.is_finite()).then_some((h, covariance))
-    }
 }
 
 /// Variance that stands for an unlimited one (Nm²).
@@ -171,7 +150,9 @@ impl<const N: usize> WrenchEstimator<N> for MomentumEstimator<N> {
         let before = self.observer;
         self.observer.step(input.frame, input.terms, &(input.tau_motor - input.tau_friction), input.dt_s);
         let r = self.residual_covariance(input.terms, &input.frame.qd, input.tau_friction, input.dt_s);
-        match self.wrench(&r) {
+        let s = &self.settings;
+        let (jacobian, residual) = (self.observer.lagged_jacobian(), self.observer.residual_nm());
+        match damped_wrench(jacobian, &r, residual, [s.moment_damping_nm, s.force_damping_n]) {
             Some((h, covariance)) => {
                 let wrench_base = Wrench::from_vector(&h);
                 self.estimate = WrenchEstimate { wrench_base, covariance, limits95: None, nis: None, fault: None };

@@ -1,18 +1,19 @@
-//! `tribo reproduce`.
+//! `tribo reproduce roveda2022`.
 
 use anyhow::Context;
 use indicatif::{ProgressBar, ProgressStyle};
 use serde::{Deserialize, Serialize};
-use tribo_experiments::files::{FileError, YamlDocument, read_text};
+use tribo_experiments::files::YamlDocument;
 use tribo_experiments::reproduce::{CellResult, Roveda2022, RowSummary, summarize};
 use tribo_logs::write_atomic;
 
+use super::{json_lines, read_expected};
 use crate::arguments::{Common, Reproduce};
 use crate::failure::{BadInput, CheckFailed};
 use crate::output::{print, significant, table};
 
 /// The settings that ship with the experiment.
-const ROVEDA2022: &str = include_str!("../../../experiments/01_roveda2022/config.yaml");
+const SETTINGS: &str = include_str!("../../../../experiments/01_roveda2022/config.yaml");
 /// Relative difference of a mean that `--check` accepts: the costs of this many campaigns repeat to 2–3 %.
 const TOLERANCE: f64 = 0.05;
 
@@ -28,23 +29,19 @@ struct Document {
 impl Document {
     /// JSON with one line per row and campaign, for diffs that people can read.
     fn text(&self) -> serde_json::Result<String> {
-        fn lines<T: Serialize>(items: &[T]) -> serde_json::Result<String> {
-            let lines: Vec<String> = items.iter().map(serde_json::to_string).collect::<Result<_, _>>()?;
-            Ok(lines.join(",\n"))
-        }
         Ok(format!(
             "{{\n\"schema\": \"{}\",\n\"tribo_version\": \"{}\",\n\"rows\": [\n{}\n],\n\"campaigns\": [\n{}\n]\n}}\n",
             self.schema,
             self.tribo_version,
-            lines(&self.rows)?,
-            lines(&self.campaigns)?
+            json_lines(&self.rows)?,
+            json_lines(&self.campaigns)?
         ))
     }
 }
 
 /// Runs the campaigns of the experiment and prints one row per truth and strategy.
 pub fn run(arguments: &Reproduce, common: &Common) -> anyhow::Result<()> {
-    let expected = arguments.check.as_deref().map(read_document).transpose()?;
+    let expected = arguments.check.as_deref().map(read_expected::<Document>).transpose()?;
     let mut config: Roveda2022 = match &arguments.config {
         Some(path) => {
             let document = YamlDocument::read(path)?;
@@ -52,7 +49,7 @@ pub fn run(arguments: &Reproduce, common: &Common) -> anyhow::Result<()> {
             config.validate().map_err(|error| document.explain(error))?;
             config
         }
-        None => YamlDocument::embedded("config.yaml", ROVEDA2022).parse()?,
+        None => YamlDocument::embedded("config.yaml", SETTINGS).parse()?,
     };
     config.seeds = arguments.seeds.unwrap_or(config.seeds);
     config.validate().map_err(|error| BadInput(error.to_string()))?;
@@ -80,13 +77,6 @@ pub fn run(arguments: &Reproduce, common: &Common) -> anyhow::Result<()> {
         show(&document.rows);
     }
     expected.map_or(Ok(()), |expected| check(&document, &expected))
-}
-
-fn read_document(path: &std::path::Path) -> anyhow::Result<Document> {
-    serde_json::from_str(&read_text(path)?).map_err(|error| {
-        let (line, column) = (error.line() as u64, error.column() as u64);
-        FileError::Syntax { path: path.to_owned(), line, column, message: error.to_string() }.into()
-    })
 }
 
 /// Compares with the same campaigns of the expected result, so that fewer seeds can be checked too.

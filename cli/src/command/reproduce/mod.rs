@@ -1,0 +1,46 @@
+//! `tribo reproduce`.
+
+mod roveda2022;
+mod seeded;
+
+use std::path::Path;
+
+use serde::Serialize;
+use serde::de::DeserializeOwned;
+use tribo_experiments::files::{FileError, read_text};
+use tribo_experiments::reproduce::{Linderoth2013, Simoni2017, Simoni2019};
+
+use crate::arguments::{Common, Reproduce};
+
+/// Reruns the experiment of a paper, which is called by the paper or by its number.
+pub fn run(arguments: &Reproduce, common: &Common) -> anyhow::Result<()> {
+    match arguments.paper.as_str() {
+        "linderoth2013" | "02" => {
+            let settings = include_str!("../../../../experiments/02_linderoth2013/config.yaml");
+            seeded::run::<Linderoth2013>("linderoth2013", settings, arguments, common)
+        }
+        "simoni2017" | "03" => {
+            let settings = include_str!("../../../../experiments/03_simoni2017/config.yaml");
+            seeded::run::<Simoni2017>("simoni2017", settings, arguments, common)
+        }
+        "simoni2019" | "04" => {
+            let settings = include_str!("../../../../experiments/04_simoni2019/config.yaml");
+            seeded::run::<Simoni2019>("simoni2019", settings, arguments, common)
+        }
+        _ => roveda2022::run(arguments, common),
+    }
+}
+
+/// One line per item, for diffs that people can read.
+fn json_lines<T: Serialize>(items: &[T]) -> serde_json::Result<String> {
+    let lines: Vec<String> = items.iter().map(serde_json::to_string).collect::<Result<_, _>>()?;
+    Ok(lines.join(",\n"))
+}
+
+/// What `--check` compares with.
+fn read_expected<T: DeserializeOwned>(path: &Path) -> anyhow::Result<T> {
+    serde_json::from_str(&read_text(path)?).map_err(|error| {
+        let (line, column) = (error.line() as u64, error.column() as u64);
+        FileError::Syntax { path: path.to_owned(), line, column, message: error.to_string() }.into()
+    })
+}

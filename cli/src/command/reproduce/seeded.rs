@@ -1,0 +1,134 @@
+//! Experiments that are a list of numbers per seed: `tribo reproduce simoni2017`, `simoni2019`.
+
+use anyhow::Context;
+use indicatif::{ProgressBar, ProgressStyle};
+use rayon::prelude::*;
+use serde::{Deserialize, Serialize};
+use tribo_experiments::files::YamlDocument;
+use tribo_experiments::reproduce::{QuantitySummary, SeedRun, SeededExperiment, summarize_quantities};
+use tribo_logs::write_atomic;
+
+use super::{json_lines, read_expected};
+use crate::arguments::{Common, Reproduce};
+use crate::failure::{BadInput, CheckFailed};
+use crate::output::{print, significant, table};
+
+/// Relative difference that `--check` accepts: one seed is the same bits on one platform, and another platform's exp and
+/// sin may move a time of settling by a few samples.
+const TOLERANCE: f64 = 0.02;
+/// Difference below which numbers count as equal whatever their size.
+const SMALLEST: f64 = 1e-3;
+
+/// What `--out` writes and `--check` reads.
+#[derive(Debug, Serialize, Deserialize)]
+struct Document {
+    schema: String,
+    tribo_version: String,
+    paper: String,
+    quantities: Vec<QuantitySummary>,
+    runs: Vec<SeedRun>,
+}
+
+impl Document {
+    fn text(&self) -> serde_json::Result<String> {
+        Ok(format!(
+            "{{\n\"schema\": \"{}\",\n\"tribo_version\": \"{}\",\n\"paper\": \"{}\",\n\"quantities\": [\n{}\n],\n\"runs\": [\n{}\n]\n}}\n",
+            self.schema,
+            self.tribo_version,
+            self.paper,
+            json_lines(&self.quantities)?,
+            json_lines(&self.runs)?
+        ))
+    }
+}
+
+/// Runs every seed and prints one row per quantity.
+pub fn run<E: SeededExperiment>(
+    paper: &str,
+    settings: &str,
+    arguments: &Reproduce,
+    common: &Common,
+) -> anyhow::Result<()> {
+    let expected = arguments.check.as_deref().map(read_expected::<Document>).transpose()?;
+    let mut experiment: E = match &arguments.config {
+        Some(path) => {
+            let document = YamlDocument::read(path)?;
+            let experiment: E = document.parse()?;
+            experiment.validate().map_err(|error| document.explain(error))?;
+            experiment
+        }
+        None => YamlDocument::embedded("config.yaml", settings).parse()?,
+    };
+    if let Some(seeds) = arguments.seeds {
+        *experiment.seeds() = seeds;
+    }
+    experiment.validate().map_err(|error| BadInput(error.to_string()))?;
+    let seeds = *experiment.seeds();
+
+    let bar = if common.quiet { ProgressBar::hidden() } else { ProgressBar::new(seeds) };
+    bar.set_style(ProgressStyle::with_template("{bar:30} {pos}/{len} seeds  {elapsed}  eta {eta}")?);
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(common.threads).build().context("starting the threads")?;
+    let one = |seed: u64| {
+        let run = experiment.measure(seed).map_err(|error| BadInput(format!("seed {seed}: {error}")));
+        bar.inc(1);
+        run
+    };
+    let runs: Vec<SeedRun> = pool.install(|| (1..=seeds).into_par_iter().map(one).collect::<Result<_, _>>())?;
+    bar.finish_and_clear();
+
+    let document = Document {
+        schema: "tribo.reproduce.result/1".to_owned(),
+        tribo_version: env!("CARGO_PKG_VERSION").to_owned(),
+        paper: paper.to_owned(),
+        quantities: summarize_quantities(&experiment.quantities(), &runs),
+        runs,
+    };
+    let text = document.text()?;
+    if let Some(out) = &arguments.out {
+        write_atomic(out, |file| file.write_all(text.as_bytes()))?;
+    }
+    if common.json {
+        print(text.trim_end());
+    } else if !common.quiet {
+        show(&document.quantities);
+    }
+    expected.map_or(Ok(()), |expected| check(&document, &expected))
+}
+
+/// Compares seed by seed, so that fewer seeds can be checked too.
+fn check(ours: &Document, expected: &Document) -> anyhow::Result<()> {
+    let names = |document: &Document| -> Vec<String> {
+        document.quantities.iter().map(|summary| summary.quantity.name.clone()).collect()
+    };
+    if ours.paper != expected.paper || names(ours) != names(expected) {
+        return Err(CheckFailed("the expected result is of another experiment".to_owned()).into());
+    }
+    for run in &ours.runs {
+        let Some(reference) = expected.runs.iter().find(|reference| reference.seed == run.seed) else {
+            return Err(CheckFailed(format!("seed {} has no counterpart in the expected result", run.seed)).into());
+        };
+        for ((got, want), name) in run.values.iter().zip(&reference.values).zip(names(ours)) {
+            if (got - want).abs() > (TOLERANCE * want.abs()).max(SMALLEST) {
+                let message = format!("seed {}: {name}: {got}, expected {want}", run.seed);
+                return Err(CheckFailed(message).into());
+            }
+        }
+    }
+    Ok(())
+}
+
+fn show(quantities: &[QuantitySummary]) {
+    let mut rows = table(&["quantity", "unit", "paper", "mean", "sd", "least", "largest"]);
+    for summary in quantities {
+        rows.add_row([
+            summary.quantity.name.clone(),
+            summary.quantity.unit.clone(),
+            summary.quantity.paper.map_or("-".to_owned(), |paper| significant(paper, 4)),
+            significant(summary.mean, 4),
+            significant(summary.sd, 2),
+            significant(summary.min, 4),
+            significant(summary.max, 4),
+        ]);
+    }
+    print(rows);
+}
