@@ -1,13 +1,14 @@
-//! Wrench estimators on the torque residual: momentum observer and friction-band programme.
+//! Wrench estimators on the torque residual: momentum observer, friction-band programme, double encoders.
 //!
 //! ```text
 //! ṗ = τ + Cᵀ q̇ − g − (Jᵀ h + tau_f),   p = M q̇             [`MomentumObserver`] sees Jᵀ h + tau_f, 1/K late
 //! Jᵀ h + tau_f − tau_f_hat = r         weighted least squares on r:             [`MomentumEstimator`]
 //! Jᵀ h + tau_f + e = r                 tau_f in a band, prior on h, exactly:    [`QpEstimator`]
+//! Jᵀ h = T(Δθ) − T(Δθ₁)                Δθ motor less link angle, Δθ₁ learnt:     [`DoubleEncoderEstimator`]
 //! ```
 //!
-//! Both implement [`tribo_robot::WrenchEstimator`] and return the wrench with a confidence that follows from stated
-//! noise: the first a covariance, the second 95 % limits as well, which widen where a joint sticks. What friction a joint
+//! All implement [`tribo_robot::WrenchEstimator`] and return the wrench with a confidence that follows from stated
+//! noise: a covariance, and the second 95 % limits as well, which widen where a joint sticks. What friction a joint
 //! may have is a [`FrictionBand`]; [`identify_band`] finds it in a log of contact-free strokes.
 //!
 //! h is the wrench by the robot on the environment, flange, base axes, moment then force; SI units.
@@ -17,7 +18,7 @@
 //! use tribo_robot::{ControlTerms, EstimatorInput, SensorFrame, WrenchEstimator, presets};
 //!
 //! let (arm, q) = (presets::panda(), presets::panda_ready_pose());
-//! let frame = SensorFrame { time_s: 0.0, q, qd: q * 0.0, tau: q * 0.0 };
+//! let frame = SensorFrame { time_s: 0.0, q, qd: q * 0.0, tau: q * 0.0, theta: None };
 //! let terms = ControlTerms::at(&arm, &frame.q, &frame.qd);
 //! let band = FrictionBand::new([JointBand::coulomb_viscous(0.6, 1.0, 3e-3, 0.1); 7])?;
 //! let mut qp = QpEstimator::new(QpSettings { prior: diagonal_prior(15.0, 1.5), ..QpSettings::new(band) });
@@ -37,15 +38,22 @@
 //! # Ok::<(), tribo_residual::BandError>(())
 //! ```
 //!
-//! Leaves out: friction that depends on load, position or temperature inside the band; the thermal and double-encoder
-//! estimators.
+//! Leaves out: friction that depends on load, position or temperature inside the band; the thermal
+//! estimator.
 
 mod band;
+mod double_encoder;
 mod momentum;
 mod qp;
+mod weighted_wrench;
 
 pub use band::{
     BandError, BandFitError, FrictionBand, JointBand, JointBandFit, SPEED_CLASSES, band_coverage, identify_band,
+};
+pub use double_encoder::{
+    Approach, CalibrationError, DeflectionGp, DeflectionMean, DoubleEncoderEstimator, DoubleEncoderModel,
+    DoubleEncoderSettings, FEWEST_LOADS, FEWEST_POSES, LoadSample, LoadedRest, Rest, RestWrench, Rests, StiffnessCurve,
+    StopOperator, ValidDoubleEncoder, calibrate, fit_stiffness,
 };
 pub use momentum::{MomentumEstimator, MomentumObserver, MomentumSettings};
 pub use qp::{

@@ -67,7 +67,8 @@ fn watch_estimator<E: WrenchEstimator<7>>(name: &str, mut estimator: E) {
             } else {
                 terms.bias_nm() + terms.jacobian.transpose() * push
             };
-            let frame = SensorFrame { time_s: t, q, qd, tau: tau_motor };
+            let theta = Some(q + SVector::repeat(1e-3 * (3.0 * t).sin()));
+            let frame = SensorFrame { time_s: t, q, qd, tau: tau_motor, theta };
             if tick % 500 == 0 {
                 estimator.reset(&frame, &terms);
             }

@@ -5,6 +5,7 @@ use tribo_robot::{ControlTerms, EstimateFault, EstimatorInput, SensorFrame, Wren
 
 use super::MomentumObserver;
 use crate::FrictionBand;
+use crate::weighted_wrench::weighted_wrench;
 
 /// Settings of [`MomentumEstimator`].
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -109,14 +110,8 @@ impl<const N: usize> MomentumEstimator<N> {
     /// ĥ and P.
     #[inline]
     fn wrench(&self, r: &SMatrix<f64, N, N>) -> Option<(Vector6<f64>, Matrix6<f64>)> {
-        let jacobian = self.observer.lagged_jacobian();
-        let mut weighted = jacobian.transpose();
-        r.cholesky()?.solve_mut(&mut weighted);
-        let (m, f) = (self.settings.moment_damping_nm.powi(-2), self.settings.force_damping_n.powi(-2));
-        let information = jacobian * weighted + Matrix6::from_diagonal(&Vector6::new(m, m, m, f, f, f));
-        let covariance = information.cholesky()?.inverse();
-        let h = covariance * weighted.tr_mul(self.observer.residual_nm());
-        h.iter().all(|value| value.is_finite()).then_some((h, covariance))
+        let damping = [self.settings.moment_damping_nm, self.settings.force_damping_n];
+        weighted_wrench(self.observer.lagged_jacobian(), self.observer.residual_nm(), r, damping)
     }
 }
 
