@@ -256,19 +256,19 @@ pub struct Export {
 /// Arguments of `reproduce`.
 #[derive(Debug, Args)]
 pub struct Reproduce {
-    /// The paper.
-    #[arg(value_parser = PossibleValuesParser::new(["roveda2022"]))]
+    /// The paper, or the number of its folder.
+    #[arg(value_parser = PossibleValuesParser::new(["roveda2022", "01", "uhlmann2023", "05"]))]
     pub paper: String,
-    /// Settings (YAML, schema tribo.reproduce/1) [default: those of experiments/01_roveda2022].
+    /// Settings (YAML, schema tribo.reproduce/1) [default: those of its folder in experiments/].
     #[arg(long, value_name = "FILE")]
     pub config: Option<PathBuf>,
     /// Only the first seeds.
     #[arg(long, value_name = "N")]
     pub seeds: Option<u64>,
-    /// Write rows and campaigns as JSON to this file.
+    /// Write the results as JSON to this file.
     #[arg(long, value_name = "FILE")]
     pub out: Option<PathBuf>,
-    /// Compare with the rows of such a file; exit code 1 if a mean differs by more than 5 %.
+    /// Compare with such a file; exit code 1 if a figure differs by more than it repeats to.
     #[arg(long, value_name = "FILE")]
     pub check: Option<PathBuf>,
 }

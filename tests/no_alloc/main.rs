@@ -4,11 +4,16 @@
 //! (sense, wrench filter, controller, limits, plant) for every truth and velocity source, then a thousand ticks after a
 //! fault; and a thousand ticks of every other wrench estimator. There is no tolerance: one allocation in two thousand ticks is a failure.
 
+use std::sync::Arc;
+
 use nalgebra::{SVector, Vector6};
 use tribo_control::{PAPER_PHASES_RAD, SinusoidReference};
 use tribo_friction::{Compensator, JointEffects, VelocitySource};
-use tribo_residual::{FrictionBand, JointBand, MomentumEstimator, MomentumSettings, QpEstimator, QpSettings};
-use tribo_robot::{ControlTerms, EstimatorInput, SensorFrame, WrenchEstimator, presets};
+use tribo_residual::{
+    DoubleEncoderEstimator, DoubleEncoderModel, DoubleEncoderSettings, FrictionBand, JointBand, LoadedRest,
+    MomentumEstimator, MomentumSettings, QpEstimator, QpSettings, Rest, Rests, calibrate,
+};
+use tribo_robot::{ControlTerms, EstimatorInput, SensorFrame, Wrench, WrenchEstimator, presets};
 use tribo_sim::{BoxFrictionPlant, Sensors, Truth, WrenchPulses};
 use tribo_tests::{DT_S, TamperedPlant, all_effects, five_truths, loop_with, ready_flange};
 
@@ -47,7 +52,29 @@ fn no_estimator_allocates() {
     let partly_unknown = FrictionBand::new([joint, joint, joint, joint, joint, joint, unknown]).expect("a valid band");
     watch_estimator("momentum", MomentumEstimator::new(MomentumSettings::new(band)));
     watch_estimator("qp", QpEstimator::new(QpSettings::new(band)));
+    watch_estimator("double encoder", DoubleEncoderEstimator::new(calibrated()));
     watch_estimator("qp, one joint unknown", QpEstimator::new(QpSettings::new(partly_unknown)));
+}
+
+/// A model of two encoders per joint with a process in every joint, from poses around the ready one.
+fn calibrated() -> Arc<DoubleEncoderModel<7>> {
+    let arm = presets::panda();
+    let turn = |k: usize, j: usize| 0.5 * (1.7 * k as f64 + 2.3 * (k * j) as f64).sin();
+    let rest = |k: usize, load: Vector6<f64>| {
+        let q = presets::panda_ready_pose() + SVector::from_fn(|j, _| turn(k, j));
+        let terms = ControlTerms::at(&arm, &q, &SVector::zeros());
+        let torque = terms.gravity_nm * 1.1 + terms.jacobian.transpose() * load;
+        let direction = SVector::from_fn(|j, _| turn(k + 1, j).signum());
+        Rest { q, deflection_rad: torque / 1e4, direction, loading: -direction }
+    };
+    let free = (0..60).map(|k| rest(k, Vector6::zeros())).collect();
+    let loaded = (0..60).map(|k| {
+        let h = Vector6::from_fn(|i, _| 10.0 * turn(k, i + 7));
+        LoadedRest { free: rest(k, Vector6::zeros()), loaded: rest(k, h), wrench_base: Wrench::from_vector(&h) }
+    });
+    let settings = DoubleEncoderSettings { inducing: 40, ..DoubleEncoderSettings::default() };
+    let rests = Rests { free, loaded: loaded.collect() };
+    Arc::new(calibrate(&arm, &rests, settings.validate().expect("valid settings"), 1).expect("enough rests"))
 }
 
 fn watch_estimator<E: WrenchEstimator<7>>(name: &str, mut estimator: E) {

@@ -38,15 +38,17 @@ pub fn calibrate<const N: usize>(
                 from_rad: if settings.preload { from } else { 0.0 },
                 to_rad: if settings.preload { to } else { to - from },
                 torque_nm: torque[j],
+                direction_change: loaded.direction[j] - free.direction[j],
                 loading_change: loaded.loading[j] - free.loading[j],
             });
         }
     }
     for j in 0..N {
-        curves[j] = fit_stiffness(j, &loads[j], settings.loading_input)?;
+        curves[j] = fit_stiffness(j, &loads[j], [settings.direction_input, settings.loading_input])?;
     }
     let rotor_inertia_kg_m2 = arm.rotor_inertia_kg_m2;
-    let mut model = DoubleEncoderModel { settings, curves, processes: Vec::new(), rotor_inertia_kg_m2 };
+    let mut model =
+        DoubleEncoderModel { settings, curves, processes: Vec::new(), misfit_nm2: [0.0; N], rotor_inertia_kg_m2 };
     let gravity: Vec<_> = rests.free.iter().map(|rest| Kinematics::at(arm, &rest.q).gravity_torque(arm)).collect();
     let mut processes = Vec::with_capacity(N);
     for j in 0..N {
@@ -59,6 +61,9 @@ pub fn calibrate<const N: usize>(
             rests.free.iter().enumerate().map(|(k, rest)| rest.deflection_rad[j] - mean(k)).collect();
         let process = DeflectionGp::fit(&settings, &rows, &targets, seed)
             .map_err(|source| CalibrationError::Regression { joint: j, source })?;
+        // A load is the difference of two rests, each of which repeats to σ_n.
+        let repeat_nm = curves[j].slopes_nm_per_rad.mean() * process.noise_rad();
+        model.misfit_nm2[j] = (curves[j].rms_nm.powi(2) - 2.0 * repeat_nm * repeat_nm).max(0.0);
         processes.push(process);
     }
     model.processes = processes;

@@ -28,6 +28,9 @@ pub struct DoubleEncoderModel<const N: usize> {
     pub(super) curves: [StiffnessCurve; N],
     /// One per joint, or none before a calibration.
     pub(super) processes: Vec<DeflectionGp>,
+    /// Variance of what the curves leave of their loads, less what the rests themselves do not repeat (Nm²): that is in the
+    /// noise of the processes.
+    pub(super) misfit_nm2: [f64; N],
     pub(super) rotor_inertia_kg_m2: SVector<f64, N>,
 }
 
@@ -64,6 +67,7 @@ impl<const N: usize> DoubleEncoderModel<N> {
             settings,
             curves: stiffness_nm_per_rad.map(|k| StiffnessCurve::linear(k, relative_sd)),
             processes: Vec::new(),
+            misfit_nm2: [0.0; N],
             rotor_inertia_kg_m2: arm.rotor_inertia_kg_m2,
         }
     }
@@ -104,7 +108,7 @@ impl<const N: usize> DoubleEncoderModel<N> {
             if self.settings.preload { (free_rad, deflection_rad) } else { (0.0, deflection_rad - free_rad) };
         let (torque, by_slopes) = curve.torque_between_nm(from, to);
         let stiffness = curve.stiffness_nm_per_rad(if self.settings.preload { free_rad } else { to });
-        (torque, by_slopes + curve.rms_nm * curve.rms_nm + stiffness * stiffness * free_variance)
+        (torque, by_slopes + self.misfit_nm2[j] + stiffness * stiffness * free_variance)
     }
 
     /// Expected free deflections (rad) and their standard deviations for one more rest, by the exact processes.

@@ -27,7 +27,7 @@ pub struct DoubleEncoderSettings {
     /// Whether the stiffness curve is that of the whole load: the deflection without contact says where on it a joint is.
     /// The paper's curve starts at zero whatever gravity does.
     pub preload: bool,
-    /// Half-width of the memory of the direction (rad); above encoder noise, below a stroke. Default 5e-3.
+    /// Half-width of the memory of the direction (rad); above encoder noise, below a stroke. Default 2e-3.
     pub direction_travel_rad: f64,
     /// Half-width of the memory of the loading (rad); a few times the noise of the filtered deflection. Default 2e-5.
     pub loading_travel_rad: f64,
@@ -55,7 +55,7 @@ impl Default for DoubleEncoderSettings {
             direction_input: true,
             loading_input: true,
             preload: true,
-            direction_travel_rad: 5e-3,
+            direction_travel_rad: 2e-3,
             loading_travel_rad: 2e-5,
             inducing: 128,
             coarse: 480,

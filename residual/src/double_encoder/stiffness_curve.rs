@@ -22,6 +22,8 @@ pub struct StiffnessCurve {
     pub knot_rad: f64,
     /// Covariance of the slopes (Nm²/rad²).
     pub slope_covariance: Matrix3<f64>,
+    /// Stiction of the link that loads had to overcome (Nm).
+    pub stiction_nm: f64,
     /// Half-width of the hysteresis (Nm): torque on the loading less that on the unloading branch is twice this.
     pub hysteresis_nm: f64,
     /// RMS of what the curve leaves of the torques it was fitted to (Nm).
@@ -37,6 +39,7 @@ impl StiffnessCurve {
             knot_rad: 1e-3,
             // Fully correlated: it is one number.
             slope_covariance: Matrix3::repeat(sd * sd),
+            stiction_nm: 0.0,
             hysteresis_nm: 0.0,
             rms_nm: 0.0,
         }

@@ -1,6 +1,6 @@
 //! Stiffness curve of one joint from loads that are known.
 
-use nalgebra::{Matrix3, Matrix4, Vector3, Vector4};
+use nalgebra::{Matrix3, SMatrix, SVector, Vector3};
 
 use super::{CalibrationError, StiffnessCurve};
 
@@ -13,14 +13,19 @@ pub struct LoadSample {
     pub to_rad: f64,
     /// Torque of the load about the joint (Nm), eq. (17).
     pub torque_nm: f64,
-    /// Change of the direction of loading, [−2, 2]; see [`super::StopOperator`].
+    /// Change of the direction of the joint's motion, [−2, 2]: under a load the link gives way, and its stiction turns
+    /// against it; see [`super::StopOperator`].
+    pub direction_change: f64,
+    /// Change of the direction of loading, [−2, 2].
     pub loading_change: f64,
 }
 
-/// Fewest samples per joint: four unknowns and the knot, five samples each.
-pub const FEWEST_LOADS: usize = 25;
+/// Fewest samples per joint: five unknowns and the knot, five samples each.
+pub const FEWEST_LOADS: usize = 30;
 /// Knots tried before the best is refined.
 const KNOTS: usize = 40;
+/// Least slope over the greatest. A gear is softer near zero, not ten times as soft: there the knot has found stiction.
+const LEAST_SLOPE: f64 = 0.25;
 /// Fewest samples beyond the knot on a side with a slope of its own.
 const FEWEST_BEYOND: usize = 5;
 /// Weight of the tie of an outer slope to the inner one that keeps the normal matrix regular, relative to the data.
@@ -29,20 +34,20 @@ const WEAK_TIE: f64 = 1e-9;
 /// Least squares on
 ///
 /// ```text
-/// τ_W = T(to) − T(from) − c Δs,      T with knot δ₀,      min over δ₀ of the RMS
+/// τ_W = T(to) − T(from) − b Δd − c Δs,      T with knot δ₀,      min over δ₀ of the RMS
 /// ```
 ///
 /// The paper fits deflections and searches τ_W0 by a particle swarm; the torques are as good (deflections are measured to
 /// 1e-3 of their range) and their slopes linear, so that what is left is a search in one dimension: a grid, then golden
-/// section. c is the half-width of the hysteresis, 0 if `hysteresis` is off. A side that no load has reached takes the
-/// slope of the others.
+/// section. b is the stiction of the link and c the half-width of the gear's hysteresis, each 0 unless
+/// `wanted = [direction, loading]` asks for it. A side that no load has reached takes the slope of the others.
 ///
 /// # Errors
 /// [`CalibrationError::TooFewLoads`], [`CalibrationError::NoLoadRange`], [`CalibrationError::SoftJoint`].
 pub fn fit_stiffness(
     joint: usize,
     samples: &[LoadSample],
-    hysteresis: bool,
+    wanted: [bool; 2],
 ) -> Result<StiffnessCurve, CalibrationError> {
     if samples.len() < FEWEST_LOADS {
         return Err(CalibrationError::TooFewLoads { joint, need: FEWEST_LOADS, got: samples.len() });
@@ -56,25 +61,38 @@ pub fn fit_stiffness(
     if !(torque_range > 0.0 && least < most) {
         return Err(CalibrationError::NoLoadRange { joint });
     }
-    let rms = |knot: f64| solve(samples, knot, hysteresis).map_or(f64::INFINITY, |fit| fit.rms_nm);
+    let rms = |knot: f64| match solve(samples, knot, wanted) {
+        Some(fit) if fit.slopes_nm_per_rad.min() > LEAST_SLOPE * fit.slopes_nm_per_rad.max() => fit.rms_nm,
+        _ => f64::INFINITY,
+    };
     let grid = |k: usize| least * (most / least).powf(k as f64 / (KNOTS - 1) as f64);
     let best = (0..KNOTS).map(|k| (k, rms(grid(k)))).fold((0, f64::INFINITY), |a, b| if b.1 < a.1 { b } else { a }).0;
-    let knot = golden_section(&rms, grid(best.saturating_sub(1)), grid((best + 1).min(KNOTS - 1)));
-    let curve = solve(samples, knot, hysteresis).ok_or(CalibrationError::NoLoadRange { joint })?;
+    // Where no knot is believable everything lies within the near-zero interval: one slope.
+    let knot = if rms(grid(best)).is_finite() {
+        golden_section(&rms, grid(best.saturating_sub(1)), grid((best + 1).min(KNOTS - 1)))
+    } else {
+        2.0 * widest
+    };
+    let curve = solve(samples, knot, wanted).ok_or(CalibrationError::NoLoadRange { joint })?;
     match curve.slopes_nm_per_rad.iter().find(|slope| !(**slope > 0.0 && slope.is_finite())) {
         Some(&slope) => Err(CalibrationError::SoftJoint { joint, stiffness_nm_per_rad: slope }),
         None => Ok(curve),
     }
 }
 
+/// Three slopes, b and c.
+const UNKNOWNS: usize = 5;
+type Unknowns = SVector<f64, UNKNOWNS>;
+
 /// Least squares for one knot (rad).
-fn solve(samples: &[LoadSample], knot_rad: f64, hysteresis: bool) -> Option<StiffnessCurve> {
+fn solve(samples: &[LoadSample], knot_rad: f64, wanted: [bool; 2]) -> Option<StiffnessCurve> {
     let columns = |s: &LoadSample| {
         let slopes = StiffnessCurve::columns(knot_rad, s.to_rad) - StiffnessCurve::columns(knot_rad, s.from_rad);
-        let loading = if hysteresis { -s.loading_change } else { 0.0 };
-        Vector4::new(slopes[0], slopes[1], slopes[2], loading)
+        let [b, c] =
+            [(wanted[0], s.direction_change), (wanted[1], s.loading_change)].map(|(on, x)| if on { -x } else { 0.0 });
+        Unknowns::from([slopes[0], slopes[1], slopes[2], b, c])
     };
-    let (mut normal, mut moment) = (Matrix4::zeros(), Vector4::zeros());
+    let (mut normal, mut moment) = (SMatrix::<f64, UNKNOWNS, UNKNOWNS>::zeros(), Unknowns::zeros());
     let mut beyond = [0_usize; 2];
     for s in samples {
         let row = columns(s);
@@ -85,7 +103,7 @@ fn solve(samples: &[LoadSample], knot_rad: f64, hysteresis: bool) -> Option<Stif
     }
     // Ties of the outer slopes to the inner one, weak where they are measured and binding where they are not.
     let stiff = normal.fixed_view::<3, 3>(0, 0).trace();
-    let mut free = 4.0 - f64::from(u8::from(!hysteresis));
+    let mut free = 3.0;
     for (side, column) in [(0, 0), (1, 2)] {
         let weight = if beyond[side] < FEWEST_BEYOND {
             free -= 1.0;
@@ -98,14 +116,18 @@ fn solve(samples: &[LoadSample], knot_rad: f64, hysteresis: bool) -> Option<Stif
         normal[(column, 1)] -= weight;
         normal[(1, column)] -= weight;
     }
-    if !hysteresis || normal[(3, 3)] == 0.0 {
-        normal[(3, 3)] = 1.0;
+    for i in 3..UNKNOWNS {
+        if normal[(i, i)] > 0.0 {
+            free += 1.0;
+        } else {
+            normal[(i, i)] = 1.0;
+        }
     }
     // The columns differ by the scale of a deflection: equilibrate before the factorisation.
     let scale = normal.diagonal().map(|d| 1.0 / d.sqrt());
-    let scaled = Matrix4::from_fn(|i, j| normal[(i, j)] * scale[i] * scale[j]);
+    let scaled = SMatrix::<f64, UNKNOWNS, UNKNOWNS>::from_fn(|i, j| normal[(i, j)] * scale[i] * scale[j]);
     let inverse = scaled.cholesky()?.inverse();
-    let inverse = Matrix4::from_fn(|i, j| inverse[(i, j)] * scale[i] * scale[j]);
+    let inverse = SMatrix::<f64, UNKNOWNS, UNKNOWNS>::from_fn(|i, j| inverse[(i, j)] * scale[i] * scale[j]);
     let x = inverse * moment;
     let squares: f64 = samples.iter().map(|s| (s.torque_nm - columns(s).dot(&x)).powi(2)).sum();
     let variance = squares / (samples.len() as f64 - free);
@@ -114,7 +136,8 @@ fn solve(samples: &[LoadSample], knot_rad: f64, hysteresis: bool) -> Option<Stif
         slopes_nm_per_rad: Vector3::new(x[0], x[1], x[2]),
         knot_rad,
         slope_covariance: covariance,
-        hysteresis_nm: x[3],
+        stiction_nm: x[3],
+        hysteresis_nm: x[4],
         rms_nm: variance.sqrt(),
     })
 }
@@ -145,7 +168,13 @@ mod tests {
 
     fn truth() -> StiffnessCurve {
         let slopes_nm_per_rad = Vector3::new(1.2e4, 7e3, 1.5e4);
-        StiffnessCurve { slopes_nm_per_rad, knot_rad: 4e-4, hysteresis_nm: 0.3, ..StiffnessCurve::linear(1e4, 0.1) }
+        StiffnessCurve {
+            slopes_nm_per_rad,
+            knot_rad: 4e-4,
+            stiction_nm: 0.2,
+            hysteresis_nm: 0.3,
+            ..StiffnessCurve::linear(1e4, 0.1)
+        }
     }
 
     /// Loads of ±20 Nm on preloads of ±15 Nm, loading and unloading, from the inverse curve.
@@ -155,20 +184,23 @@ mod tests {
                 let preload = 15.0 * (0.7 * f64::from(k)).sin();
                 let torque_nm = 20.0 * (1.3 * f64::from(k) + 0.4).sin();
                 let loading_change = f64::from(k % 3 - 1);
+                let direction_change = 0.4 * f64::from(k % 5 - 2);
                 let from_rad = truth().deflection_rad(preload);
-                let to_rad = truth().deflection_rad(preload + torque_nm + 0.3 * loading_change);
-                LoadSample { from_rad, to_rad, torque_nm, loading_change }
+                let to_rad =
+                    truth().deflection_rad(preload + torque_nm + 0.2 * direction_change + 0.3 * loading_change);
+                LoadSample { from_rad, to_rad, torque_nm, direction_change, loading_change }
             })
             .collect()
     }
 
     #[test]
     fn the_curve_that_made_the_data_is_found() {
-        let fit = fit_stiffness(0, &samples(), true).unwrap();
+        let fit = fit_stiffness(0, &samples(), [true; 2]).unwrap();
         let error = (fit.slopes_nm_per_rad - truth().slopes_nm_per_rad).component_div(&truth().slopes_nm_per_rad);
         assert!(error.amax() < 1e-3, "{fit:?}");
         assert!((fit.knot_rad / 4e-4 - 1.0).abs() < 1e-3 && (fit.hysteresis_nm - 0.3).abs() < 1e-3, "{fit:?}");
-        let blind = fit_stiffness(0, &samples(), false).unwrap();
+        assert!((fit.stiction_nm - 0.2).abs() < 1e-3, "{fit:?}");
+        let blind = fit_stiffness(0, &samples(), [false; 2]).unwrap();
         assert!(blind.rms_nm > 0.1 && fit.rms_nm < 2e-3, "{} {}", blind.rms_nm, fit.rms_nm);
     }
 
@@ -179,20 +211,25 @@ mod tests {
                 from_rad: 0.0,
                 to_rad: 2e-5 * f64::from(k),
                 torque_nm: 0.2 * f64::from(k),
+                direction_change: 0.0,
                 loading_change: 0.0,
             })
             .collect();
-        let fit = fit_stiffness(0, &up, false).unwrap();
+        let fit = fit_stiffness(0, &up, [false; 2]).unwrap();
         assert!((fit.slopes_nm_per_rad.add_scalar(-1e4)).amax() < 1.0, "{fit:?}");
     }
 
     #[test]
     fn too_little_is_said_to_be_too_little() {
-        let few = fit_stiffness(3, &samples()[..24], true);
-        assert!(matches!(few, Err(CalibrationError::TooFewLoads { joint: 3, need: 25, got: 24 })));
-        let unloaded = vec![LoadSample { from_rad: 0.0, to_rad: 0.0, torque_nm: 0.0, loading_change: 0.0 }; 30];
-        assert!(matches!(fit_stiffness(1, &unloaded, true), Err(CalibrationError::NoLoadRange { joint: 1 })));
+        let few = fit_stiffness(3, &samples()[..29], [true; 2]);
+        assert!(matches!(few, Err(CalibrationError::TooFewLoads { joint: 3, need: 30, got: 29 })));
+        let unloaded =
+            vec![
+                LoadSample { from_rad: 0.0, to_rad: 0.0, torque_nm: 0.0, direction_change: 0.0, loading_change: 0.0 };
+                30
+            ];
+        assert!(matches!(fit_stiffness(1, &unloaded, [true; 2]), Err(CalibrationError::NoLoadRange { joint: 1 })));
         let wrong: Vec<_> = samples().iter().map(|s| LoadSample { torque_nm: -s.torque_nm, ..*s }).collect();
-        assert!(matches!(fit_stiffness(1, &wrong, true), Err(CalibrationError::SoftJoint { joint: 1, .. })));
+        assert!(matches!(fit_stiffness(1, &wrong, [true; 2]), Err(CalibrationError::SoftJoint { joint: 1, .. })));
     }
 }

@@ -56,8 +56,13 @@ impl Cell {
         self.arm.move_to(theta, wrench, steps, |theta, q| approach.push(q, &(theta - q)));
     }
 
+    /// After some time at rest, when stiction has relaxed.
     fn rest(&mut self, wrench: &Wrench) -> Rest<7> {
         self.arm.rest(wrench);
+        self.reading()
+    }
+
+    fn reading(&mut self) -> Rest<7> {
         let [theta, q] = self.arm.read();
         self.approach.push(&q, &(theta - q));
         let (direction, loading) = (self.approach.direction(), self.approach.loading());
@@ -71,11 +76,15 @@ impl Uhlmann2023 {
         let mut rng = Pcg64::seed_from_u64(seed);
         let mut random_pose =
             || -> Joints { Joints::from_fn(|j, _| CENTRE_RAD[j] + HALF_RANGE_RAD[j] * rng.random_range(-1.0..1.0)) };
+        let mut last_way = Pcg64::seed_from_u64(seed ^ 0x6c61_7374);
         let none = Wrench::default();
         let mut cell = Cell::new(self, settings, Joints::from(CENTRE_RAD), seed);
         let mut free = Vec::new();
         for _ in 0..self.training_poses + self.test_poses {
-            cell.move_to(&random_pose(), |_| none, STEPS);
+            let pose = random_pose();
+            let last = Joints::from_fn(|_, _| self.last_way_rad * last_way.random_range(-1.0..1.0));
+            cell.move_to(&(pose - last), |_| none, STEPS);
+            cell.move_to(&pose, |_| none, CIRCLE_STEPS);
             free.push(cell.rest(&none));
         }
         let test = free.split_off(self.training_poses);
@@ -120,7 +129,7 @@ impl Uhlmann2023 {
             let next = k as f64 / LOADS as f64;
             cell.move_to(pose, |part| Wrench::from_vector(&(whole * (at + (next - at) * part))), 10);
             let wrench_base = Wrench::from_vector(&(whole * next));
-            loaded.push(LoadedRest { free, loaded: cell.rest(&wrench_base), wrench_base });
+            loaded.push(LoadedRest { free, loaded: cell.reading(), wrench_base });
             at = next;
         }
         cell.move_to(pose, |part| Wrench::from_vector(&(whole * (at * (1.0 - part)))), 10);

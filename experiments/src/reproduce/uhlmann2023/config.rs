@@ -17,6 +17,9 @@ pub struct Uhlmann2023 {
     pub training_poses: usize,
     /// Random poses on which they are tested.
     pub test_poses: usize,
+    /// Longest last piece of the way to each of those poses (rad), in a random direction per joint: a calibration that only
+    /// ends long ways never sees a joint that has just turned round.
+    pub last_way_rad: f64,
     /// Poses at which known loads are applied.
     pub load_poses: usize,
     /// Largest known force (N), on the lever below.
@@ -91,6 +94,7 @@ impl Uhlmann2023 {
             ("seeds", self.seeds as f64, 1.0, 1000.0),
             ("training_poses", self.training_poses as f64, 40.0, 2000.0),
             ("test_poses", self.test_poses as f64, 1.0, 10_000.0),
+            ("last_way_rad", self.last_way_rad, 0.0, 0.1),
             ("load_poses", self.load_poses as f64, 2.0, 1000.0),
             ("load_force_n", self.load_force_n, 1.0, 1000.0),
             ("lever_m", self.lever_m, 0.01, 10.0),

@@ -1,9 +1,9 @@
-//! `tribo reproduce`.
+//! `tribo reproduce roveda2022`.
 
 use anyhow::Context;
 use indicatif::{ProgressBar, ProgressStyle};
 use serde::{Deserialize, Serialize};
-use tribo_experiments::files::{FileError, YamlDocument, read_text};
+use tribo_experiments::files::YamlDocument;
 use tribo_experiments::reproduce::{CellResult, Roveda2022, RowSummary, summarize};
 use tribo_logs::write_atomic;
 
@@ -11,8 +11,10 @@ use crate::arguments::{Common, Reproduce};
 use crate::failure::{BadInput, CheckFailed};
 use crate::output::{print, significant, table};
 
+use super::read_document;
+
 /// The settings that ship with the experiment.
-const ROVEDA2022: &str = include_str!("../../../experiments/01_roveda2022/config.yaml");
+const ROVEDA2022: &str = include_str!("../../../../experiments/01_roveda2022/config.yaml");
 /// Relative difference of a mean that `--check` accepts: the costs of this many campaigns repeat to 2–3 %.
 const TOLERANCE: f64 = 0.05;
 
@@ -44,7 +46,7 @@ impl Document {
 
 /// Runs the campaigns of the experiment and prints one row per truth and strategy.
 pub fn run(arguments: &Reproduce, common: &Common) -> anyhow::Result<()> {
-    let expected = arguments.check.as_deref().map(read_document).transpose()?;
+    let expected = arguments.check.as_deref().map(read_document::<Document>).transpose()?;
     let mut config: Roveda2022 = match &arguments.config {
         Some(path) => {
             let document = YamlDocument::read(path)?;
@@ -80,13 +82,6 @@ pub fn run(arguments: &Reproduce, common: &Common) -> anyhow::Result<()> {
         show(&document.rows);
     }
     expected.map_or(Ok(()), |expected| check(&document, &expected))
-}
-
-fn read_document(path: &std::path::Path) -> anyhow::Result<Document> {
-    serde_json::from_str(&read_text(path)?).map_err(|error| {
-        let (line, column) = (error.line() as u64, error.column() as u64);
-        FileError::Syntax { path: path.to_owned(), line, column, message: error.to_string() }.into()
-    })
 }
 
 /// Compares with the same campaigns of the expected result, so that fewer seeds can be checked too.
