@@ -84,7 +84,7 @@ fn check(ours: &[VariantResult], expected: &[VariantResult]) -> anyhow::Result<(
             ("coverage of the wrench", got.wrench_coverage, want.wrench_coverage),
         ];
         for (what, got, want) in pairs {
-            if !((got - want).abs() <= TOLERANCE) {
+            if (got - want).abs() > TOLERANCE {
                 return Err(CheckFailed(format!("{name}: {what}: {got:.4}, expected {want:.4}")).into());
             }
         }
