@@ -115,7 +115,7 @@ pub struct Tune {
     #[arg(long, value_parser = PossibleValuesParser::new(["coulomb_viscous", "stribeck"]))]
     pub friction: Option<String>,
     /// Estimator whose wrench is the cost.
-    #[arg(long, value_parser = PossibleValuesParser::new(["ekf", "momentum", "qp", "thermal"]))]
+    #[arg(long, value_parser = PossibleValuesParser::new(["ekf", "momentum", "qp", "thermal", "double_encoder"]))]
     pub residual: Option<String>,
     /// What chooses the next parameters.
     #[arg(long, value_parser = PossibleValuesParser::new(["zero", "gaz", "random", "sobol", "paper", "bo", "iterative_learning", "grey_box"]))]
@@ -180,7 +180,7 @@ pub struct Estimate {
     #[arg(long, default_value = "motor", value_parser = PossibleValuesParser::new(["motor", "link"]), conflicts_with = "model")]
     pub torque_side: String,
     /// Which estimators to run.
-    #[arg(long, default_value = "all", value_parser = PossibleValuesParser::new(["all", "ekf", "momentum", "qp", "thermal", "torque"]))]
+    #[arg(long, default_value = "all", value_parser = PossibleValuesParser::new(["all", "ekf", "momentum", "qp", "thermal", "double_encoder", "torque"]))]
     pub residual: String,
     /// A log of the same robot in motion that nobody touches: friction band, noise and tare of the estimators come from it
     /// [default: the band of the model's friction, the noise of a Panda, no tare].
@@ -261,7 +261,7 @@ pub struct Export {
 #[derive(Debug, Args)]
 pub struct Reproduce {
     /// The paper, or the number of its experiment.
-    #[arg(value_parser = PossibleValuesParser::new(["roveda2022", "01", "linderoth2013", "02", "simoni2017", "03", "simoni2019", "04"]))]
+    #[arg(value_parser = PossibleValuesParser::new(["roveda2022", "01", "linderoth2013", "02", "simoni2017", "03", "simoni2019", "04", "uhlmann2023", "05"]))]
     pub paper: String,
     /// Settings (YAML, schema tribo.reproduce/1) [default: those that ship with the experiment].
     #[arg(long, value_name = "FILE")]
@@ -269,11 +269,10 @@ pub struct Reproduce {
     /// Only the first seeds.
     #[arg(long, value_name = "N")]
     pub seeds: Option<u64>,
-    /// Write the result as JSON to this file.
+    /// Write the results as JSON to this file.
     #[arg(long, value_name = "FILE")]
     pub out: Option<PathBuf>,
-    /// Compare with such a file; exit code 1 if a mean of roveda2022 differs by more than 5 %, a number of a seed of the others by
-    /// more than 2 %.
+    /// Compare with such a file; exit code 1 if a figure differs by more than it repeats to.
     #[arg(long, value_name = "FILE")]
     pub check: Option<PathBuf>,
 }

@@ -227,6 +227,7 @@ impl TuneConfig {
             dt_s: 1e-3,
         };
         let trial = believed.as_ref().map_or(trial.clone(), |believed| trial.believing(believed));
+        let trial = if self.residual == EstimatorName::DoubleEncoder { trial.with_two_encoders() } else { trial };
         let space = ParameterSpace { law: self.friction, bounds: self.bounds, joints: 7 };
         self.tribo_version = env!("CARGO_PKG_VERSION").to_owned();
         Ok(ValidTune { config: self, space, trial, oracle, believed })

@@ -1,5 +1,7 @@
 //! Which wrench estimator, and with which settings.
 
+use std::sync::Arc;
+
 use nalgebra::{SMatrix, SVector};
 use serde::{Deserialize, Serialize};
 use tribo_ekf::{FrictionAwareEkf, WrenchEkf, WrenchEkfSettings, wrench_from_torque};
@@ -7,10 +9,12 @@ use tribo_friction::law::CoulombViscous;
 use tribo_friction::thermal::ThermalError;
 use tribo_friction::{FrictionBand, FrictionModel};
 use tribo_residual::{
-    BandOf, MomentumEstimator, MomentumSettings, QpEstimator, QpSettings, ThermalEstimator, ThermalSettings,
+    BandOf, CalibrationError, DoubleEncoderEstimator, DoubleEncoderModel, DoubleEncoderSettings, FrictionLeft,
+    MomentumEstimator, MomentumSettings, QpEstimator, QpSettings, ThermalEstimator, ThermalSettings,
     ThermalSettingsError, diagonal_prior,
 };
-use tribo_robot::{ControlTerms, EstimatorInput, SensorFrame, WrenchEstimate, WrenchEstimator};
+use tribo_robot::presets::PANDA_JOINT_STIFFNESS_NM_PER_RAD;
+use tribo_robot::{Arm, ControlTerms, EstimatorInput, SensorFrame, WrenchEstimate, WrenchEstimator};
 
 /// Name of a wrench estimator; whose wrench is the tuning cost.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
@@ -25,11 +29,13 @@ pub enum EstimatorName {
     Qp,
     /// The thermal virtual force sensor.
     Thermal,
+    /// Two encoders per joint.
+    DoubleEncoder,
 }
 
 impl EstimatorName {
     /// All of them, in the order of tables.
-    pub const ALL: [Self; 4] = [Self::Ekf, Self::Momentum, Self::Qp, Self::Thermal];
+    pub const ALL: [Self; 5] = [Self::Ekf, Self::Momentum, Self::Qp, Self::Thermal, Self::DoubleEncoder];
 
     /// The name in files and on the command line.
     pub fn as_str(self) -> &'static str {
@@ -38,6 +44,7 @@ impl EstimatorName {
             Self::Momentum => "momentum",
             Self::Qp => "qp",
             Self::Thermal => "thermal",
+            Self::DoubleEncoder => "double_encoder",
         }
     }
 }
@@ -71,6 +78,10 @@ pub enum AnyEstimator {
     Qp(QpEstimator<7>),
     /// The thermal virtual force sensor.
     Thermal(Box<ThermalEstimator<7>>),
+    /// Two encoders per joint.
+    DoubleEncoder(Box<DoubleEncoderEstimator<7>>),
+    /// What the motors say less what the gears say.
+    FrictionLeft(Box<FrictionLeft<7>>),
 }
 
 /// Why there is no estimator.
@@ -82,6 +93,9 @@ pub enum EstimatorError {
     /// A setting of the thermal estimator.
     #[error(transparent)]
     Thermal(#[from] ThermalSettingsError),
+    /// A setting of the double-encoder estimator.
+    #[error(transparent)]
+    DoubleEncoder(#[from] CalibrationError),
 }
 
 impl AnyEstimator {
@@ -89,25 +103,30 @@ impl AnyEstimator {
     ///
     /// Where a joint may stick, `momentum` and `qp` expect anything up to 0.6 Nm; at speed their bands are closed: what the
     /// compensator misses there is to be seen. `thermal` takes `friction`, what the compensator believes, as that of its joints
-    /// at any temperature.
+    /// at any temperature; `double_encoder` is [`FrictionLeft`] with springs that are known to 2 %, `arm` the arm believed.
     ///
     /// # Errors
     /// A friction that the thermal estimator cannot have.
     pub fn for_tuning(
         name: EstimatorName,
         ekf: WrenchEkfSettings,
+        arm: &Arm<7>,
         friction: &FrictionModel<7>,
     ) -> Result<Self, EstimatorError> {
         let unknown = CoulombViscous { coulomb_nm: UNKNOWN_COULOMB_NM, viscous_nm_s_per_rad: 0.0 };
         let band = believed_band(&FrictionModel::uniform(unknown.into()));
         Ok(match name {
             EstimatorName::Ekf => Self::Ekf(WrenchEkf::new(ekf)),
-            EstimatorName::Momentum => Self::momentum(band, BandOf::Remainder),
+            EstimatorName::Momentum => Self::Momentum(momentum(band, BandOf::Remainder)),
             EstimatorName::Qp => {
                 let settings = QpSettings { band_of: BandOf::Remainder, limits: false, ..QpSettings::new(band) };
                 Self::Qp(QpEstimator::new(QpSettings { prior: diagonal_prior(PRIOR[0], PRIOR[1]), ..settings }))
             }
             EstimatorName::Thermal => Self::thermal(friction, 1.0)?,
+            EstimatorName::DoubleEncoder => {
+                let motors = momentum(band, BandOf::Remainder);
+                Self::FrictionLeft(Box::new(FrictionLeft::new(motors, double_encoder(arm)?)))
+            }
         })
     }
 
@@ -120,6 +139,7 @@ impl AnyEstimator {
     pub fn with_confidence(
         name: EstimatorName,
         ekf: WrenchEkfSettings,
+        arm: &Arm<7>,
         friction: &FrictionModel<7>,
         band: &FrictionBand<7>,
         noise_factor: f64,
@@ -127,12 +147,13 @@ impl AnyEstimator {
         let band = band.with_noise_times(noise_factor);
         Ok(match name {
             EstimatorName::Ekf => Self::FrictionAwareEkf(FrictionAwareEkf::new(ekf, band, noise_factor)),
-            EstimatorName::Momentum => Self::momentum(band, BandOf::Friction),
+            EstimatorName::Momentum => Self::Momentum(momentum(band, BandOf::Friction)),
             EstimatorName::Qp => {
                 let prior = diagonal_prior(PRIOR[0], PRIOR[1]);
                 Self::Qp(QpEstimator::new(QpSettings { prior, ..QpSettings::new(band) }))
             }
             EstimatorName::Thermal => Self::thermal(friction, noise_factor)?,
+            EstimatorName::DoubleEncoder => Self::DoubleEncoder(Box::new(double_encoder(arm)?)),
         })
     }
 
@@ -143,12 +164,6 @@ impl AnyEstimator {
         settings.observer.friction_sd_nm *= noise_factor;
         settings.observer.model_error *= noise_factor;
         Ok(Self::Thermal(Box::new(ThermalEstimator::new(settings)?)))
-    }
-
-    fn momentum(band: FrictionBand<7>, band_of: BandOf) -> Self {
-        let settings = MomentumSettings { band_of, ..MomentumSettings::new(band) };
-        let velocity_sd_rad_s = SVector::repeat(VELOCITY_SD_RAD_S);
-        Self::Momentum(MomentumEstimator::new(MomentumSettings { velocity_sd_rad_s, ..settings }))
     }
 
     /// How a torque (Nm) that nobody believes shows in the wrench `[moment; force]`, at low frequency, while the joints are
@@ -164,10 +179,28 @@ impl AnyEstimator {
             Self::Momentum(momentum) => momentum.wrench_from_torque(terms, qd, belief, PERIOD_S),
             Self::Qp(qp) => qp.wrench_from_torque(terms, qd),
             Self::Thermal(thermal) => thermal.wrench_from_torque(terms, qd, PERIOD_S),
+            Self::FrictionLeft(left) => left.motors().wrench_from_torque(terms, qd, belief, PERIOD_S),
+            // Friction is on the other side of the gears.
+            Self::DoubleEncoder(_) => Some(SMatrix::zeros()),
         }
     }
 }
 
+fn momentum(band: FrictionBand<7>, band_of: BandOf) -> MomentumEstimator<7> {
+    let settings = MomentumSettings { band_of, ..MomentumSettings::new(band) };
+    let velocity_sd_rad_s = SVector::repeat(VELOCITY_SD_RAD_S);
+    MomentumEstimator::new(MomentumSettings { velocity_sd_rad_s, ..settings })
+}
+
+/// Two encoders on springs that nobody has calibrated: the assumed stiffness, to 2 %.
+fn double_encoder(arm: &Arm<7>) -> Result<DoubleEncoderEstimator<7>, CalibrationError> {
+    let settings = DoubleEncoderSettings::default().validate()?;
+    let model = DoubleEncoderModel::nominal(arm, PANDA_JOINT_STIFFNESS_NM_PER_RAD, STIFFNESS_PART, settings);
+    Ok(DoubleEncoderEstimator::new(Arc::new(model)))
+}
+
+/// Relative deviation of an assumed stiffness.
+const STIFFNESS_PART: f64 = 0.02;
 /// Period of the control loop (s).
 const PERIOD_S: f64 = 1e-3;
 
@@ -179,6 +212,8 @@ impl WrenchEstimator<7> for AnyEstimator {
             Self::Momentum(momentum) => momentum.reset(frame, terms),
             Self::Qp(qp) => qp.reset(frame, terms),
             Self::Thermal(thermal) => thermal.reset(frame, terms),
+            Self::DoubleEncoder(encoders) => encoders.reset(frame, terms),
+            Self::FrictionLeft(left) => left.reset(frame, terms),
         }
     }
 
@@ -190,6 +225,8 @@ impl WrenchEstimator<7> for AnyEstimator {
             Self::Momentum(momentum) => momentum.step(input),
             Self::Qp(qp) => qp.step(input),
             Self::Thermal(thermal) => thermal.step(input),
+            Self::DoubleEncoder(encoders) => encoders.step(input),
+            Self::FrictionLeft(left) => left.step(input),
         }
     }
 
@@ -200,6 +237,8 @@ impl WrenchEstimator<7> for AnyEstimator {
             Self::Momentum(momentum) => momentum.delay_s(),
             Self::Qp(qp) => qp.delay_s(),
             Self::Thermal(thermal) => thermal.delay_s(),
+            Self::DoubleEncoder(encoders) => encoders.delay_s(),
+            Self::FrictionLeft(left) => left.delay_s(),
         }
     }
 }

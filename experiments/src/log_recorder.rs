@@ -5,8 +5,8 @@ use tribo_logs::{LogColumns, LogError, RobotLog};
 use tribo_robot::SensorFrame;
 use tribo_sim::BoxFrictionPlant;
 
-/// Collects ticks at the full rate: measured q, dq and tau_J, the commanded motor torque as tau_J_d, and as O_F_ext the
-/// **true** wrench by the robot on the environment, which a simulation knows.
+/// Collects ticks at the full rate: measured q, dq and tau_J, theta of robots with two encoders per joint, the commanded
+/// motor torque as tau_J_d, and as O_F_ext the **true** wrench by the robot on the environment, which a simulation knows.
 #[derive(Clone, Debug)]
 pub(crate) struct LogRecorder {
     columns: LogColumns,
@@ -31,6 +31,12 @@ impl LogRecorder {
     pub(crate) fn push(&mut self, frame: &SensorFrame<7>, command: &SVector<f64, 7>, plant: &BoxFrictionPlant<7>) {
         let columns = &mut self.columns;
         columns.time_s.push(frame.time_s);
+        if let Some(theta) = &frame.theta {
+            let logged = columns.theta_rad.get_or_insert_with(|| vec![Vec::new(); 7]);
+            for j in 0..7 {
+                logged[j].push(theta[j]);
+            }
+        }
         for j in 0..7 {
             columns.q_rad[j].push(frame.q[j]);
             columns.dq_rad_s[j].push(frame.qd[j]);

@@ -64,6 +64,7 @@ pub fn wrench_on_log<E: WrenchEstimator<7>>(
                 q: at(&log.q_rad, k),
                 qd: at(&log.dq_rad_s, k),
                 tau: at(&log.tau_j_nm, k),
+                theta: log.theta_rad.as_ref().map(|theta| at(theta, k)),
             };
             let terms = ControlTerms::at(arm, &frame.q, &frame.qd);
             let estimate = if k == first {

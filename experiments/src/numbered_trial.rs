@@ -23,7 +23,7 @@ pub(crate) fn run_estimated(
     friction: &FrictionModel<7>,
     seed: u64,
 ) -> Result<TrialOutcome<7>, EstimatorError> {
-    let estimator = AnyEstimator::for_tuning(tune.config.residual, tune.config.ekf, friction)?;
+    let estimator = AnyEstimator::for_tuning(tune.config.residual, tune.config.ekf, &trial.model, friction)?;
     Ok(run_trial(trial, friction, estimator, seed))
 }
 

@@ -1,10 +1,12 @@
-//! Wrench estimators on the torque residual: momentum observer, friction-band programme, thermal virtual sensor.
+//! Wrench estimators on the torque residual: momentum observer, friction-band programme, thermal virtual sensor; and on the
+//! deflection of the gears: double encoders.
 //!
 //! ```text
 //! ṗ = τ + Cᵀ q̇ − g − (Jᵀ h + tau_f),   p = M q̇             [`MomentumObserver`] sees Jᵀ h + tau_f, 1/K late
 //! Jᵀ h + tau_f − tau_f_hat = r         weighted least squares on r:             [`MomentumEstimator`]
 //! Jᵀ h + tau_f + e = r                 tau_f in a band, prior on h, exactly:    [`QpEstimator`]
 //! Jᵀ h + tau_f(q̇, T) = r              T from heat and free motion:             [`ThermalEstimator`]
+//! Jᵀ h = T(Δθ) − T(Δθ₁)                Δθ motor less link angle, Δθ₁ learnt:     [`DoubleEncoderEstimator`]
 //! ```
 //!
 //! All implement [`tribo_robot::WrenchEstimator`] and return the wrench with a confidence that follows from stated
@@ -19,7 +21,7 @@
 //! use tribo_robot::{ControlTerms, EstimatorInput, SensorFrame, WrenchEstimator, presets};
 //!
 //! let (arm, q) = (presets::panda(), presets::panda_ready_pose());
-//! let frame = SensorFrame { time_s: 0.0, q, qd: q * 0.0, tau: q * 0.0 };
+//! let frame = SensorFrame { time_s: 0.0, q, qd: q * 0.0, tau: q * 0.0, theta: None };
 //! let terms = ControlTerms::at(&arm, &frame.q, &frame.qd);
 //! let band = FrictionBand::new([JointBand::coulomb_viscous(0.6, 1.0, 3e-3, 0.1); 7])?;
 //! let mut qp = QpEstimator::new(QpSettings { prior: diagonal_prior(15.0, 1.5), ..QpSettings::new(band) });
@@ -39,15 +41,23 @@
 //! # Ok::<(), tribo_friction::BandError>(())
 //! ```
 //!
-//! Leaves out: friction that depends on load or position; the double-encoder estimator.
+//! Leaves out: friction that depends on load or position.
 
 mod band;
 mod damped_wrench;
+mod double_encoder;
+mod friction_left;
 mod momentum;
 mod qp;
 mod thermal;
 
 pub use band::{BandFitError, BandOf, JointBandFit, SPEED_CLASSES, band_coverage, identify_band};
+pub use double_encoder::{
+    Approach, CalibrationError, DeflectionGp, DeflectionMean, DoubleEncoderEstimator, DoubleEncoderModel,
+    DoubleEncoderSettings, FEWEST_LOADS, FEWEST_POSES, LoadSample, LoadedRest, Rest, RestWrench, Rests, StiffnessCurve,
+    StopOperator, ValidDoubleEncoder, calibrate, fit_stiffness,
+};
+pub use friction_left::FrictionLeft;
 pub use momentum::{MomentumEstimator, MomentumObserver, MomentumSettings};
 pub use qp::{
     BandObserver, BoxOutcome, BoxQp, BoxSolution, ForceEstimate, ForceLimit, ForcePrior, ForceProblem, ForceSolver,

@@ -91,7 +91,7 @@ fn an_identified_band_gives_a_wrench_whose_limits_hold() {
     for k in 0..pushed.rows() {
         let (q, qd, tau) = (at(&pushed.q_rad, k), at(&pushed.dq_rad_s, k), at(&pushed.tau_j_nm, k));
         let (time_s, none) = (pushed.time_s[k], SVector::zeros());
-        let (frame, terms) = (SensorFrame { time_s, q, qd, tau }, ControlTerms::at(&arm, &q, &qd));
+        let (frame, terms) = (SensorFrame { time_s, q, qd, tau, theta: None }, ControlTerms::at(&arm, &q, &qd));
         if k == 0 {
             estimator.reset(&frame, &terms);
             continue;

@@ -11,15 +11,18 @@
 
 mod common;
 
-use common::prescribed::{DT_S, Motion, Sample, hold, run, samples, slide, sway};
+use std::sync::Arc;
+
+use common::prescribed::{DT_S, Motion, STIFFNESS_NM_PER_RAD, Sample, hold, run, samples, slide, sway};
 use tribo_ekf::{WrenchEkf, WrenchEkfSettings};
 use tribo_friction::FrictionModel;
 use tribo_friction::law::CoulombViscous;
 use tribo_friction::{FrictionBand, JointBand};
 use tribo_residual::{
-    MomentumEstimator, MomentumSettings, QpEstimator, QpSettings, ThermalEstimator, ThermalSettings, diagonal_prior,
+    DoubleEncoderEstimator, DoubleEncoderModel, DoubleEncoderSettings, MomentumEstimator, MomentumSettings,
+    QpEstimator, QpSettings, ThermalEstimator, ThermalSettings, diagonal_prior,
 };
-use tribo_robot::{EstimateFault, Wrench, WrenchEstimator};
+use tribo_robot::{EstimateFault, Wrench, WrenchEstimator, presets};
 
 const COULOMB_NM: f64 = 0.5;
 const VISCOUS_NM_S: f64 = 0.8;
@@ -51,6 +54,13 @@ fn qp(coulomb_nm: f64, viscous_nm_s: f64) -> QpEstimator<7> {
 fn thermal(friction: FrictionModel<7>) -> ThermalEstimator<7> {
     let settings = ThermalSettings::without_temperature(&friction).expect("a finite friction");
     ThermalEstimator::new(settings).expect("valid settings")
+}
+
+/// Before any calibration, knowing gravity and a stiffness that is right.
+fn double_encoder() -> DoubleEncoderEstimator<7> {
+    let settings = DoubleEncoderSettings::default().validate().expect("valid settings");
+    let model = DoubleEncoderModel::nominal(&presets::panda(), STIFFNESS_NM_PER_RAD, 0.02, settings);
+    DoubleEncoderEstimator::new(Arc::new(model))
 }
 
 /// The suite, once per implementation; the second estimator expects friction.
@@ -94,6 +104,7 @@ macro_rules! conforms {
 
 conforms!(ekf_conforms, ekf(), ekf());
 conforms!(momentum_conforms, momentum(), momentum());
+conforms!(double_encoder_conforms, double_encoder(), double_encoder());
 conforms!(qp_conforms, qp(0.0, 0.0), qp(COULOMB_NM, VISCOUS_NM_S));
 conforms!(thermal_conforms, thermal(no_friction()), thermal(friction()));
 
@@ -183,7 +194,11 @@ fn survives_bad_samples<E: WrenchEstimator<7>>(make: impl Fn() -> E) {
         }
     }
     // A model that is not finite is no better, and numbers that overflow are refused in the same way.
-    let spoil: [fn(&mut Sample); 2] = [|s| s.terms.mass_matrix[(0, 0)] = f64::NAN, |s| s.tau_motor.fill(f64::MAX)];
+    let overflow = |s: &mut Sample| {
+        s.tau_motor.fill(f64::MAX);
+        s.frame.theta.iter_mut().for_each(|theta| theta.fill(f64::MAX));
+    };
+    let spoil: [fn(&mut Sample); 2] = [|s| s.terms.mass_matrix[(0, 0)] = f64::NAN, overflow];
     for spoil in spoil {
         let mut estimator = make();
         estimator.reset(&good[0].frame, &good[0].terms);

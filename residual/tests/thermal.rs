@@ -77,7 +77,7 @@ impl Truth {
             let tau_motor = tau + noise(&mut self.rng, 0.05);
             let measured_qd = qd + noise(&mut self.rng, 3e-3);
             let terms = ControlTerms::at(&self.arm, &q, &measured_qd);
-            let frame = SensorFrame { time_s: end_s, q, qd: measured_qd, tau: tau_motor };
+            let frame = SensorFrame { time_s: end_s, q, qd: measured_qd, tau: tau_motor, theta: None };
             if k == 0 {
                 estimator.reset(&frame, &terms);
                 continue;

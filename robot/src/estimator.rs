@@ -32,6 +32,7 @@ impl<const N: usize> EstimatorInput<'_, N> {
     #[inline]
     pub fn check(&self) -> Result<(), EstimateFault> {
         let frame = self.frame.q.iter().chain(self.frame.qd.iter());
+        let frame = frame.chain(self.frame.theta.iter().flat_map(|theta| theta.iter()));
         let torques = self.tau_motor.iter().chain(self.tau_friction.iter());
         if !frame.chain(torques).chain(self.acceleration_command.iter()).all(|value| value.is_finite()) {
             return Err(EstimateFault::InputNotFinite);
@@ -55,6 +56,9 @@ pub enum EstimateFault {
     /// A matrix that must be positive definite is not, or the state would not stay finite.
     #[error("the estimator met a matrix that is not positive definite")]
     NotPositiveDefinite,
+    /// The robot has no second encoder, or its log no `theta_i`.
+    #[error("the estimator needs the motor positions (theta), which the sensor frame does not have")]
+    MotorPositionMissing,
     /// An iteration reached its limit.
     #[error("the estimator did not converge")]
     NotConverged,

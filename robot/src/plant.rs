@@ -13,6 +13,8 @@ pub struct SensorFrame<const N: usize> {
     pub qd: SVector<f64, N>,
     /// Measured joint torques (Nm) on the side of the gears that the model's `torque_side` states.
     pub tau: SVector<f64, N>,
+    /// Measured motor positions through the gears (rad), of robots with two encoders per joint; `q` is then the link's.
+    pub theta: Option<SVector<f64, N>>,
 }
 
 /// A robot that can be sensed and driven by joint torque, simulated or real. `runtime` knows nothing else of it.

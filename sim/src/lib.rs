@@ -9,7 +9,8 @@
 //! [`WrenchPulses`] who pushes the tool. [`Effect`] lists every cause that can be hidden in a truth.
 //!
 //! The other way round, [`record`] takes a motion of [`excitation`] as given and returns the log that a real arm would
-//! leave, by inverse dynamics: logs for diagnosis, without a controller.
+//! leave, by inverse dynamics: logs for diagnosis, without a controller. [`QuasiStaticArm`] goes from pose to pose on
+//! gears that yield, with an encoder on either side of each.
 //!
 //! ```
 //! use tribo_robot::{Plant, presets};
@@ -34,6 +35,7 @@ mod oscillator;
 mod plant;
 mod plant_effects;
 mod projected_gauss_seidel;
+mod quasi_static;
 mod recording;
 mod sensors;
 mod truth;
@@ -45,6 +47,7 @@ pub use effect::Effect;
 pub use effect_check::EffectError;
 pub use oscillator::oscillator_step;
 pub use plant::{BoxFrictionPlant, DEFAULT_SUB_STEPS};
+pub use quasi_static::{QuasiStaticArm, Transmission};
 pub use recording::{ExtraTorque, Recorder, Recording, RecordingError, Session, record};
 pub use sensors::Sensors;
 pub use truth::{TorqueSide, Truth, panda_gaz_joints};

@@ -34,7 +34,7 @@ pub const DEFAULT_SUB_STEPS: usize = 5;
 /// | torque_offset, torque_ripple, position_spring | the map's offset, explicitly in q |
 /// | thermal_friction | scales dry and viscous friction by the time since the start (or [`crate::WarmUp::operated_s`]), as if at work throughout |
 /// | presliding | the whole Coulomb friction becomes a LuGre bristle |
-/// | joint_elasticity | motors on implicit springs (Spong): friction and encoders sit at the motors, contact and gravity at the links |
+/// | joint_elasticity | motors on implicit springs (Spong): friction and the only encoder sit at the motors, contact and gravity at the links |
 /// | backlash | the encoders only: they lead by the half gap on the side of the load; the free flight inside the gap is left out |
 /// | torque_gain, time_delay | the torque sensor only; a negative delay is none |
 /// | external_contact | added to the pulses, rising and falling within 20 ms |
@@ -124,7 +124,8 @@ impl<const N: usize> BoxFrictionPlant<N> {
         &self.qd
     }
 
-    /// True motor positions (rad): those of the links, but for joints with a spring or a gap. The encoders sit here.
+    /// True motor positions (rad): those of the links, but for joints with a spring or a gap. The encoder sits here,
+    /// or the second one ([`Sensors::motor_encoder_sd_rad`]).
     pub fn motor_position(&self) -> SVector<f64, N> {
         self.effects.as_ref().map_or(self.q, |effects| self.q + effects.motor_lead_rad())
     }
@@ -196,10 +197,10 @@ impl<const N: usize> Plant<N> for BoxFrictionPlant<N> {
     fn sense(&mut self) -> SensorFrame<N> {
         let time_s = self.time_s();
         match &self.effects {
-            None => self.sensors.sample(time_s, &self.q, &self.torque_at_sensor, self.dt_s),
+            None => self.sensors.sample(time_s, &self.q, &self.q, &self.torque_at_sensor, self.dt_s),
             Some(effects) => {
                 let motor = self.q + effects.motor_lead_rad();
-                self.sensors.sample(time_s, &motor, &effects.sensed_torque(), self.dt_s)
+                self.sensors.sample(time_s, &self.q, &motor, &effects.sensed_torque(), self.dt_s)
             }
         }
     }

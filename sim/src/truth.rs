@@ -90,6 +90,18 @@ impl Truth<7> {
         Self { friction: FrictionModel { joints: panda_gaz_joints().map(Into::into) }, ..Self::panda_frictionless() }
     }
 
+    /// The same truth with a spring and damper in every joint: with [`crate::Sensors::with_motor_encoders`] a robot with
+    /// two encoders per joint.
+    pub fn with_elastic_joints(mut self, stiffness_nm_per_rad: [f64; 7], damping_nm_s_per_rad: f64) -> Self {
+        let springs = stiffness_nm_per_rad.into_iter().enumerate();
+        self.effects.extend(springs.map(|(joint, stiffness_nm_per_rad)| Effect::JointElasticity {
+            joint,
+            stiffness_nm_per_rad,
+            damping_nm_s_per_rad,
+        }));
+        self
+    }
+
     /// The Coulomb-viscous Panda, losing 28 % of its friction with a time constant of 10 min: 26 % over 50 trials.
     pub fn panda_thermal() -> Self {
         let warm_up = WarmUp { drop_fraction: 0.28, time_constant_s: 600.0, operated_s: 0.0 };

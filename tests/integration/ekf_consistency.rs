@@ -113,7 +113,7 @@ fn evidence(settings: WrenchEkfSettings) -> Evidence {
         let mut ekf = WrenchEkf::new(settings);
         let frame_at = |time_s: f64| {
             let (q, qd) = arm_state(time_s);
-            SensorFrame { time_s, q, qd, tau: Joints::zeros() }
+            SensorFrame { time_s, q, qd, tau: Joints::zeros(), theta: None }
         };
         let start = frame_at(0.0);
         let terms = ControlTerms::at(&arm, &start.q, &start.qd);

@@ -31,7 +31,7 @@ fn worst_error(known_input: KnownInput, contact: &Vector6<f64>, friction: &Joint
     let mut ekf = WrenchEkf::new(WrenchEkfSettings { known_input, ..WrenchEkfSettings::default() });
     let terms_at = |time_s: f64| {
         let [q, qd, _] = motion(time_s);
-        (SensorFrame { time_s, q, qd, tau: Joints::zeros() }, ControlTerms::at(&arm, &q, &qd))
+        (SensorFrame { time_s, q, qd, tau: Joints::zeros(), theta: None }, ControlTerms::at(&arm, &q, &qd))
     };
     let (frame, terms) = terms_at(0.0);
     WrenchEstimator::<7>::reset(&mut ekf, &frame, &terms);

@@ -4,13 +4,18 @@
 //! (sense, wrench filter, controller, limits, plant) for every truth and velocity source, then a thousand ticks after a
 //! fault; and a thousand ticks of every other wrench estimator. There is no tolerance: one allocation in two thousand ticks is a failure.
 
+use std::sync::Arc;
+
 use nalgebra::{SVector, Vector6};
 use tribo_control::{PAPER_PHASES_RAD, SinusoidReference};
 use tribo_friction::thermal::{HeatBalance, PolynomialStribeck, TemperatureFactor, ThermalJoint, ThermalLaw};
 use tribo_friction::{Compensator, JointEffects, VelocitySource};
 use tribo_friction::{FrictionBand, JointBand};
-use tribo_residual::{MomentumEstimator, MomentumSettings, QpEstimator, QpSettings, ThermalEstimator, ThermalSettings};
-use tribo_robot::{ControlTerms, EstimatorInput, SensorFrame, WrenchEstimator, presets};
+use tribo_residual::{
+    DoubleEncoderEstimator, DoubleEncoderModel, DoubleEncoderSettings, LoadedRest, MomentumEstimator, MomentumSettings,
+    QpEstimator, QpSettings, Rest, Rests, ThermalEstimator, ThermalSettings, calibrate,
+};
+use tribo_robot::{ControlTerms, EstimatorInput, SensorFrame, Wrench, WrenchEstimator, presets};
 use tribo_sim::{BoxFrictionPlant, Sensors, Truth, WrenchPulses};
 use tribo_tests::{DT_S, TamperedPlant, all_effects, five_truths, loop_with, ready_flange};
 
@@ -49,6 +54,7 @@ fn no_estimator_allocates() {
     let partly_unknown = FrictionBand::new([joint, joint, joint, joint, joint, joint, unknown]).expect("a valid band");
     watch_estimator("momentum", MomentumEstimator::new(MomentumSettings::new(band)));
     watch_estimator("qp", QpEstimator::new(QpSettings::new(band)));
+    watch_estimator("double encoder", DoubleEncoderEstimator::new(calibrated()));
     watch_estimator("qp, one joint unknown", QpEstimator::new(QpSettings::new(partly_unknown)));
     let cold =
         PolynomialStribeck { polynomial: [0.5, 0.8, 0.1, 0.0], stribeck_nm: 0.2, stribeck_decay_s_per_rad: 10.0 };
@@ -57,6 +63,27 @@ fn no_estimator_allocates() {
     let warm = ThermalJoint::new(law, HeatBalance::SIMONI2019).expect("a valid joint");
     let settings = ThermalSettings::new([warm; 7], 22.0);
     watch_estimator("thermal", ThermalEstimator::new(settings).expect("valid settings"));
+}
+
+/// A model of two encoders per joint with a process in every joint, from poses around the ready one.
+fn calibrated() -> Arc<DoubleEncoderModel<7>> {
+    let arm = presets::panda();
+    let turn = |k: usize, j: usize| 0.5 * (1.7 * k as f64 + 2.3 * (k * j) as f64).sin();
+    let rest = |k: usize, load: Vector6<f64>| {
+        let q = presets::panda_ready_pose() + SVector::from_fn(|j, _| turn(k, j));
+        let terms = ControlTerms::at(&arm, &q, &SVector::zeros());
+        let torque = terms.gravity_nm * 1.1 + terms.jacobian.transpose() * load;
+        let direction = SVector::from_fn(|j, _| turn(k + 1, j).signum());
+        Rest { q, deflection_rad: torque / 1e4, direction, loading: -direction }
+    };
+    let free = (0..60).map(|k| rest(k, Vector6::zeros())).collect();
+    let loaded = (0..60).map(|k| {
+        let h = Vector6::from_fn(|i, _| 10.0 * turn(k, i + 7));
+        LoadedRest { free: rest(k, Vector6::zeros()), loaded: rest(k, h), wrench_base: Wrench::from_vector(&h) }
+    });
+    let settings = DoubleEncoderSettings { inducing: 40, ..DoubleEncoderSettings::default() };
+    let rests = Rests { free, loaded: loaded.collect() };
+    Arc::new(calibrate(&arm, &rests, settings.validate().expect("valid settings"), 1).expect("enough rests"))
 }
 
 fn watch_estimator<E: WrenchEstimator<7>>(name: &str, mut estimator: E) {
@@ -76,7 +103,8 @@ fn watch_estimator<E: WrenchEstimator<7>>(name: &str, mut estimator: E) {
             } else {
                 terms.bias_nm() + terms.jacobian.transpose() * push
             };
-            let frame = SensorFrame { time_s: t, q, qd, tau: tau_motor };
+            let theta = Some(q + SVector::repeat(1e-3 * (3.0 * t).sin()));
+            let frame = SensorFrame { time_s: t, q, qd, tau: tau_motor, theta };
             if tick % 500 == 0 {
                 estimator.reset(&frame, &terms);
             }

@@ -55,6 +55,13 @@ impl Cholesky {
         2.0 * (0..self.lower.nrows()).map(|i| self.lower[(i, i)].ln()).sum::<f64>()
     }
 
+    /// L row by row, n × n, zero above the diagonal.
+    pub(super) fn lower_rows(&self) -> Vec<f64> {
+        let n = self.lower.nrows();
+        let entry = |k: usize| if k % n <= k / n { self.lower[(k / n, k % n)] } else { 0.0 };
+        (0..n * n).map(entry).collect()
+    }
+
     /// `B ← L⁻¹ B`, n × m.
     pub fn forward_solve(&self, rhs: MatMut<'_, f64>) {
         solve_lower_triangular_in_place(self.lower.as_ref(), rhs, Par::Seq);

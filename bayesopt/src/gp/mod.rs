@@ -3,12 +3,14 @@
 mod cholesky;
 mod fit;
 mod hyper;
+mod inducing;
 mod likelihood;
 mod prior;
 
 pub use cholesky::Cholesky;
-pub use fit::{FEWEST_SAMPLES, Fit, FitSettings, fit};
+pub use fit::{FEWEST_SAMPLES, Fit, FitSettings, fit, fit_coarse_to_fine};
 pub use hyper::{HyperParameters, Lengthscales};
+pub use inducing::InducingGp;
 pub use likelihood::{Evaluation, MarginalLikelihood};
 pub use prior::{HyperPrior, LogNormal};
 

@@ -55,12 +55,14 @@ pub fn run(arguments: &Estimate, common: &Common) -> anyhow::Result<()> {
     let band = free.as_ref().map_or_else(|| believed_band(&believed.friction), |free| free.band);
     let watch = |name: EstimatorName, noise_factor: f64, log: &RobotLog| {
         let settings = WrenchEkfSettings::default();
-        let mut estimator = AnyEstimator::with_confidence(name, settings, &believed.friction, &band, noise_factor)?;
+        let mut estimator =
+            AnyEstimator::with_confidence(name, settings, &believed.arm, &believed.friction, &band, noise_factor)?;
         Ok::<LogWrench, EstimatorError>(wrench_on_log(log, &believed, model.smoothing_rad_s, &mut estimator))
     };
     let wrenches = EstimatorName::ALL
         .into_iter()
         .filter(|name| wants(name.as_str()))
+        .filter(|name| *name != EstimatorName::DoubleEncoder || log.theta_rad.is_some() || arguments.residual != "all")
         .map(|name| {
             let calibration = free
                 .as_ref()

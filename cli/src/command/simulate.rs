@@ -114,7 +114,7 @@ fn run_trial(
     left: &[NotCancelled],
 ) -> anyhow::Result<()> {
     let config = &tune.config;
-    let estimator = AnyEstimator::for_tuning(config.residual, config.ekf, friction)?;
+    let estimator = AnyEstimator::for_tuning(config.residual, config.ekf, &tune.trial.model, friction)?;
     let (outcome, log) = simulate_log(&tune.trial, friction, estimator, config.seed)?;
     if let Some(path) = &arguments.log {
         write_log(path, &log)?;

@@ -246,7 +246,8 @@ fn none() -> FrictionModel<7> {
 /// The band of each joint from a motion that nobody touches (section II-C, automated).
 fn identified_band(seed: u64) -> Result<FrictionBand<7>, ExperimentError> {
     let trial = trial(seed, true, WrenchPulses::default())?;
-    let estimator = AnyEstimator::for_tuning(EstimatorName::Momentum, WrenchEkfSettings::default(), &none())?;
+    let estimator =
+        AnyEstimator::for_tuning(EstimatorName::Momentum, WrenchEkfSettings::default(), &trial.model, &none())?;
     let (_, log) = simulate_log(&trial, &none(), estimator, noise_seed(seed, 9)).map_err(ExperimentError::Log)?;
     let fits = identify_band(&log, &trial.model, GAIN_RAD_S).map_err(ExperimentError::Band)?;
     Ok(FrictionBand::new(fits.map(|fit| fit.band)).map_err(|error| ExperimentError::Band(error.into()))?)
@@ -267,7 +268,8 @@ fn moments(
         pulse.wrench_base.moment_nm *= side;
     }
     let trial = trial(seed, moving, own)?;
-    let estimator = AnyEstimator::for_tuning(EstimatorName::Momentum, WrenchEkfSettings::default(), &none())?;
+    let estimator =
+        AnyEstimator::for_tuning(EstimatorName::Momentum, WrenchEkfSettings::default(), &trial.model, &none())?;
     let mut observer = BandObserver::new(*band, BandOf::Friction, GAIN_RAD_S);
     let (nothing, no_command) = (SVector::zeros(), Vector6::zeros());
     let (mut sent, mut tick, mut found) = (None, 0u64, Vec::new());

@@ -6,6 +6,7 @@ mod quantity;
 mod roveda2022;
 mod seeded;
 mod thermal;
+pub mod uhlmann2023;
 mod wrench_pulses;
 
 pub use error::ExperimentError;

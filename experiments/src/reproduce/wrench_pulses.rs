@@ -112,13 +112,17 @@ impl PushedTool {
             .map(|(case, estimator)| {
                 let moving = PushCase { moving: true, ..case };
                 let free = Stretch { case: moving, seed: FREE_SEED, pushed: false };
-                let trial = free.trial(self.pose)?;
+                let trial = free.trial(self.pose, estimator)?;
                 let calibration = Calibration::of_free_stretch(|factor| free.watch(&trial, estimator, factor))?;
                 let pushes = (1..=self.seeds)
                     .into_par_iter()
                     .map(|seed| {
                         let stretch = Stretch { case, seed, pushed: true };
-                        let mut log = stretch.watch(&stretch.trial(self.pose)?, estimator, calibration.noise_factor)?;
+                        let mut log = stretch.watch(
+                            &stretch.trial(self.pose, estimator)?,
+                            estimator,
+                            calibration.noise_factor,
+                        )?;
                         log.tare(&calibration.tare);
                         done();
                         Ok(log)
@@ -144,11 +148,14 @@ struct Stretch {
 }
 
 impl Stretch {
-    fn trial(&self, pose: usize) -> Result<Trial<7>, ExperimentError> {
+    fn trial(&self, pose: usize, estimator: EstimatorName) -> Result<Trial<7>, ExperimentError> {
         let config = TuneConfig { seed: self.seed, pose, phases: Phases::Random, ..TuneConfig::default() };
         let mut trial = config.validate()?.trial;
         let payload = ModelError { payload_kg: self.case.payload_kg, ..ModelError::default() };
         trial.truth = payload.apply(truth_of(self.case), self.seed);
+        if estimator == EstimatorName::DoubleEncoder {
+            trial = trial.with_two_encoders();
+        }
         if self.pushed {
             let [force_n, moment_nm, start_s, width_s, pause_s] = PUSH;
             trial.pulses = WrenchPulses::each_axis(force_n, moment_nm, start_s, width_s, pause_s);
@@ -170,7 +177,8 @@ impl Stretch {
         let friction = if self.case.compensated { truth_of(self.case).friction } else { none };
         let band = believed_band(&truth_of(self.case).friction);
         let settings = WrenchEkfSettings::default();
-        let estimator = AnyEstimator::with_confidence(estimator, settings, &friction, &band, noise_factor)?;
+        let estimator =
+            AnyEstimator::with_confidence(estimator, settings, &trial.model, &friction, &band, noise_factor)?;
         let mut log = LogWrench { stated_delay_s: estimator.delay_s(), ..LogWrench::default() };
         let mut reference = Vec::new();
         run_trial_observed(trial, &friction, estimator, noise_seed(self.seed, 0), |record, _| {

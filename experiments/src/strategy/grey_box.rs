@@ -59,7 +59,12 @@ impl GreyBox {
             space,
             domain: space.domain()?,
             model: tune.trial.model.clone(),
-            estimator: AnyEstimator::for_tuning(tune.config.residual, tune.config.ekf, &space.friction(&space.zero()))?,
+            estimator: AnyEstimator::for_tuning(
+                tune.config.residual,
+                tune.config.ekf,
+                &tune.trial.model,
+                &space.friction(&space.zero()),
+            )?,
             gls,
             seed: tune.config.seed,
             fits: Mutex::new(BTreeMap::new()),

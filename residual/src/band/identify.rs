@@ -128,7 +128,7 @@ fn joint_rows<const N: usize>(log: &RobotLog, arm: &Arm<N>, gain_rad_s: f64) -> 
         for k in burst {
             let time_s = log.time_s[k];
             let (q, qd, tau) = (at(&log.q_rad, k), at(&log.dq_rad_s, k), at(&log.tau_j_nm, k));
-            let (frame, terms) = (SensorFrame { time_s, q, qd, tau }, ControlTerms::at(arm, &q, &qd));
+            let (frame, terms) = (SensorFrame { time_s, q, qd, tau, theta: None }, ControlTerms::at(arm, &q, &qd));
             let share = if k == first {
                 observer.start(&frame, &terms);
                 1.0

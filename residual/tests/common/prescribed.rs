@@ -71,16 +71,30 @@ pub fn samples(
         .map(|k| {
             let end_s = k as f64 * DT_S;
             let middle_s = end_s - 0.5 * DT_S;
-            let ([q, qd, _], [qm, qdm, qddm]) = (motion(end_s), motion(middle_s));
+            let (end, [qm, qdm, qddm]) = (motion(end_s), motion(middle_s));
+            let [q, qd, _] = end;
             let jacobian = Kinematics::at(&arm, &qm).jacobian();
             let tau_friction = friction.torque(&qdm, 0.0);
             let tau_motor =
                 rnea(&arm, &qm, &qdm, &qddm) + tau_friction + jacobian.transpose() * wrench(middle_s).to_vector();
             let terms = ControlTerms::at(&arm, &q, &qd);
-            let frame = SensorFrame { time_s: end_s, q, qd, tau: tau_motor };
+            let theta = q + deflection(&arm, &end, &wrench(end_s));
+            let frame = SensorFrame { time_s: end_s, q, qd, tau: tau_motor, theta: Some(theta) };
             Sample { frame, terms, tau_motor, tau_friction, acceleration_command: Vector6::zeros(), dt_s: DT_S }
         })
         .collect()
+}
+
+/// Stiffness of the prescribed arm's gears (Nm/rad): the motor encoders read the link angle and what the gears yield.
+pub const STIFFNESS_NM_PER_RAD: [f64; 7] = presets::PANDA_JOINT_STIFFNESS_NM_PER_RAD;
+
+/// Deflection of the gears (rad) under what the links need: friction and rotors lie on the other side of the gears.
+fn deflection(arm: &Arm<7>, [q, qd, qdd]: &[Joints; 3], wrench: &Wrench) -> Joints {
+    let mut links = arm.clone();
+    links.rotor_inertia_kg_m2 = Joints::zeros();
+    let jacobian = Kinematics::at(arm, q).jacobian();
+    let load = rnea(&links, q, qd, qdd) + jacobian.transpose() * wrench.to_vector();
+    load.component_div(&Joints::from(STIFFNESS_NM_PER_RAD))
 }
 
 /// Resets the estimator at the first sample and steps through the rest.

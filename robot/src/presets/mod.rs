@@ -2,4 +2,4 @@
 
 mod panda;
 
-pub use panda::{panda, panda_ready_pose};
+pub use panda::{PANDA_JOINT_STIFFNESS_NM_PER_RAD, panda, panda_ready_pose};

@@ -59,6 +59,10 @@ pub fn panda() -> Arm<7> {
     }
 }
 
+/// Stiffness (Nm/rad) between motor and link of each joint, an assumption, as the vendor publishes none: the order of
+/// magnitude of strain-wave gears of this size, less for the wrist.
+pub const PANDA_JOINT_STIFFNESS_NM_PER_RAD: [f64; 7] = [1.4e4, 1.4e4, 1.4e4, 1.4e4, 9e3, 9e3, 9e3];
+
 /// The vendor's ready pose (rad).
 pub fn panda_ready_pose() -> SVector<f64, 7> {
     SVector::from([0.0, -FRAC_PI_4, 0.0, -3.0 * FRAC_PI_4, 0.0, FRAC_PI_2, FRAC_PI_4])

@@ -2,6 +2,7 @@
 
 mod roveda2022;
 mod seeded;
+mod uhlmann2023;
 
 use std::path::Path;
 
@@ -27,6 +28,7 @@ pub fn run(arguments: &Reproduce, common: &Common) -> anyhow::Result<()> {
             let settings = include_str!("../../../../experiments/04_simoni2019/config.yaml");
             seeded::run::<Simoni2019>("simoni2019", settings, arguments, common)
         }
+        "uhlmann2023" | "05" => uhlmann2023::run(arguments, common),
         _ => roveda2022::run(arguments, common),
     }
 }

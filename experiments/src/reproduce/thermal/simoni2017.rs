@@ -239,7 +239,7 @@ impl Simoni2017 {
                 rnea(arm, &qm, &qdm, &qddm) + friction + jacobian.transpose() * wrench.to_vector() + torque_noise;
             let measured_qd = qd + velocity_noise;
             let terms = ControlTerms::at(arm, &q, &measured_qd);
-            let frame = SensorFrame { time_s: t, q, qd: measured_qd, tau: tau_motor };
+            let frame = SensorFrame { time_s: t, q, qd: measured_qd, tau: tau_motor, theta: None };
             if k == 0 {
                 estimators.iter_mut().for_each(|estimator| estimator.reset(&frame, &terms));
                 continue;

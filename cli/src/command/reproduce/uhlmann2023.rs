@@ -1,0 +1,129 @@
+//! `tribo reproduce uhlmann2023`.
+
+use anyhow::Context;
+use indicatif::{ProgressBar, ProgressStyle};
+use serde::{Deserialize, Serialize};
+use tribo_experiments::files::YamlDocument;
+use tribo_experiments::reproduce::uhlmann2023::{Uhlmann2023, VariantResult, VariantSummary, summarize};
+use tribo_logs::write_atomic;
+
+use super::read_expected;
+use crate::arguments::{Common, Reproduce};
+use crate::failure::{BadInput, CheckFailed};
+use crate::output::{print, significant, table};
+
+/// The settings that ship with the experiment.
+const UHLMANN2023: &str = include_str!("../../../../experiments/05_uhlmann2023/config.yaml");
+/// Difference of a share or a relative error of one model on one seed that `--check` accepts. One machine repeats all
+/// bits; elsewhere the last ascent of a likelihood may stop a step earlier.
+const TOLERANCE: f64 = 0.01;
+
+/// What `--out` writes and `--check` reads.
+#[derive(Debug, Serialize, Deserialize)]
+struct Document {
+    schema: String,
+    tribo_version: String,
+    rows: Vec<VariantSummary>,
+    results: Vec<VariantResult>,
+}
+
+/// Runs every model on every seed and prints one row per model.
+pub fn run(arguments: &Reproduce, common: &Common) -> anyhow::Result<()> {
+    let expected = arguments.check.as_deref().map(read_expected::<Document>).transpose()?;
+    let mut config: Uhlmann2023 = match &arguments.config {
+        Some(path) => {
+            let document = YamlDocument::read(path)?;
+            let config: Uhlmann2023 = document.parse()?;
+            config.validate().map_err(|error| document.explain(error))?;
+            config
+        }
+        None => YamlDocument::embedded("config.yaml", UHLMANN2023).parse()?,
+    };
+    config.seeds = arguments.seeds.unwrap_or(config.seeds);
+    config.validate().map_err(|error| BadInput(error.to_string()))?;
+
+    let cells = config.seeds * config.variants.len() as u64;
+    let bar = if common.quiet { ProgressBar::hidden() } else { ProgressBar::new(cells) };
+    bar.set_style(ProgressStyle::with_template("{bar:30} {pos}/{len} models  {elapsed}  eta {eta}")?);
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(common.threads).build().context("starting the threads")?;
+    let results = pool.install(|| config.run(|_| bar.inc(1))).map_err(|error| BadInput(error.to_string()))?;
+    bar.finish_and_clear();
+
+    let document = Document {
+        schema: "tribo.reproduce.result/1".to_owned(),
+        tribo_version: env!("CARGO_PKG_VERSION").to_owned(),
+        rows: summarize(&results),
+        results,
+    };
+    let text = serde_json::to_string_pretty(&document)? + "\n";
+    if let Some(out) = &arguments.out {
+        write_atomic(out, |file| file.write_all(text.as_bytes()))?;
+    }
+    if common.json {
+        print(text.trim_end());
+    } else if !common.quiet {
+        show(&document.rows);
+    }
+    expected.map_or(Ok(()), |expected| check(&document.results, &expected.results))
+}
+
+/// Compares model by model and seed by seed, so that fewer seeds can be checked too.
+fn check(ours: &[VariantResult], expected: &[VariantResult]) -> anyhow::Result<()> {
+    for got in ours {
+        let name = format!("{} seed {}", got.variant.name(), got.seed);
+        let same = |other: &&VariantResult| other.variant == got.variant && other.seed == got.seed;
+        let Some(want) = expected.iter().find(same) else {
+            return Err(CheckFailed(format!("{name} has no counterpart in the expected result")).into());
+        };
+        let pairs = [
+            ("error of the free deflection", got.test_error, want.test_error),
+            ("coverage on the test poses", got.test_coverage, want.test_coverage),
+            ("force error", got.force_error, want.force_error),
+            ("wrench error", got.wrench_error, want.wrench_error),
+            ("share below 25 %", got.below_25, want.below_25),
+            ("coverage of the wrench", got.wrench_coverage, want.wrench_coverage),
+        ];
+        for (what, got, want) in pairs {
+            if (got - want).abs() > TOLERANCE {
+                return Err(CheckFailed(format!("{name}: {what}: {got:.4}, expected {want:.4}")).into());
+            }
+        }
+    }
+    Ok(())
+}
+
+fn show(rows: &[VariantSummary]) {
+    let mut rows_of_table = table(&[
+        "model",
+        "seeds",
+        "error of free deflection",
+        "in band, test",
+        "in band, circle",
+        "force error",
+        "wrench error",
+        "worst seed",
+        "below 25 %",
+        "wrench in band",
+        "band N",
+        "band Nm",
+    ]);
+    let percent = |x: f64| format!("{:.1} %", 100.0 * x);
+    for row in rows {
+        rows_of_table.add_row([
+            row.variant.name().to_owned(),
+            row.seeds.to_string(),
+            percent(row.test_error),
+            percent(row.test_coverage),
+            percent(row.circle_coverage),
+            percent(row.force_error),
+            percent(row.wrench_error),
+            percent(row.wrench_error_worst),
+            percent(row.below_25),
+            percent(row.wrench_coverage),
+            significant(row.half_width[0], 3),
+            significant(row.half_width[1], 3),
+        ]);
+    }
+    print(rows_of_table);
+    print("\nErrors are medians over the circle, relative to the wrench of the air spring; bands are those of 95 %.");
+}
