@@ -260,8 +260,8 @@ pub struct Export {
 /// Arguments of `reproduce`.
 #[derive(Debug, Args)]
 pub struct Reproduce {
-    /// The paper, or the number of its experiment.
-    #[arg(value_parser = PossibleValuesParser::new(["roveda2022", "01", "linderoth2013", "02", "simoni2017", "03", "simoni2019", "04", "uhlmann2023", "05"]))]
+    /// The paper or question, or the number of its experiment.
+    #[arg(value_parser = PossibleValuesParser::new(["roveda2022", "01", "linderoth2013", "02", "simoni2017", "03", "simoni2019", "04", "uhlmann2023", "05", "wrench_pulses", "07"]))]
     pub paper: String,
     /// Settings (YAML, schema tribo.reproduce/1) [default: those that ship with the experiment].
     #[arg(long, value_name = "FILE")]

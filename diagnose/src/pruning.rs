@@ -96,9 +96,13 @@ pub(crate) fn drop_worthless<const N: usize>(search: &mut Search<'_, '_, N>) {
         // What is left of a joint that has other secrets is structure too: a little of it goes with anything.
         let asked: [f64; N] = std::array::from_fn(|j| {
             let left_nm = (after.iter().map(|block| block[j]).sum::<f64>() / rows).sqrt();
-            let most = left_nm > MOST_LEFT * rms(&residual[j]);
-            let secretive = most && left_nm > SECRETIVE * system.scene.noise_floor_nm[j];
-            if secretive { LEAST_GAIN_OF_SECRETIVE } else { LEAST_GAIN }
+            if left_nm <= SECRETIVE * system.scene.noise_floor_nm[j] {
+                LEAST_GAIN
+            } else if left_nm <= MOST_LEFT * rms(&residual[j]) {
+                LEAST_GAIN_OF_CRUMBS
+            } else {
+                LEAST_GAIN_OF_SECRETIVE
+            }
         });
         let mut first = 0;
         let mut worst: Option<(usize, f64)> = None;
@@ -168,10 +172,12 @@ const CONVINCING: f64 = 1500.0;
 const LEAST_GAIN: f64 = 0.015;
 /// Residual left over sensor noise beyond which a joint keeps secrets from every cause considered.
 const SECRETIVE: f64 = 3.0;
-/// Part of a joint's residual that must be left for that: what is well understood may end in a crumb of its own.
-const MOST_LEFT: f64 = 0.3;
 /// Held-out gain that a finding must have on such a joint.
 const LEAST_GAIN_OF_SECRETIVE: f64 = 0.15;
+/// Part of a joint's residual up to which its secrets are crumbs, most of it being understood.
+const MOST_LEFT: f64 = 0.3;
+/// Held-out gain that a finding must have there.
+const LEAST_GAIN_OF_CRUMBS: f64 = 0.05;
 
 /// A named cause on a joint where a nameless one explains more is part of what has no name.
 pub(crate) fn yield_to_unknown<const N: usize>(search: &mut Search<'_, '_, N>) {

@@ -3,6 +3,7 @@
 mod roveda2022;
 mod seeded;
 mod uhlmann2023;
+mod wrench_pulses;
 
 use std::path::Path;
 
@@ -29,6 +30,7 @@ pub fn run(arguments: &Reproduce, common: &Common) -> anyhow::Result<()> {
             seeded::run::<Simoni2019>("simoni2019", settings, arguments, common)
         }
         "uhlmann2023" | "05" => uhlmann2023::run(arguments, common),
+        "wrench_pulses" | "07" => wrench_pulses::run(arguments, common),
         _ => roveda2022::run(arguments, common),
     }
 }

@@ -1,0 +1,143 @@
+//! `tribo reproduce wrench_pulses`.
+
+use anyhow::Context;
+use indicatif::{ProgressBar, ProgressStyle};
+use serde::{Deserialize, Serialize};
+use tribo_experiments::files::YamlDocument;
+use tribo_experiments::reproduce::{PushRow, PushedTool};
+use tribo_logs::write_atomic;
+
+use super::{json_lines, read_expected};
+use crate::arguments::{Common, Reproduce};
+use crate::failure::{BadInput, CheckFailed};
+use crate::output::{print, significant, table};
+
+/// The settings that ship with the experiment.
+const SETTINGS: &str = include_str!("../../../../experiments/07_wrench_pulses/config.yaml");
+/// Relative difference of a figure that `--check` accepts: another platform's rounding moves a bisection by one step.
+const TOLERANCE: f64 = 0.05;
+
+/// What `--out` writes and `--check` reads.
+#[derive(Debug, Serialize, Deserialize)]
+struct Document {
+    schema: String,
+    tribo_version: String,
+    seeds: u64,
+    rows: Vec<PushRow>,
+}
+
+/// Runs every estimator in every situation and prints one row for each.
+pub fn run(arguments: &Reproduce, common: &Common) -> anyhow::Result<()> {
+    let expected = arguments.check.as_deref().map(read_expected::<Document>).transpose()?;
+    let mut config: PushedTool = match &arguments.config {
+        Some(path) => {
+            let document = YamlDocument::read(path)?;
+            let config: PushedTool = document.parse()?;
+            config.validate().map_err(|error| document.explain(error))?;
+            config
+        }
+        None => YamlDocument::embedded("config.yaml", SETTINGS).parse()?,
+    };
+    config.seeds = arguments.seeds.unwrap_or(config.seeds);
+    config.validate().map_err(|error| BadInput(error.to_string()))?;
+
+    let bar = if common.quiet { ProgressBar::hidden() } else { ProgressBar::new(config.trials() as u64) };
+    bar.set_style(ProgressStyle::with_template("{bar:30} {pos}/{len} trials  {elapsed}  eta {eta}")?);
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(common.threads).build().context("starting the threads")?;
+    let rows = pool.install(|| config.run(|| bar.inc(1))).map_err(|error| BadInput(error.to_string()))?;
+    bar.finish_and_clear();
+
+    let (schema, tribo_version) = ("tribo.reproduce.result/1".to_owned(), env!("CARGO_PKG_VERSION").to_owned());
+    let document = Document { schema, tribo_version, seeds: config.seeds, rows };
+    let text = format!(
+        "{{\n\"schema\": \"{}\",\n\"tribo_version\": \"{}\",\n\"seeds\": {},\n\"rows\": [\n{}\n]\n}}\n",
+        document.schema,
+        document.tribo_version,
+        document.seeds,
+        json_lines(&document.rows)?
+    );
+    if let Some(out) = &arguments.out {
+        write_atomic(out, |file| file.write_all(text.as_bytes()))?;
+    }
+    if common.json {
+        print(text.trim_end());
+    } else if !common.quiet {
+        show(&document.rows);
+    }
+    expected.map_or(Ok(()), |expected| check(&document, &expected))
+}
+
+fn check(ours: &Document, expected: &Document) -> anyhow::Result<()> {
+    if ours.seeds != expected.seeds {
+        let message = format!("the expected result is of {} seeds, this one of {}", expected.seeds, ours.seeds);
+        return Err(CheckFailed(message).into());
+    }
+    for row in &ours.rows {
+        let name = format!("{}, {}", situation(row), row.estimator.as_str());
+        let same = |other: &&PushRow| other.case == row.case && other.estimator == row.estimator;
+        let Some(want) = expected.rows.iter().find(same) else {
+            return Err(CheckFailed(format!("{name} has no counterpart in the expected result")).into());
+        };
+        let pairs = [
+            ("force", row.rmse_force_n, want.rmse_force_n),
+            ("moment", row.rmse_moment_nm, want.rmse_moment_nm),
+            ("coverage", row.coverage95, want.coverage95),
+            ("half-width", row.half_width_force_n, want.half_width_force_n),
+        ];
+        for (what, got, want) in pairs {
+            if !((got / want - 1.0).abs() <= TOLERANCE) {
+                return Err(CheckFailed(format!("{name}: {what}: {got:.4}, expected {want:.4}")).into());
+            }
+        }
+    }
+    Ok(())
+}
+
+fn situation(row: &PushRow) -> String {
+    let friction = match (row.case.friction, row.case.compensated) {
+        (false, _) => "no friction",
+        (true, false) => "not compensated",
+        (true, true) => "compensated",
+    };
+    let motion = if row.case.moving { "moving" } else { "fixed" };
+    let payload =
+        if row.case.payload_kg > 0.0 { format!(", {} kg unknown", row.case.payload_kg) } else { String::new() };
+    format!("{friction}, {motion}{payload}")
+}
+
+fn show(rows: &[PushRow]) {
+    let mut shown = table(&[
+        "situation",
+        "estimator",
+        "RMSE [N]",
+        "[Nm]",
+        "bias [N]",
+        "[Nm]",
+        "delay [ms]",
+        "in 95 %",
+        "worst axis",
+        "± [N]",
+        "± [Nm]",
+        "noise ×",
+    ]);
+    let mut last = String::new();
+    for row in rows {
+        let name = situation(row);
+        shown.add_row([
+            if name == last { String::new() } else { name.clone() },
+            row.estimator.as_str().to_owned(),
+            significant(row.rmse_force_n, 3),
+            significant(row.rmse_moment_nm, 3),
+            significant(row.bias_force_n, 2),
+            significant(row.bias_moment_nm, 2),
+            significant(row.delay_ms, 2),
+            format!("{:.1} %", 100.0 * row.coverage95),
+            format!("{:.1} %", 100.0 * row.coverage95_worst),
+            significant(row.half_width_force_n, 3),
+            significant(row.half_width_moment_nm, 3),
+            significant(row.noise_factor, 2),
+        ]);
+        last = name;
+    }
+    print(shown);
+}
