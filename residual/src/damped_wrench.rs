@@ -15,12 +15,23 @@ pub(crate) fn weighted_inverse<const N: usize>(
     covariance_nm2: &SMatrix<f64, N, N>,
     damping: [f64; 2],
 ) -> Option<(SMatrix<f64, 6, N>, Matrix6<f64>)> {
+    let (weighted, covariance) = weights(jacobian, covariance_nm2, damping)?;
+    Some((covariance * weighted.transpose(), covariance))
+}
+
+/// R⁻¹ Jᵀ and P.
+#[inline]
+fn weights<const N: usize>(
+    jacobian: &SMatrix<f64, 6, N>,
+    covariance_nm2: &SMatrix<f64, N, N>,
+    damping: [f64; 2],
+) -> Option<(SMatrix<f64, N, 6>, Matrix6<f64>)> {
     let mut weighted = jacobian.transpose();
     covariance_nm2.cholesky()?.solve_mut(&mut weighted);
     let [m, f] = damping.map(|damping| damping.powi(-2));
     let information = jacobian * weighted + Matrix6::from_diagonal(&Vector6::new(m, m, m, f, f, f));
     let covariance = information.cholesky()?.inverse();
-    Some((covariance * weighted.transpose(), covariance))
+    Some((weighted, covariance))
 }
 
 /// `W r` and P for a torque residual r (Nm); none where R is not positive definite or a number overflows.
@@ -31,7 +42,7 @@ pub(crate) fn damped_wrench<const N: usize>(
     residual_nm: &SVector<f64, N>,
     damping: [f64; 2],
 ) -> Option<(Vector6<f64>, Matrix6<f64>)> {
-    let (inverse, covariance) = weighted_inverse(jacobian, covariance_nm2, damping)?;
-    let h = inverse * residual_nm;
+    let (weighted, covariance) = weights(jacobian, covariance_nm2, damping)?;
+    let h = covariance * weighted.tr_mul(residual_nm);
     h.iter().all(|value| value.is_finite()).then_some((h, covariance))
 }

@@ -88,7 +88,9 @@ fn the_covariance_is_the_mean_square_error() {
         println!("NEES {nees:.2}, coverage {:.1} %", 100.0 * coverage);
         // Mean of 400 chi-squares of 6: standard deviation √(12/400) = 0.17; four of them.
         assert!((nees - 6.0).abs() < 0.7, "{nees}");
-        assert!((0.93..=0.97).contains(&coverage), "{coverage}");
+        // Friction is bounded, so it covers a little more than a normal error of the same mean square.
+        let most = if half > 0.0 { 0.99 } else { 0.97 };
+        assert!((0.93..=most).contains(&coverage), "{coverage}");
     }
 }
 
