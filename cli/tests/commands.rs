@@ -76,9 +76,11 @@ fn a_campaign_as_json_keeps_its_keys() {
         "oracle_cost",
         "frictionless_cost",
         "params",
+        "against_ekf",
         "wall_s",
     ];
     assert_eq!(keys(&document), expected);
+    assert!(document["against_ekf"].is_null(), "the EKF's own campaign is compared with nothing");
     let named = ["schema", "tribo_version", "strategy", "friction", "residual", "velocity"];
     let values = ["tribo.campaign/1", env!("CARGO_PKG_VERSION"), "grey_box", "coulomb_viscous", "ekf", "hybrid"];
     assert_eq!(named.map(|key| document[key].as_str().unwrap()), values);
@@ -234,6 +236,41 @@ fn a_full_disk_is_no_panic() {
     }
 }
 
+/// Every estimator finishes a campaign that tunes, and the EKF judges it.
+#[test]
+fn every_estimator_tunes_and_says_what_the_choice_costs() {
+    let at = scratch();
+    for name in ["momentum", "qp", "thermal", "double_encoder"] {
+        let document = run(at.path(), &format!("tune --residual {name} --trials 2 --out {name} --json")).ok().json();
+        assert_eq!(document["residual"], name);
+        let (first, second) = (&document["trials"][0]["cost"], &document["trials"][1]["cost"]);
+        assert!(number(second) < 0.75 * number(first), "{name}: {first} → {second}");
+        let judged = &document["against_ekf"];
+        assert!((number(&judged["cost_of_ekf_campaign"]) - 3.0).abs() < 0.3, "{judged}");
+        // 24 without compensation. One log is not enough for the friction band, which lets a part of it pass: 5.1.
+        let most = if name == "qp" { 6.0 } else { 3.3 };
+        assert!(number(&judged["cost"]) < most, "{name}: {judged}");
+        let excess = number(&judged["cost"]) / number(&judged["cost_of_ekf_campaign"]) - 1.0;
+        assert!((number(&judged["excess"]) - excess).abs() < 1e-12);
+    }
+}
+
+/// A contact-free log gives band, noise and tare; a log that stands does not.
+#[test]
+fn a_free_log_calibrates_the_estimators() {
+    let at = scratch();
+    run(at.path(), "simulate --log free.csv.gz --seed 44 --json").ok();
+    run(at.path(), "simulate --log x.csv.gz --seed 45 --json").ok();
+    let document = run(at.path(), "estimate x.csv.gz --free free.csv.gz --residual qp --json").ok().json();
+    let qp = &document["estimators"]["qp"];
+    assert!(number(&qp["calibration"]["noise_factor"]) > 0.0);
+    // The same robot in the same motion: 95 % by construction there, nearly so here.
+    for axis in 0..6 {
+        let share = number(&qp["coverage95"][axis]);
+        assert!((0.85..=1.0).contains(&share), "axis {axis}: {share}");
+    }
+}
+
 /// What `simulate` writes, `estimate` reads: free motion, seen from both sides of the gears.
 #[test]
 fn only_motors_feel_the_friction() {
@@ -251,13 +288,18 @@ fn only_motors_feel_the_friction() {
         "rms",
         "max",
         "stated_sd",
+        "half_width95",
+        "faults",
         "mean_nis",
         "rmse_force_n",
         "rmse_moment_nm",
         "bias",
         "coverage95",
         "delay_ms",
+        "calibration",
     ];
+    // Without theta_i there are no two encoders.
+    assert_eq!(keys(&document["estimators"]), ["ekf", "momentum", "qp", "thermal"]);
     assert_eq!(keys(&document["estimators"]["ekf"]), ekf);
     let torque = &document["torque_residual"];
     assert_eq!(keys(torque), ["band_hz", "rate_hz", "samples", "smoothing_rad_s", "block_s", "folds", "joints"]);
