@@ -22,6 +22,7 @@ const EXAMPLES: &str = "Examples:
   tribo tune --friction stribeck --truth stribeck --pose 1 --seed 7
   tribo tune --resume --out campaigns/0001     go on with a campaign that was stopped
   tribo export campaigns/0001 --format json    the tuned compensator
+  tribo report campaigns/0001                  the campaign as one HTML file
   tribo simulate --log trial.csv               one trial as a robot log
   tribo convert panda_gaz2019 panda.csv        a log of another program as canonical CSV
   tribo estimate panda.csv --torque-side link  what the joint torques and the tool say about it
@@ -51,7 +52,7 @@ pub struct Common {
 pub enum Command {
     /// Tune the friction compensator of a simulated arm over a campaign of trials.
     ///
-    /// Writes campaign.yaml, journal.log (readable by optuna-dashboard), trials/NNNN.parquet and tuned.yaml. A campaign
+    /// Writes campaign.yaml, journal.log (readable by optuna-dashboard), trials/NNNN.parquet, tuned.yaml and report.html. A campaign
     /// that was killed goes on with --resume and ends with the same result.
     Tune(Tune),
     /// Run one trial on the simulated arm and write it as a robot log.
@@ -66,6 +67,8 @@ pub enum Command {
     Convert(Convert),
     /// Write tuned parameters for another program.
     Export(Export),
+    /// Write a campaign, finished or running, as one HTML file with all figures; it needs no script and no network.
+    Report(Report),
     /// Rerun the experiments of a paper and print their table.
     Reproduce(Reproduce),
     /// Print a shell completion script.
@@ -249,6 +252,17 @@ pub struct Export {
     #[arg(long, value_parser = PossibleValuesParser::new(["yaml", "json"]))]
     pub format: String,
     /// File to write [default: standard output].
+    #[arg(long, value_name = "FILE")]
+    pub out: Option<PathBuf>,
+}
+
+/// Arguments of `report`.
+#[derive(Debug, Args)]
+pub struct Report {
+    /// The campaign directory.
+    #[arg(value_name = "DIR")]
+    pub campaign: PathBuf,
+    /// File to write [default: report.html in the campaign directory].
     #[arg(long, value_name = "FILE")]
     pub out: Option<PathBuf>,
 }

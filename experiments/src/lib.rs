@@ -44,6 +44,7 @@ pub mod strategy;
 mod trial;
 mod trial_log;
 mod trial_store;
+pub mod watch;
 
 pub use believed::{Believed, NotCancelled, joint_effects};
 pub use campaign::{Campaign, CampaignError, CampaignObserver, CampaignResult};
@@ -56,7 +57,7 @@ pub use log_wrench::{LogWrench, ReferenceErrors, WrenchSummary, without_effects,
 pub use monitor::{AbortReason, PenaltyLimits, TrialMonitor};
 pub use numbered_trial::run_numbered;
 pub use parameters::{Bounds, ParameterSpace, TunedLaw};
-pub use reference_costs::{References, references};
+pub use reference_costs::{References, references, uncompensated_trial};
 pub use simulate::simulate_log;
 pub use trial::{Trial, TrialOutcome, run_trial, run_trial_observed};
 pub use trial_log::TrialLog;

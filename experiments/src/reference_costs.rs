@@ -6,7 +6,7 @@ use tribo_friction::{FrictionModel, JointEffects};
 use tribo_sim::Effect;
 
 use crate::numbered_trial::{noise_seed, run_estimated};
-use crate::{Trial, ValidTune, joint_effects};
+use crate::{Trial, TrialOutcome, ValidTune, joint_effects};
 
 /// Costs that put a campaign's result into proportion; known only in simulation.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -23,7 +23,7 @@ pub struct References {
 pub fn references(tune: &ValidTune) -> References {
     let none = FrictionModel::uniform(CoulombViscous::default().into());
     let no_effects = [JointEffects::default(); 7];
-    let uncompensated = Trial { effects: no_effects, ..tune.trial.clone() };
+    let uncompensated = without_compensation(tune);
     let oracle = tune.trial.clone().believing(&tune.oracle);
     let mut smooth = Trial { effects: no_effects, ..oracle.clone() };
     smooth.truth.friction = none;
@@ -38,6 +38,16 @@ pub fn references(tune: &ValidTune) -> References {
         })
         .collect();
     References { uncompensated: costs[0], oracle: costs[1], frictionless: costs[2] }
+}
+
+/// The trial of [`References::uncompensated`] with its log: what the arm does when nobody cancels its friction.
+pub fn uncompensated_trial(tune: &ValidTune) -> TrialOutcome<7> {
+    let none = FrictionModel::uniform(CoulombViscous::default().into());
+    run_estimated(tune, &without_compensation(tune), &none, noise_seed(tune.config.seed, u64::MAX))
+}
+
+fn without_compensation(tune: &ValidTune) -> Trial<7> {
+    Trial { effects: [JointEffects::default(); 7], ..tune.trial.clone() }
 }
 
 /// Whether an effect belongs to the arm even when nothing acts in its joints.

@@ -4,6 +4,7 @@ pub mod convert;
 pub mod diagnose;
 pub mod estimate;
 pub mod export;
+pub mod report;
 pub mod reproduce;
 pub mod shell;
 pub mod simulate;

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use anyhow::Context;
-use tribo_experiments::strategy::Origin;
+use tribo_experiments::watch::write_report;
 use tribo_experiments::{Campaign, CampaignError, CampaignResult, ParameterSpace};
 
 use super::{configured, set, warn_not_cancelled};
@@ -47,10 +47,11 @@ pub fn run(arguments: &Tune, common: &Common) -> anyhow::Result<()> {
         other => other?,
     };
     let wall_s = started.elapsed().as_secs_f64();
+    let report = write_report(&directory, None)?;
     if common.json {
         print_json(&result.to_json(wall_s));
     } else if !common.quiet {
-        show(&result, &directory, wall_s);
+        show(&result, &directory, &report, wall_s);
     }
     match arguments.check {
         Some(limit) => check(&result, limit),
@@ -133,17 +134,7 @@ fn check(result: &CampaignResult, limit: f64) -> anyhow::Result<()> {
     Err(CheckFailed(format!("best J is {ratio:.3} of the oracle's; allowed: {limit}")).into())
 }
 
-/// Who chose a trial's parameters, for people.
-fn origin(origin: Origin) -> &'static str {
-    match origin {
-        Origin::Constant => "constant",
-        Origin::Design => "design",
-        Origin::LeastSquares => "least squares",
-        Origin::Model => "model",
-    }
-}
-
-fn show(result: &CampaignResult, directory: &Path, wall_s: f64) {
+fn show(result: &CampaignResult, directory: &Path, report: &Path, wall_s: f64) {
     let mut trials =
         table(&["trial", "J [N + Nm]", "J/J_oracle", "max F+M", "mean F+M", "penalty", "chosen by", "state"]);
     let best = result.best.map(|(number, _)| number);
@@ -158,7 +149,7 @@ fn show(result: &CampaignResult, directory: &Path, wall_s: f64) {
             significant(trial.cost.max.iter().sum(), 3),
             significant(trial.cost.mean.iter().sum(), 3),
             significant(trial.cost.penalty, 3),
-            origin(trial.origin).to_owned(),
+            trial.origin.to_string(),
             state,
         ]);
     }
@@ -184,9 +175,10 @@ fn show(result: &CampaignResult, directory: &Path, wall_s: f64) {
         print(format_args!("\n{parameters}"));
     }
     print(format_args!(
-        "\n{} trials in {wall_s:.1} s; written {}",
+        "\n{} trials in {wall_s:.1} s; written {} and {}",
         result.trials.len(),
-        directory.join("tuned.yaml").display()
+        directory.join("tuned.yaml").display(),
+        report.display()
     ));
     if let Some((_, cost)) = result.best {
         print(format_args!(

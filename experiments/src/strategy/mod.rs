@@ -4,10 +4,13 @@ mod baseline;
 mod bayes;
 mod grey_box;
 
+use std::fmt;
+
 use serde::{Deserialize, Serialize};
 use tribo_bayesopt::BayesoptError;
 use tribo_friction::identify::GlsError;
 
+pub(crate) use bayes::observations;
 pub use grey_box::{GreyBox, identification_samples};
 
 use crate::files::FileError;
@@ -61,6 +64,17 @@ pub enum Origin {
     LeastSquares,
     /// The Gaussian process.
     Model,
+}
+
+impl fmt::Display for Origin {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::Constant => "constant",
+            Self::Design => "design",
+            Self::LeastSquares => "least squares",
+            Self::Model => "model",
+        })
+    }
 }
 
 /// A parameter vector to try, and who chose it.
