@@ -7,14 +7,11 @@ use anyhow::Context;
 use tribo_experiments::watch::write_report;
 use tribo_experiments::{Campaign, CampaignError, CampaignResult, ParameterSpace};
 
-use super::{configured, set, warn_not_cancelled};
+use super::{CAMPAIGNS, configured, now, set, warn_not_cancelled};
 use crate::arguments::{Common, Tune};
 use crate::failure::{BadInput, CheckFailed};
 use crate::output::{print, print_json, significant, table};
 use crate::progress::{TrialProgress, stop_on_signal};
-
-/// Where campaigns go when nobody says where.
-const CAMPAIGNS: &str = "campaigns";
 
 /// Runs or resumes a campaign.
 pub fn run(arguments: &Tune, common: &Common) -> anyhow::Result<()> {
@@ -34,8 +31,18 @@ pub fn run(arguments: &Tune, common: &Common) -> anyhow::Result<()> {
         .num_threads(common.threads)
         .build()
         .context("starting the threads of the trials")?;
-    let result = pool.install(|| campaign.run(&mut progress));
+    // The window watches through the journal, from this thread, as windows must; closing it does not stop the campaign.
+    let result = std::thread::scope(|scope| {
+        let running = scope.spawn(|| pool.install(|| campaign.run(&mut progress)));
+        let window = if arguments.dashboard { super::dashboard::watch(&directory) } else { Ok(()) };
+        (running.join(), window)
+    });
+    let (result, window) = result;
+    let result = result.map_err(|_| anyhow::anyhow!("the campaign's thread panicked"))?;
     progress.finish();
+    if let Err(error) = window {
+        eprintln!("tribo: {error}");
+    }
     let result = match result {
         Err(CampaignError::Stopped { finished }) => {
             eprintln!(
@@ -118,12 +125,6 @@ fn last_campaign() -> Option<(u32, PathBuf)> {
         .flatten()
         .filter_map(|entry| Some((entry.file_name().to_str()?.parse::<u32>().ok()?, entry.path())))
         .max_by_key(|(number, _)| *number)
-}
-
-/// The time, for the stamps in the journal.
-fn now() -> String {
-    // Optuna reads Python's isoformat, which wants +00:00 in place of Z.
-    jiff::Timestamp::now().strftime("%Y-%m-%dT%H:%M:%S.%6f+00:00").to_string()
 }
 
 fn check(result: &CampaignResult, limit: f64) -> anyhow::Result<()> {
