@@ -284,6 +284,9 @@ pub struct Dashboard {
     /// View to begin with.
     #[arg(long, value_parser = PossibleValuesParser::new(["campaign", "trial", "arm", "log", "diagnosis", "compare"]))]
     pub view: Option<String>,
+    /// Second campaign directory, of the view `compare`.
+    #[arg(long, value_name = "DIR")]
+    pub compare: Option<PathBuf>,
     /// Model that a log is held against (YAML, schema tribo.model/1) [default: the bare Panda without friction].
     #[arg(long, value_name = "FILE")]
     pub model: Option<PathBuf>,

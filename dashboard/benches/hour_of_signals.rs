@@ -5,7 +5,7 @@
 use std::process::ExitCode;
 use std::time::Instant;
 
-use egui::{Context, Event, MouseWheelUnit, PointerButton, Pos2, RawInput, Rect, TouchPhase, pos2, vec2};
+use egui::{Context, Event, PointerButton, Pos2, RawInput, Rect, pos2, vec2};
 use tribo_dashboard::channels;
 use tribo_figure::{Signal, Signals};
 
@@ -66,12 +66,7 @@ fn gesture(frame: usize, middle: Pos2) -> Vec<Event> {
         80 | 180 => vec![button(false, middle), Event::PointerMoved(middle)],
         90..140 => vec![Event::Zoom(1.12)],
         190..240 => vec![Event::Zoom(0.9)],
-        _ => vec![Event::MouseWheel {
-            unit: MouseWheelUnit::Point,
-            delta: vec2(0.0, 0.0),
-            phase: TouchPhase::Move,
-            modifiers,
-        }],
+        _ => Vec::new(),
     }
 }
 

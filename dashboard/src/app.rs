@@ -55,6 +55,8 @@ impl View {
 pub struct Options {
     /// Campaign or log to open.
     pub open: Option<LogSource>,
+    /// Second campaign of the view Compare.
+    pub compare: Option<PathBuf>,
     /// View to begin with.
     pub view: Option<View>,
     /// Tells the time for journals.
@@ -179,6 +181,9 @@ impl Dashboard {
         }
         if let Some(open) = self.options.open.take() {
             self.source.open(ctx, open);
+        }
+        if let Some(other) = self.options.compare.take() {
+            self.compare.open(&mut self.source, &other);
         }
     }
 

@@ -16,6 +16,11 @@ pub fn ink(ink: usize, dark: bool) -> Color32 {
     Color32::from_rgb(red, green, blue)
 }
 
+/// Lines behind the data.
+pub fn grid(dark: bool) -> Color32 {
+    if dark { Color32::from_rgb(0x2e, 0x34, 0x3b) } else { Color32::from_rgb(0xe2, 0xe5, 0xe9) }
+}
+
 /// Text of what went wrong.
 pub fn bad(dark: bool) -> Color32 {
     if dark { Color32::from_rgb(0xff, 0x8f, 0x52) } else { Color32::from_rgb(0xa8, 0x3f, 0x00) }
@@ -39,6 +44,8 @@ pub fn install(ctx: &egui::Context) {
         visuals.window_fill = rgb(page);
         visuals.extreme_bg_color = rgb(if dark { 0x10_1316 } else { 0xff_ffff });
         visuals.faint_bg_color = rgb(card);
+        visuals.text_edit_bg_color = Some(rgb(card));
+        visuals.widgets.inactive.bg_stroke = Stroke::new(1.0, rgb(line));
         visuals.widgets.noninteractive.fg_stroke = Stroke::new(1.0, rgb(text));
         visuals.widgets.noninteractive.bg_stroke = Stroke::new(1.0, rgb(line));
         visuals.widgets.inactive.fg_stroke = Stroke::new(1.0, rgb(text));

@@ -11,13 +11,13 @@ use egui_kittest::kittest::Queryable;
 use tribo_dashboard::View;
 use tribo_ekf::{WrenchEkf, WrenchEkfSettings};
 use tribo_experiments::simulate_log;
-use tribo_logs::write_log;
+use tribo_logs::write_parquet;
 
 /// Start → pause → go on → finish → save a figure in every format.
 #[test]
 fn a_campaign_from_start_to_export() {
     let dir = tempfile::tempdir().unwrap();
-    let mut window = Window::open(common::options(dir.path(), None, View::Campaign));
+    let mut window = Window::open(options(dir.path(), None, View::Campaign));
     window.must_show("Tune the friction compensator");
     window.harness.get_by_label("Trials").set_value_accesskit(3.0);
     window.frames(3);
@@ -50,7 +50,7 @@ fn a_campaign_from_start_to_export() {
 fn stop_and_resume() {
     let dir = tempfile::tempdir().unwrap();
     let whole = campaign(&dir.path().join("whole"), settings(8));
-    let mut window = Window::open(common::options(dir.path(), None, View::Campaign));
+    let mut window = Window::open(options(dir.path(), None, View::Campaign));
     window.click("New campaign");
     window.harness.get_by_label("Trials").set_value_accesskit(8.0);
     // The strategy of `settings`, by its name in the list.
@@ -152,7 +152,7 @@ fn a_diagnosis_shows_its_evidence() {
     let friction = tune.space.friction(&tune.space.zero());
     let (_, log) = simulate_log(&tune.trial, &friction, estimator, 1).unwrap();
     let path = dir.path().join("log.parquet");
-    write_log(&path, &log).unwrap();
+    write_parquet(&path, &log).unwrap();
 
     let mut window = Window::open(options(dir.path(), Some(&path), View::Log));
     window.must_show("33000 samples");

@@ -13,6 +13,8 @@ pub struct Scale {
     pub may_be_logarithmic: bool,
     /// Values the axis holds whatever the data are.
     pub holds: Vec<f64>,
+    /// Whether only whole numbers mean something: trials.
+    pub whole: bool,
 }
 
 impl Scale {
@@ -24,12 +26,17 @@ impl Scale {
     /// Names in place of numbers.
     pub fn categories(label: &str, names: Vec<String>) -> Self {
         let last = names.len() as f64 - 0.5;
-        Self { label: label.to_owned(), categories: names, may_be_logarithmic: false, holds: vec![-0.5, last] }
+        Self { label: label.to_owned(), categories: names, holds: vec![-0.5, last], ..Self::default() }
     }
 
     /// The same, logarithmic where the data ask for it.
     pub fn or_logarithmic(self) -> Self {
         Self { may_be_logarithmic: true, ..self }
+    }
+
+    /// Whole numbers.
+    pub fn whole(label: &str) -> Self {
+        Self { whole: true, ..Self::of(label) }
     }
 
     /// The same, with `value` in sight.

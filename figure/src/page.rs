@@ -54,3 +54,36 @@ pub fn raw_table(header: &[&str], left: &[usize], rows: &str) -> String {
 fn class(left: &[usize], column: usize) -> &'static str {
     if left.contains(&column) { " class=\"t\"" } else { "" }
 }
+
+#[cfg(test)]
+mod tests {
+    /// Relative luminance of WCAG 2.2 of `#rrggbb`.
+    fn luminance(colour: &str) -> f64 {
+        let channel = |from: usize| {
+            let share = f64::from(u8::from_str_radix(&colour[from..from + 2], 16).unwrap()) / 255.0;
+            if share <= 0.04045 { share / 12.92 } else { ((share + 0.055) / 1.055).powf(2.4) }
+        };
+        0.2126 * channel(1) + 0.7152 * channel(3) + 0.0722 * channel(5)
+    }
+
+    /// Text of every kind on every paper, light and dark, reaches the 4.5 : 1 of WCAG AA.
+    #[test]
+    fn text_has_contrast() {
+        let style = include_str!("style.css");
+        let themes: Vec<&str> = style.split(":root {").skip(1).map(|theme| theme.split('}').next().unwrap()).collect();
+        assert_eq!(themes.len(), 2);
+        for theme in themes {
+            let colour = |name: &str| {
+                let at = theme.find(&format!("--{name}: #")).unwrap() + name.len() + 4;
+                luminance(&theme[at..at + 7])
+            };
+            for text in ["ink", "soft", "good", "warn", "bad"] {
+                for paper in ["page", "card"] {
+                    let (a, b) = (colour(text), colour(paper));
+                    let contrast = (a.max(b) + 0.05) / (a.min(b) + 0.05);
+                    assert!(contrast >= 4.5, "{text} on {paper}: {contrast:.2}");
+                }
+            }
+        }
+    }
+}

@@ -235,7 +235,8 @@ impl Frame {
     /// Ticks of an axis: round numbers, or names.
     fn x_ticks(axis: &Axis, scale: &Scale) -> Vec<(f64, String)> {
         if scale.categories.is_empty() {
-            return axis.ticks();
+            let meant = |tick: &(f64, String)| !scale.whole || (tick.0 - tick.0.round()).abs() < 1e-9;
+            return axis.ticks().into_iter().filter(meant).collect();
         }
         scale.categories.iter().enumerate().map(|(k, name)| (k as f64, name.clone())).collect()
     }

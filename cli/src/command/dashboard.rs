@@ -19,7 +19,7 @@ pub fn run(arguments: &Dashboard) -> anyhow::Result<()> {
         return Err(BadInput(format!("{}: there is no such file or directory", path.display())).into());
     }
     let view = arguments.view.as_deref().map(named).transpose()?;
-    let options = Options { view, ..options(open) };
+    let options = Options { view, compare: arguments.compare.clone(), ..options(open) };
     match &arguments.screenshot {
         Some(out) => screenshot(options, arguments.size, arguments.dark, out)?,
         None => tribo_dashboard::run(options).map_err(|error| BadInput(error.to_string()))?,
@@ -35,6 +35,7 @@ pub fn watch(directory: &Path) -> Result<(), tribo_dashboard::NoWindow> {
 fn options(open: Option<LogSource>) -> Options {
     Options {
         open,
+        compare: None,
         view: None,
         clock: now,
         immediate: false,

@@ -155,13 +155,9 @@ impl ArmView {
         let dark = ui.visuals().dark_mode;
         let camera = Camera::new(response.rect, self.yaw, self.pitch, self.zoom);
         ground(&painter, &camera, ui.visuals().widgets.noninteractive.bg_stroke.color);
-        frame_axes(&painter, &camera, dark);
 
-        // The path of the flange, then the arm over it, back to front.
+        // The links, back to front, then the path of the flange.
         let arm = presets::panda();
-        let path: Vec<Pos2> =
-            motion.path.iter().map(|q| camera.project(&Kinematics::at(&arm, q).flange_origin).0).collect();
-        painter.add(Shape::line(path, Stroke::new(1.2, ink(2, dark))));
         let at = Kinematics::at(&arm, &moment.q);
         let mut points = vec![Vector3::zeros()];
         points.extend(at.origins);
@@ -175,10 +171,13 @@ impl ArmView {
             let radius_m = RADII_M[k.min(RADII_M.len() - 1)];
             capsule(&painter, &camera, [&points[k], &points[k + 1]], radius_m, dark);
         }
+        let flange = |q: &SVector<f64, 7>| camera.project(&Kinematics::at(&arm, q).flange_origin).0;
+        painter.add(Shape::line(motion.path.iter().map(flange).collect(), Stroke::new(1.2, ink(2, dark))));
         for origin in &at.origins {
             let (centre, _) = camera.project(origin);
             painter.circle_filled(centre, 3.0, if dark { Color32::WHITE } else { Color32::BLACK });
         }
+        frame_axes(&painter, &camera, dark);
         if let Some(h) = moment.wrench {
             let tip = at.flange_origin + Vector3::new(h[0], h[1], h[2]) * ARROW_M_PER_N;
             let (from, to) = (camera.project(&at.flange_origin).0, camera.project(&tip).0);
@@ -210,13 +209,13 @@ struct Camera {
 
 impl Camera {
     /// Middle of what is looked at, in base axes (m).
-    const TARGET_M: [f64; 3] = [0.25, 0.0, 0.42];
+    const TARGET_M: [f64; 3] = [0.25, 0.0, 0.4];
 
     fn new(rect: Rect, yaw: f64, pitch: f64, zoom: f64) -> Self {
         let forward = Vector3::new(pitch.cos() * yaw.cos(), pitch.cos() * yaw.sin(), -pitch.sin());
         let right = Vector3::new(yaw.sin(), -yaw.cos(), 0.0);
         let up = right.cross(&forward);
-        let scale = zoom * f64::from(rect.height().min(rect.width() * 0.8)) / 1.25;
+        let scale = zoom * f64::from(rect.height().min(rect.width() * 0.8)) / 1.05;
         Self { centre: rect.center(), scale, right, up, forward }
     }
 

@@ -54,7 +54,7 @@ impl CampaignView {
             let joint = layout.joint;
             let key = (vec![address(Some(&campaign))], vec![joint]);
             let figures = self.parameters.get(key, || campaign_figures::parameters_of_joint(&campaign, joint));
-            grid(ui, figures, Look { height: 150.0, ..look });
+            grid(ui, figures, Look { height: 195.0, ..look });
             self.belief(ui, &campaign, source);
             ui.add_space(8.0);
             ui.label(RichText::new("Trials").heading());
@@ -153,7 +153,7 @@ impl CampaignView {
             figures.push(surrogate_figures::relevance(&surrogate, joints));
             figures
         });
-        let look = Look { height: 190.0, group: Some("slice"), cursor: None };
+        let look = Look { height: 200.0, group: Some("slice"), cursor: None };
         let columns = if ui.available_width() > 1000.0 { 3 } else { 1 };
         ui.columns(columns, |cells| {
             for (k, figure) in figures.iter().enumerate() {

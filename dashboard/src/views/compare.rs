@@ -1,6 +1,6 @@
 //! Two campaigns side by side.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use egui::{Grid, RichText, ScrollArea, Ui};
 use tribo_experiments::watch::{CampaignSnapshot, campaign_figures};
@@ -20,6 +20,12 @@ pub struct CompareView {
 }
 
 impl CompareView {
+    /// Compares with another campaign, or says why not.
+    pub fn open(&mut self, source: &mut Source, path: &Path) {
+        self.path = path.display().to_string();
+        self.error = source.compare(path).err().unwrap_or_default();
+    }
+
     /// The view.
     pub fn ui(&mut self, ui: &mut Ui, source: &mut Source) {
         let Some(one) = source.snapshot().campaign.clone() else {
@@ -30,8 +36,9 @@ impl CompareView {
             let label = ui.label("Compare with the campaign in");
             ui.add(egui::TextEdit::singleline(&mut self.path).desired_width(380.0).hint_text("campaigns/0002"))
                 .labelled_by(label.id);
-            if ui.button("Compare").clicked() {
-                self.error = source.compare(Path::new(self.path.trim())).err().unwrap_or_default();
+            if ui.button("Compare both").clicked() {
+                let path = PathBuf::from(self.path.trim());
+                self.open(source, &path);
             }
         });
         if !self.error.is_empty() {

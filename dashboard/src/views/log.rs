@@ -7,8 +7,9 @@ use tribo_figure::{Figure, Layer, Scale, Signals};
 
 use crate::export::{Format, request};
 use crate::log_snapshot::LogSnapshot;
+use crate::plot::{marks, tick};
 use crate::source::Source;
-use crate::theme::{GAP, NARROWEST, ink};
+use crate::theme::{self, GAP, NARROWEST, ink};
 
 /// What the user has chosen.
 #[derive(Debug, Default)]
@@ -140,6 +141,12 @@ fn signal_plot(ui: &mut Ui, label: &str, curves: &[Curve<'_>], height: f32) {
         .x_axis_label(RichText::new(TIME).small())
         .y_axis_label(RichText::new(label).small())
         .allow_scroll(Vec2b::FALSE)
+        .grid_color(theme::grid(dark))
+        .grid_fade(0.0)
+        .x_grid_spacer(|input| marks(input, 7.0, false, false))
+        .y_grid_spacer(|input| marks(input, 5.0, false, false))
+        .x_axis_formatter(|mark, _| tick(mark, false))
+        .y_axis_formatter(|mark, _| tick(mark, false))
         .include_x(span[0])
         .include_x(span[1])
         .link_axis(link, Vec2b::new(true, false))

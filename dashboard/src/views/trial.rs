@@ -6,7 +6,7 @@ use tribo_figure::number::significant;
 
 use super::memo::{Memo, address};
 use crate::layout::Layout;
-use crate::plot::{Look, grid, show};
+use crate::plot::{Look, filling_height, grid, show};
 use crate::source::Source;
 use crate::theme;
 
@@ -86,24 +86,7 @@ impl TrialView {
             2 => vec![trial_figures::torque_terms(&trial, joint)],
             _ => vec![trial_figures::friction(&trial, joint)],
         });
-        let rows = match part {
-            0 => {
-                if ui.available_width() > 1300.0 {
-                    2.0
-                } else {
-                    3.0
-                }
-            }
-            1 => {
-                if ui.available_width() > 1300.0 {
-                    1.0
-                } else {
-                    2.0
-                }
-            }
-            _ => 1.0,
-        };
-        let height = ((ui.available_height() - 16.0) / rows - 38.0).clamp(150.0, 640.0);
+        let height = filling_height(ui, figures.len());
         let group = (part < 3).then_some("time of the trial");
         let look = Look { height, group, cursor: (self.cursor && part < 3).then_some(cursor_s) };
         ScrollArea::vertical().auto_shrink(false).show(ui, |ui| grid(ui, figures, look));

@@ -13,7 +13,7 @@ fn numbers(campaign: &CampaignSnapshot) -> Vec<f64> {
 }
 
 fn trial_axis(campaign: &CampaignSnapshot) -> Scale {
-    Scale::of("trial").holding(-0.5).holding(campaign.total() as f64 - 0.5)
+    Scale::whole("trial").holding(-0.5).holding(campaign.total() as f64 - 0.5)
 }
 
 /// J of every trial, failed ones with their reason, the incumbent and the reference costs.
@@ -128,7 +128,7 @@ pub fn parameters_of_joint(campaign: &CampaignSnapshot, joint: usize) -> Vec<Fig
 /// Two campaigns: the best cost so far of each.
 pub fn compare_best(campaigns: &[(&str, &CampaignSnapshot)]) -> Figure {
     let longest = campaigns.iter().map(|(_, campaign)| campaign.total()).max().unwrap_or(1);
-    let x = Scale::of("trial").holding(-0.5).holding(longest as f64 - 0.5);
+    let x = Scale::whole("trial").holding(-0.5).holding(longest as f64 - 0.5);
     let mut figure = Figure::new("Best cost so far", x, Scale::of("cost J [N + Nm]").or_logarithmic());
     for (k, (name, campaign)) in campaigns.iter().enumerate() {
         for layer in cost_per_trial(campaign).layers {

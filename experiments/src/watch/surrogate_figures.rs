@@ -18,27 +18,25 @@ fn axis_of(name: &str) -> Scale {
     Scale::of(&if unit.is_empty() { quantity } else { format!("{quantity} [{unit}]") })
 }
 
+/// Costs far above all trials are cut off at this multiple of the worst: the belief there is as wide as the prior.
+const CUT: f64 = 1.5;
+
 /// The belief about J along one parameter through the incumbent, with its 95 % band and the trials seen from the side.
 pub fn slice(surrogate: &Surrogate, campaign: &CampaignSnapshot, parameter: usize) -> Option<Figure> {
     let (slice, name) = (surrogate.slices.get(parameter)?, surrogate.names.get(parameter)?);
-    let [low, high]: [Vec<f64>; 2] = [0, 1].map(|end| slice.band95.iter().map(|band| band[end]).collect());
-    let most = 3.0 * high.iter().chain(&slice.median).copied().fold(0.0, f64::max);
-    let complete: Vec<_> = campaign
-        .trials
-        .iter()
-        .filter(|watched| watched.trial.aborted.is_none() && watched.trial.cost.total() <= most)
-        .collect();
+    let complete: Vec<_> = campaign.trials.iter().filter(|watched| watched.trial.aborted.is_none()).collect();
+    let costs: Vec<f64> = complete.iter().map(|watched| watched.trial.cost.total()).collect();
+    let most = CUT * costs.iter().copied().fold(0.0, f64::max);
+    let cut = |values: Vec<f64>| -> Vec<f64> { values.into_iter().map(|cost| cost.min(most)).collect() };
+    let [low, high]: [Vec<f64>; 2] = [0, 1].map(|end| cut(slice.band95.iter().map(|band| band[end]).collect()));
     let cost = |number: usize| campaign.trial(number).map(|watched| watched.trial.cost.total());
     let title = format!("Belief along {}", parameter_name(name).0);
+    let abscissae = complete.iter().map(|watched| watched.trial.theta[parameter]).collect();
+    let notes = complete.iter().map(|watched| format!("trial {}", watched.trial.number)).collect();
     let figure = Figure::new(title, axis_of(name), Scale::of("cost J [N + Nm]").or_logarithmic())
         .with(Layer::band("95 % of the mean cost", 0, slice.at.clone(), low, high))
-        .with(Layer::line("median", 0, slice.at.clone(), slice.median.clone()))
-        .with(Layer::cloud(
-            "trials, seen from the side",
-            6,
-            complete.iter().map(|watched| watched.trial.theta[parameter]).collect(),
-            complete.iter().map(|watched| watched.trial.cost.total()).collect(),
-        ));
+        .with(Layer::line("median", 0, slice.at.clone(), cut(slice.median.clone())))
+        .with(Layer::symbols("trials, seen from the side", 6, Symbol::Dot, abscissae, costs, notes));
     let best = cost(surrogate.incumbent)?;
     let note = format!("incumbent, trial {}", surrogate.incumbent);
     let at = vec![surrogate.incumbent_theta[parameter]];
@@ -48,11 +46,7 @@ pub fn slice(surrogate: &Surrogate, campaign: &CampaignSnapshot, parameter: usiz
 /// What a new trial would be worth along one parameter through the incumbent.
 pub fn acquisition(surrogate: &Surrogate, parameter: usize) -> Option<Figure> {
     let (slice, name) = (surrogate.slices.get(parameter)?, surrogate.names.get(parameter)?);
-    let label = if surrogate.log_acquisition {
-        "ln expected improvement [-]"
-    } else {
-        "expected improvement [sd of the targets]"
-    };
+    let label = if surrogate.log_acquisition { "ln expected improvement [-]" } else { "expected improvement [sd]" };
     let title = format!("Worth of a new trial along {}", parameter_name(name).0);
     let line = Layer::line("", 2, slice.at.clone(), slice.acquisition.clone());
     Some(Figure::new(title, axis_of(name), Scale::of(label)).with(line))
@@ -65,7 +59,7 @@ pub fn relevance(surrogate: &Surrogate, joints: usize) -> Figure {
     let mut figure = Figure::new(
         "Relevance of the parameters",
         Scale::categories("", names),
-        Scale::of("1 / length-scale [1 / width of the range]"),
+        Scale::of("1 / length-scale [1 / range]"),
     );
     let width = 0.8 / per_joint as f64;
     for k in 0..per_joint {

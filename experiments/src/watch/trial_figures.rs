@@ -22,7 +22,7 @@ const Z95: f64 = 1.96;
 const GREY: usize = 6;
 
 fn time_axis() -> Scale {
-    Scale::of("time since the start of the judged part [s]")
+    Scale::of("time in the judged part [s]")
 }
 
 fn column<const R: usize>(rows: &[SVector<f64, R>], place: usize, factor: f64) -> Vec<f64> {
@@ -57,11 +57,8 @@ const XYZ: [&str; 3] = ["x", "y", "z"];
 /// Path of the flange beside its reference.
 pub fn tracking(trial: &TrialSnapshot) -> Figure {
     let log = &trial.log;
-    let mut figure = Figure::new(
-        "Position of the flange",
-        time_axis(),
-        Scale::of("position − reference at the start [mm], base axes"),
-    );
+    let mut figure =
+        Figure::new("Position of the flange", time_axis(), Scale::of("position from the start [mm], base axes"));
     let first = log.reference_position.first().copied().unwrap_or_default();
     for (k, axis) in XYZ.into_iter().enumerate() {
         let wanted: Vec<f64> = log.reference_position.iter().map(|p| 1e3 * (p[k] - first[k])).collect();
