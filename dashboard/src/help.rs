@@ -4,7 +4,7 @@ use egui::{Align2, Context, Grid, RichText, Window};
 
 const KEYS: [(&str, &str); 12] = [
     ("1 … 6", "Campaign, Trial, Arm, Log, Diagnosis, Compare"),
-    ("← →", "previous and next trial"),
+    ("Left, Right", "previous and next trial"),
     ("Space", "play and pause the arm"),
     ("T", "light or dark"),
     ("F1, ?", "this help; Esc closes it"),

@@ -68,7 +68,7 @@ pub fn show(ui: &mut Ui, figure: &Figure, look: Look) {
         ui.allocate_ui(size, |ui| ui.centered_and_justified(|ui| ui.weak("no data")));
         return;
     }
-    let hidden = legend(ui, figure, dark);
+    let hidden = legend(ui, &figure.title, &figure.layers);
     let logarithmic = figure.is_logarithmic();
     let mut plot = Plot::new(&figure.title)
         .height(look.height)
@@ -165,11 +165,11 @@ pub fn tick(mark: GridMark, logarithmic: bool) -> String {
 }
 
 /// Names above the axes, where they hide no data; a click hides a layer and shows it again. Returns what is hidden.
-fn legend(ui: &mut Ui, figure: &Figure, dark: bool) -> Vec<String> {
-    let id = Id::unique(("hidden layers", &figure.title));
+pub fn legend(ui: &mut Ui, title: &str, layers: &[Layer]) -> Vec<String> {
+    let (id, dark) = (Id::unique(("hidden layers", title)), ui.visuals().dark_mode);
     let mut hidden: Vec<String> = ui.data(|data| data.get_temp(id)).unwrap_or_default();
     let mut named: Vec<&Layer> = Vec::new();
-    for layer in figure.layers.iter().filter(|layer| !layer.name.is_empty()) {
+    for layer in layers.iter().filter(|layer| !layer.name.is_empty()) {
         if !named.iter().any(|other| other.name == layer.name) {
             named.push(layer);
         }

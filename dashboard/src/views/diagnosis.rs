@@ -2,7 +2,7 @@
 
 use egui::{CollapsingHeader, Grid, ProgressBar, RichText, ScrollArea, Ui};
 use tribo_diagnose::report::number::{
-    percent_with_interval, probability, quantity_and_unit, significant, with_interval,
+    fixed, percent_with_interval, probability, quantity_and_unit, significant, with_interval,
 };
 use tribo_diagnose::report::{cause_at, finding_sentence, held_out_bars, verdict_sentence, via_points};
 use tribo_diagnose::{Diagnosis, Finding, Verdict};
@@ -160,7 +160,7 @@ fn facts(ui: &mut Ui, finding: &Finding) {
             ui.label(format!(
                 "{} ({} behind in evidence): {}",
                 cause_at(rival.label, rival.location),
-                significant(rival.evidence_gap, 2),
+                fixed(rival.evidence_gap, 1),
                 rival.why
             ));
         }

@@ -1,13 +1,13 @@
 //! Channels and wrench of a log, of any length.
 
 use egui::{Id, RichText, ScrollArea, Ui, Vec2b};
-use egui_plot::{FilledArea, Legend, Line, Plot, PlotPoint, PlotPoints};
+use egui_plot::{FilledArea, Line, Plot, PlotPoint, PlotPoints};
 use tribo_figure::number::significant;
-use tribo_figure::{Figure, Layer, Scale, Signals};
+use tribo_figure::{Columns, Figure, Layer, Scale, Signals};
 
 use crate::export::{Format, request};
 use crate::log_snapshot::LogSnapshot;
-use crate::plot::{marks, tick};
+use crate::plot::{legend, marks, tick};
 use crate::source::Source;
 use crate::theme::{self, GAP, NARROWEST, ink};
 
@@ -98,7 +98,7 @@ pub fn channels(ui: &mut Ui, signals: &Signals) {
 fn cells(ui: &mut Ui, count: usize, mut show: impl FnMut(&mut Ui, usize, f32)) {
     let columns = (((ui.available_width() + GAP) / (NARROWEST + GAP)).floor() as usize).clamp(1, 3).min(count.max(1));
     let rows = count.div_ceil(columns).max(1);
-    let height = ((ui.available_height() - 8.0) / rows as f32 - 38.0).clamp(150.0, 420.0);
+    let height = ((ui.available_height() - 8.0) / rows as f32 - 66.0).clamp(150.0, 420.0);
     for row in 0..rows {
         ui.columns(columns, |cells| {
             for (column, cell) in cells.iter_mut().enumerate().filter(|(column, _)| row * columns + column < count) {
@@ -114,6 +114,31 @@ struct Curve<'a> {
     ink: usize,
     of: (&'a Signals, usize),
     band: Option<(usize, usize)>,
+}
+
+impl Curve<'_> {
+    /// What the legend shows of it.
+    fn legend(&self) -> Vec<Layer> {
+        let mut layers = vec![Layer::line(self.name, self.ink, Vec::new(), Vec::new())];
+        if self.band.is_some() {
+            layers.push(Layer::band("95 %", self.ink, Vec::new(), Vec::new(), Vec::new()));
+        }
+        layers
+    }
+
+    /// Abscissae, lower and upper limits of the band; of each pixel column the widest.
+    fn limits(&self, columns: &Columns) -> Vec<[f64; 3]> {
+        let Some((low, high)) = self.band else { return Vec::new() };
+        let signals = self.of.0;
+        let mut edges: Vec<[f64; 3]> = Vec::new();
+        for (low, high) in signals.curve(low, columns).into_iter().zip(signals.curve(high, columns)) {
+            match edges.last_mut().filter(|last| last[0] == low[0]) {
+                Some(last) => (last[1], last[2]) = (last[1].min(low[1]), last[2].max(high[1])),
+                None => edges.push([low[0], low[1], high[1]]),
+            }
+        }
+        edges
+    }
 }
 
 /// A plot whose curves are made anew for the pixels and the range that it shows.
@@ -135,6 +160,8 @@ fn signal_plot(ui: &mut Ui, label: &str, curves: &[Curve<'_>], height: f32) {
             });
         });
     });
+    let names: Vec<Layer> = curves.iter().flat_map(Curve::legend).collect();
+    let hidden = legend(ui, label, &names);
     let link = Id::unique("time of the log");
     let plot = Plot::new(("signal", label))
         .height(height)
@@ -151,7 +178,6 @@ fn signal_plot(ui: &mut Ui, label: &str, curves: &[Curve<'_>], height: f32) {
         .include_x(span[1])
         .link_axis(link, Vec2b::new(true, false))
         .link_cursor(link, Vec2b::new(true, false))
-        .legend(Legend::default().text_style(egui::TextStyle::Small).background_alpha(0.75))
         .label_formatter(move |position| {
             let (name, at) = match position {
                 egui_plot::HoverPosition::NearDataPoint { plot_name, position, .. } => (*plot_name, position),
@@ -164,7 +190,7 @@ fn signal_plot(ui: &mut Ui, label: &str, curves: &[Curve<'_>], height: f32) {
         // In the first frame there are no bounds yet.
         let range = [bounds.min()[0], bounds.max()[0]];
         let range = if plot.auto_bounds().x || range[0] >= range[1] { span } else { range };
-        for curve in curves {
+        for curve in curves.iter().filter(|curve| !hidden.iter().any(|name| name == curve.name)) {
             draw(plot, curve, range, width, dark);
         }
         range
@@ -177,15 +203,11 @@ fn signal_plot(ui: &mut Ui, label: &str, curves: &[Curve<'_>], height: f32) {
 fn draw(plot: &mut egui_plot::PlotUi<'_>, curve: &Curve<'_>, range: [f64; 2], width: usize, dark: bool) {
     let (signals, channel) = curve.of;
     let columns = signals.columns(range, width);
-    if let Some((low, high)) = curve.band {
-        let [low, high] = [low, high].map(|limit| signals.curve(limit, &columns));
-        let edges: Vec<[f64; 3]> =
-            low.iter().zip(&high).map(|(low, high)| [low[0], low[1].min(high[1]), low[1].max(high[1])]).collect();
-        for run in edges.split(|edge| edge.iter().any(|value| !value.is_finite())).filter(|run| run.len() > 1) {
-            let [x, low, high] = [0, 1, 2].map(|k| run.iter().map(|edge| edge[k]).collect::<Vec<f64>>());
-            let colour = ink(curve.ink, dark).gamma_multiply(0.25);
-            plot.add(FilledArea::new("95 %", &x, &low, &high).fill_color(colour).allow_hover(false));
-        }
+    let edges = curve.limits(&columns);
+    for run in edges.split(|edge| edge.iter().any(|value| !value.is_finite())).filter(|run| run.len() > 1) {
+        let [x, low, high] = [0, 1, 2].map(|k| run.iter().map(|edge| edge[k]).collect::<Vec<f64>>());
+        let colour = ink(curve.ink, dark).gamma_multiply(0.25);
+        plot.add(FilledArea::new("95 %", &x, &low, &high).fill_color(colour).allow_hover(false));
     }
     let points = signals.curve(channel, &columns);
     for run in points.split(|point| !point[1].is_finite()).filter(|run| !run.is_empty()) {
@@ -203,8 +225,9 @@ fn figure(label: &str, curves: &[Curve<'_>], range: [f64; 2], width: usize) -> F
         let split = |channel: usize| -> (Vec<f64>, Vec<f64>) {
             signals.curve(channel, &columns).into_iter().map(|[x, y]| (x, y)).unzip()
         };
-        if let Some((low, high)) = curve.band {
-            let ((x, low), (_, high)) = (split(low), split(high));
+        if curve.band.is_some() {
+            let limits = curve.limits(&columns);
+            let [x, low, high] = [0, 1, 2].map(|k| limits.iter().map(|edge| edge[k]).collect::<Vec<f64>>());
             figure.layers.push(Layer::band("95 %", curve.ink, x, low, high));
         }
         let (x, y) = split(channel);

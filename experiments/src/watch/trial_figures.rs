@@ -72,8 +72,8 @@ pub fn tracking(trial: &TrialSnapshot) -> Figure {
 /// Error of the position (mm) or of the orientation (mrad).
 pub fn error(trial: &TrialSnapshot, rotation: bool) -> Figure {
     let (title, label, first) = match rotation {
-        false => ("Position error", "p − p_d [mm], base axes", 3),
-        true => ("Orientation error", "log(R R_dᵀ) [mrad], base axes", 0),
+        false => ("Position error", "position error [mm], base axes", 3),
+        true => ("Orientation error", "orientation error [mrad], base axes", 0),
     };
     let mut figure = Figure::new(title, time_axis(), Scale::of(label));
     for (k, axis) in XYZ.into_iter().enumerate() {
