@@ -165,8 +165,10 @@ impl Dashboard {
             };
         }
         self.remember(&ctx);
-        if self.source.runner().is_some() || self.source.snapshot().campaign.is_some() || self.source.busy() {
-            ctx.request_repaint_after(std::time::Duration::from_millis(250));
+        let live = self.source.snapshot().campaign.as_ref().is_some_and(|campaign| !campaign.is_complete());
+        if live || self.source.runner().is_some() {
+            // A frame a second: with OpenGL in software, more would be felt by the campaign.
+            ctx.request_repaint_after(std::time::Duration::from_secs(1));
         }
     }
 

@@ -7,7 +7,10 @@ use std::sync::Arc;
 
 use tribo_experiments::strategy::StrategyName;
 use tribo_experiments::watch::{CampaignWatch, Surrogate, TrialSnapshot, loop_times, write_report};
-use tribo_experiments::{Campaign, CampaignResult, PenaltyLimits, TuneConfig, references, uncompensated_trial};
+use tribo_experiments::{
+    Campaign, CampaignResult, PenaltyLimits, TuneConfig, read_trial_log, references, trial_log_path,
+    uncompensated_trial,
+};
 
 fn clock() -> String {
     "2026-01-01T00:00:00.000000+00:00".to_owned()
@@ -49,12 +52,15 @@ fn friction_torque_is_the_truth() {
     for joint in 0..7 {
         let law = &tune.trial.truth.friction.joints[joint];
         // Well above the speeds at which a filter of 0.17 s smears the jump of Coulomb friction.
-        let sliding: Vec<f64> = (20..trial.log.len() - 20)
-            .filter(|k| (k - 12..k + 12).all(|near| trial.qd[near][joint].abs() > 0.02))
-            .map(|k| trial.friction_torque[k][joint] - law.torque(trial.qd[k][joint], 0.0))
-            .collect();
-        let rms = (sliding.iter().map(|e| e * e).sum::<f64>() / sliding.len().max(1) as f64).sqrt();
-        assert!(sliding.is_empty() || rms < 0.1, "joint {joint}: {rms} Nm over {} samples", sliding.len());
+        for sign in [-1.0, 1.0] {
+            let sliding: Vec<f64> = (20..trial.log.len() - 20)
+                .filter(|k| (k - 12..k + 12).all(|near| sign * trial.qd[near][joint] > 0.02))
+                .map(|k| trial.friction_torque[k][joint] - law.torque(trial.qd[k][joint], 0.0))
+                .collect();
+            // Twice differentiated encoder noise scatters by 0.1 Nm; over 100 samples and more it averages out.
+            let mean = sliding.iter().sum::<f64>() / sliding.len().max(1) as f64;
+            assert!(sliding.len() < 100 || mean.abs() < 0.05, "joint {joint}: {mean} Nm over {}", sliding.len());
+        }
     }
     let moving = (0..7).filter(|&j| trial.qd.iter().filter(|qd| qd[j].abs() > 0.02).count() > 300).count();
     assert!(moving >= 4, "{moving} joints move enough to be judged");
@@ -86,12 +92,22 @@ fn no_belief_without_variety() {
 #[test]
 fn the_report_stands_alone() {
     let dir = tempfile::tempdir().unwrap();
-    let limits = PenaltyLimits { error_m: 0.012, ..PenaltyLimits::default() };
-    let result = run(dir.path(), TuneConfig { limits, ..config(StrategyName::Random, 12) });
+    // A limit that half of the trials violate: between the middle two of their largest errors.
+    let free = dir.path().join("free");
+    run(&free, config(StrategyName::Random, 4));
+    let mut largest: Vec<f64> = (0..4)
+        .map(|number| {
+            let log = read_trial_log(&trial_log_path(&free, number)).unwrap();
+            log.error.iter().map(|error| error.fixed_rows::<3>(3).amax()).fold(0.0, f64::max)
+        })
+        .collect();
+    largest.sort_by(f64::total_cmp);
+    let limits = PenaltyLimits { error_m: 0.5 * (largest[1] + largest[2]), ..PenaltyLimits::default() };
+    let result = run(&dir.path().join("strict"), TuneConfig { limits, ..config(StrategyName::Random, 4) });
     let failed: Vec<_> = result.trials.iter().filter(|trial| trial.aborted.is_some()).collect();
-    let costs: Vec<f64> = result.trials.iter().map(|trial| trial.cost.total()).collect();
-    assert!(!failed.is_empty() && failed.len() < 12, "{} of 12 failed: {costs:?}", failed.len());
-    let page = std::fs::read_to_string(write_report(dir.path(), None).unwrap()).unwrap();
+    assert_eq!(failed.len(), 2, "{largest:?}");
+    let dir = dir.path().join("strict");
+    let page = std::fs::read_to_string(write_report(&dir, None).unwrap()).unwrap();
 
     let address = page.replace("http://www.w3.org/2000/svg", "");
     for word in ["http:", "https:", "src=", "href=", "url(", "@import", "<script", "NaN"] {

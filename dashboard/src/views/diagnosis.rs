@@ -70,11 +70,13 @@ impl DiagnosisView {
         };
         ui.label(RichText::new(diagnosis.verdict.name().replace('_', " ")).strong().color(colour));
         ui.label(RichText::new(verdict_sentence(diagnosis)).heading());
+        let bursts =
+            if diagnosis.bursts == 1 { "one burst".to_owned() } else { format!("{} bursts", diagnosis.bursts) };
         ui.weak(format!(
-            "{}; {} samples in {} bursts, torques up to {} Hz; brackets are 95 % intervals",
+            "{}; {} samples in {}, torques up to {} Hz; brackets are 95 % intervals",
             snapshot.log,
             diagnosis.samples,
-            diagnosis.bursts,
+            bursts,
             significant(diagnosis.band_hz, 3)
         ));
         ui.add_space(8.0);

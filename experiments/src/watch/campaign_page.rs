@@ -82,8 +82,8 @@ pub fn headline(campaign: &CampaignSnapshot) -> String {
             significant(references.oracle, 3)
         )
     });
-    let progress = if campaign.is_complete() { format!("{done} trials") } else { format!("{done} of {total} trials") };
-    format!("J = {} in trial {} of {progress}{against}.", significant(cost, 3), best.trial.number)
+    let progress = if campaign.is_complete() { format!("of {done}") } else { format!("({done} of {total} done)") };
+    format!("J = {} in trial {} {progress}{against}.", significant(cost, 3), best.trial.number)
 }
 
 fn head(campaign: &CampaignSnapshot) -> String {
@@ -116,16 +116,16 @@ fn result(campaign: &CampaignSnapshot) -> String {
         rows.push([what, significant(cost, 4), ratio]);
     };
     if let Some(references) = campaign.references {
-        row("no compensation".to_owned(), references.uncompensated);
+        row("none".to_owned(), references.uncompensated);
     }
     if let Some(best) = campaign.best() {
         row(format!("tuned (trial {})", best.trial.number), best.trial.cost.total());
     }
     if let Some(references) = campaign.references {
         row("true friction".to_owned(), references.oracle);
-        row("no friction at all".to_owned(), references.frictionless);
+        row("an arm without friction".to_owned(), references.frictionless);
     }
-    let mut body = table(&["", "J [N + Nm]", "J / J with the true friction"], &[0], rows.into_iter());
+    let mut body = table(&["compensation", "J [N + Nm]", "J / J with the true friction"], &[0], rows.into_iter());
     let failed = campaign.failed().next().is_some();
     let mut drawn = vec![campaign_figures::cost_per_trial(campaign), campaign_figures::cost_parts(campaign, false)];
     if failed {
