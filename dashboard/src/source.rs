@@ -238,7 +238,7 @@ impl Source {
         let Some(campaign) = self.snapshot.campaign.clone() else { return };
         self.message = "writing the report …".to_owned();
         self.jobs.start(ctx, move || {
-            Answer::Report(write_report(&campaign.directory, None).map_err(|error| error.to_string()))
+            Answer::Report(write_report(&campaign.directory, None, true).map_err(|error| error.to_string()))
         });
     }
 

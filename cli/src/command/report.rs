@@ -8,7 +8,7 @@ use crate::output::{print, print_json};
 
 /// Writes the report of a campaign, finished or not.
 pub fn run(arguments: &Report, common: &Common) -> anyhow::Result<()> {
-    let path = write_report(&arguments.campaign, arguments.out.as_deref())?;
+    let path = write_report(&arguments.campaign, arguments.out.as_deref(), true)?;
     if common.json {
         print_json(&json!({"schema": "tribo.report/1", "written": path}));
     } else if !common.quiet {

@@ -54,7 +54,7 @@ pub fn run(arguments: &Tune, common: &Common) -> anyhow::Result<()> {
         other => other?,
     };
     let wall_s = started.elapsed().as_secs_f64();
-    let report = write_report(&directory, None)?;
+    let report = write_report(&directory, None, false)?;
     if common.json {
         print_json(&result.to_json(wall_s));
     } else if !common.quiet {

@@ -19,8 +19,9 @@ use crate::{CampaignError, references, uncompensated_trial};
 /// Slices of the belief in the report: the most relevant parameters.
 const SLICES: usize = 4;
 
-/// Writes `report.html` of the campaign in a directory, to `out` or beside its journal; finished or not.
-pub fn write_report(directory: &Path, out: Option<&Path>) -> Result<PathBuf, CampaignError> {
+/// Writes `report.html` of the campaign in a directory, to `out` or beside its journal; finished or not. Without `loop_time`,
+/// which is read from a clock, equal campaigns have equal reports, wherever they live.
+pub fn write_report(directory: &Path, out: Option<&Path>, loop_time: bool) -> Result<PathBuf, CampaignError> {
     let mut watch = CampaignWatch::open(directory)?;
     watch.set_references(references(watch.tune()));
     let snapshot = watch.poll()?;
@@ -35,7 +36,7 @@ pub fn write_report(directory: &Path, out: Option<&Path>) -> Result<PathBuf, Cam
         }
         None => None,
     };
-    let times = best.as_ref().map(|best| loop_times(&campaign.tune, &best.watched.trial.theta));
+    let times = best.as_ref().filter(|_| loop_time).map(|best| loop_times(&campaign.tune, &best.watched.trial.theta));
     let page = campaign_page(&campaign, surrogate.as_ref(), best.as_ref(), times.as_ref());
     let path = out.map_or_else(|| directory.join("report.html"), Path::to_owned);
     write_atomic(&path, |file| file.write_all(page.as_bytes())).map_err(FileError::from)?;
@@ -57,12 +58,7 @@ pub fn campaign_page(
         best.map_or(String::new(), |best| best_trial(best, times)),
         all_trials(campaign),
     ];
-    page::page(&format!("Campaign {}", name(campaign)), &body.concat())
-}
-
-fn name(campaign: &CampaignSnapshot) -> String {
-    let directory = &campaign.directory;
-    directory.file_name().unwrap_or(directory.as_os_str()).to_string_lossy().into_owned()
+    page::page(&headline(campaign), &body.concat())
 }
 
 /// What came of it, in one sentence.
@@ -92,7 +88,7 @@ fn head(campaign: &CampaignSnapshot) -> String {
         false => ("ambiguous", "not finished"),
     };
     let facts = campaign.facts().into_iter().map(|(what, value)| format!("{what}: {value}"));
-    let mut facts: Vec<String> = std::iter::once(campaign.directory.display().to_string()).chain(facts).collect();
+    let mut facts: Vec<String> = facts.collect();
     facts.push(format!("tribo {}", campaign.tune.config.tribo_version));
     facts.push("joints and trials count from 0; wrenches are by the robot on the environment, base axes".to_owned());
     let torn = if campaign.torn {
