@@ -190,8 +190,16 @@ fn signal_plot(ui: &mut Ui, label: &str, curves: &[Curve<'_>], height: f32) {
         // In the first frame there are no bounds yet.
         let range = [bounds.min()[0], bounds.max()[0]];
         let range = if plot.auto_bounds().x || range[0] >= range[1] { span } else { range };
+        // The curves of a plot nearly always share one recording: its columns are found once.
+        let mut found: Option<(&Signals, Columns)> = None;
         for curve in curves.iter().filter(|curve| !hidden.iter().any(|name| name == curve.name)) {
-            draw(plot, curve, range, width, dark);
+            let signals = curve.of.0;
+            let columns = match found.take().filter(|found| std::ptr::eq(found.0, signals)) {
+                Some((_, columns)) => columns,
+                None => signals.columns(range, width),
+            };
+            draw(plot, curve, &columns, dark);
+            found = Some((signals, columns));
         }
         range
     });
@@ -200,16 +208,15 @@ fn signal_plot(ui: &mut Ui, label: &str, curves: &[Curve<'_>], height: f32) {
     }
 }
 
-fn draw(plot: &mut egui_plot::PlotUi<'_>, curve: &Curve<'_>, range: [f64; 2], width: usize, dark: bool) {
+fn draw(plot: &mut egui_plot::PlotUi<'_>, curve: &Curve<'_>, columns: &Columns, dark: bool) {
     let (signals, channel) = curve.of;
-    let columns = signals.columns(range, width);
-    let edges = curve.limits(&columns);
+    let edges = curve.limits(columns);
     for run in edges.split(|edge| edge.iter().any(|value| !value.is_finite())).filter(|run| run.len() > 1) {
         let [x, low, high] = [0, 1, 2].map(|k| run.iter().map(|edge| edge[k]).collect::<Vec<f64>>());
         let colour = ink(curve.ink, dark).gamma_multiply(0.25);
         plot.add(FilledArea::new("95 %", &x, &low, &high).fill_color(colour).allow_hover(false));
     }
-    let points = signals.curve(channel, &columns);
+    let points = signals.curve(channel, columns);
     for run in points.split(|point| !point[1].is_finite()).filter(|run| !run.is_empty()) {
         let run = run.iter().map(|[x, y]| PlotPoint::new(*x, *y)).collect();
         plot.line(Line::new(curve.name, PlotPoints::Owned(run)).color(ink(curve.ink, dark)).width(1.2));

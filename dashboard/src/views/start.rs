@@ -74,7 +74,7 @@ impl StartView {
         ui.add_space(16.0);
         let mut started = false;
         ui.vertical_centered(|ui| {
-            ui.set_max_width(620.0);
+            ui.set_max_width(640.0);
             ui.heading("Tune the friction compensator of a simulated Panda");
             ui.add_space(4.0);
             ui.label("Every trial is 33 s of a 1 kHz loop, simulated in a fraction of a second. What the estimator reports in free motion is friction that was not compensated: its cost is J.");
@@ -90,7 +90,7 @@ impl StartView {
                     number(ui, "Pose", &mut self.pose, 0..=2);
                     number(ui, "Seed", &mut self.seed, 0..=u64::MAX);
                     let label = ui.label("Directory");
-                    ui.add(egui::TextEdit::singleline(&mut self.directory).desired_width(360.0)).labelled_by(label.id);
+                    ui.add(egui::TextEdit::singleline(&mut self.directory).desired_width(472.0)).labelled_by(label.id);
                     ui.end_row();
                 });
             });
@@ -135,7 +135,7 @@ fn choose(ui: &mut Ui, label: &str, chosen: &mut &'static str, choices: Choices)
     let text = |name: &str| {
         choices.iter().find(|choice| choice.0 == name).map_or(String::new(), |(name, why)| format!("{name}: {why}"))
     };
-    let combo = ComboBox::from_id_salt(label.id).width(360.0).selected_text(text(chosen)).show_ui(ui, |ui| {
+    let combo = ComboBox::from_id_salt(label.id).width(480.0).selected_text(text(chosen)).show_ui(ui, |ui| {
         for (name, _) in choices {
             ui.selectable_value(chosen, name, text(name));
         }

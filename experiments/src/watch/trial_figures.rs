@@ -120,13 +120,18 @@ pub fn friction(trial: &TrialSnapshot, joint: usize) -> Figure {
     .with(Layer::line("compensator's law", 1, v, law))
 }
 
-/// How often the loop took how long, in bins of equal width up to the 99.9 % quantile; slower ticks are in the last bin.
+/// How often the loop took how long, in bins of equal width up to the 99.9 % quantile, at most five medians; slower ticks
+/// are in the last bin.
 pub fn loop_time(times: &LoopTimes) -> Figure {
     const BINS: usize = 60;
     let label = "time of a tick on this computer [µs]";
     let figure =
         Figure::new("Loop time: estimator, controller, limits", Scale::of(label), Scale::of("part of the ticks [%]"));
-    let (Some(least), Some(most)) = (times.quantile(0.0), times.quantile(0.999)) else { return figure };
+    let [least, median, most] = [0.0, 0.5, 0.999].map(|p| times.quantile(p).unwrap_or(0.0));
+    if times.tick_us.is_empty() {
+        return figure;
+    }
+    let most = most.min(5.0 * median);
     let width = ((most - least) / BINS as f64).max(1e-3);
     let mut bins = vec![0.0; BINS];
     for tick_us in &times.tick_us {
