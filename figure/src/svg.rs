@@ -308,7 +308,9 @@ fn document(title: &str, body: &str) -> String {
 mod tests {
     use super::*;
 
-    fn figure(series: Vec<(Vec<f64>, Vec<f64>)>, of: fn(Vec<f64>, Vec<f64>) -> Mark) -> Figure {
+    type MakeMark = fn(Vec<f64>, Vec<f64>) -> Mark;
+
+    fn figure(series: Vec<(Vec<f64>, Vec<f64>)>, of: MakeMark) -> Figure {
         let scale = Scale::of("torque [Nm]").or_logarithmic();
         let mut figure = Figure::new("t < & >", Scale::of("velocity [rad/s]"), scale);
         for (x, y) in series {
@@ -338,7 +340,7 @@ mod tests {
                 (0..9000).map(|k| if k % 7 == 0 { nan } else { f64::from(k).exp() }).collect(),
             )],
         ];
-        let marks: [fn(Vec<f64>, Vec<f64>) -> Mark; 6] = [
+        let marks: [MakeMark; 6] = [
             |x, y| Mark::Line { x, y, dashed: true },
             |x, y| Mark::Cloud { x, y },
             |x, y| Mark::Symbols { x, y, symbol: Symbol::Cross, notes: Vec::new() },

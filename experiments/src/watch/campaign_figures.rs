@@ -30,12 +30,14 @@ pub fn cost_per_trial(campaign: &CampaignSnapshot) -> Figure {
     for watched in &campaign.trials {
         if watched.trial.aborted.is_none() && watched.trial.cost.total() < best {
             if best.is_finite() {
-                (x.push(watched.trial.number as f64), y.push(best));
+                x.push(watched.trial.number as f64);
+                y.push(best);
             }
             best = watched.trial.cost.total();
         }
         if best.is_finite() {
-            (x.push(watched.trial.number as f64), y.push(best));
+            x.push(watched.trial.number as f64);
+            y.push(best);
         }
     }
     figure.layers.push(Layer::line("best so far", 0, x, y));
