@@ -26,6 +26,7 @@
 //! Leaves out: several objectives, constraints other than failure, categorical coordinates.
 
 pub mod acquisition;
+mod belief;
 pub mod design;
 mod domain;
 mod error;
@@ -40,6 +41,7 @@ mod suggest;
 mod transform;
 mod trust_region;
 
+pub use belief::{Belief, Slice};
 pub use domain::Domain;
 pub use error::BayesoptError;
 pub use history::{History, Observation, Outcome};

@@ -2,10 +2,9 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::gp::{FEWEST_SAMPLES, Fit, Gp, fit};
+use crate::belief::Belief;
+use crate::gp::Fit;
 use crate::search::{Bounds, maximise_acquisition};
-use crate::settings::ModelSettings;
-use crate::transform::Targets;
 use crate::trust_region::TrustRegion;
 use crate::{BayesoptError, Domain, History, Settings};
 
@@ -76,20 +75,15 @@ pub fn suggest(
 
     // The design first; and again while the model has nothing to learn from.
     let model = settings.model.as_ref().filter(|_| trial >= settings.init_trials);
-    let targets = model.map(|model| model.transform.targets(history));
-    let (Some(model), Some(targets)) = (model, targets.filter(|t| t.values.len() >= FEWEST_SAMPLES)) else {
+    let belief = model.map(|model| Belief::of(model, domain, history, seed)).transpose()?.flatten();
+    let (Some(model), Some(belief)) = (model, belief) else {
         let point = settings.design_point(domain, trial, seed)?;
         return Ok(Suggestion { trial, point, phase: Phase::Design, acquisition: None, evidence: None });
     };
-    let observed: Vec<Vec<f64>> = targets.trials.iter().map(|&i| unit_points[i].clone()).collect();
-
-    // Hyper-parameters from the observations, posterior from these and the pending trials.
-    let fit = fit_hyper_parameters(model, &observed, &targets.values, seed, trial)?;
-    let gp = condition(model, &fit, observed, &targets, history, &unit_points)?;
+    let Belief { gp, fit, targets, incumbent: incumbent_trial, best_target, .. } = belief;
 
     // The incumbent, and the region around it.
-    let (best_at, best_target) = least(&targets.values);
-    let incumbent = &unit_points[targets.trials[best_at]];
+    let incumbent = &unit_points[incumbent_trial];
     let dimension = domain.dimension();
     let trust_region = model
         .trust_region_above
@@ -128,56 +122,4 @@ pub fn suggest(
         acquisition: Some(found.value),
         evidence: Some(evidence),
     })
-}
-
-/// Fits to all observations, or, above `fit_limit`, to the best half and the latest half of that many.
-fn fit_hyper_parameters(
-    model: &ModelSettings,
-    observed: &[Vec<f64>],
-    values: &[f64],
-    seed: u64,
-    trial: usize,
-) -> Result<Fit, BayesoptError> {
-    let (n, limit) = (values.len(), model.fit.fit_limit);
-    if n <= limit {
-        return fit(&model.fit, observed, values, seed ^ trial as u64);
-    }
-    let mut by_value: Vec<usize> = (0..n).collect();
-    by_value.sort_by(|&a, &b| values[a].total_cmp(&values[b]));
-    let mut kept: Vec<usize> = by_value[..limit / 2].to_vec();
-    let latest = (0..n).rev().filter(|i| !by_value[..limit / 2].contains(i)).take(limit - limit / 2);
-    kept.extend(latest);
-    kept.sort_unstable();
-    let points: Vec<Vec<f64>> = kept.iter().map(|&i| observed[i].clone()).collect();
-    let targets: Vec<f64> = kept.iter().map(|&i| values[i]).collect();
-    fit(&model.fit, &points, &targets, seed ^ trial as u64)
-}
-
-/// The posterior given the observations and, at their posterior means, the pending trials.
-fn condition(
-    model: &ModelSettings,
-    fit: &Fit,
-    observed: Vec<Vec<f64>>,
-    targets: &Targets,
-    history: &History,
-    unit_points: &[Vec<f64>],
-) -> Result<Gp, BayesoptError> {
-    let family = model.fit.family;
-    let pending: Vec<Vec<f64>> = (0..history.len())
-        .filter(|&i| history.trials[i].outcome.is_pending())
-        .map(|i| unit_points[i].clone())
-        .collect();
-    let gp = Gp::new(family, &fit.hyper, observed.clone(), &targets.values)?;
-    if pending.is_empty() {
-        return Ok(gp);
-    }
-    let believed = gp.posterior_batch(&pending);
-    let values: Vec<f64> = targets.values.iter().copied().chain(believed.iter().map(|p| p.mean)).collect();
-    Gp::new(family, &fit.hyper, observed.into_iter().chain(pending).collect(), &values)
-}
-
-/// Index and value of the least target; the first of equals.
-fn least(values: &[f64]) -> (usize, f64) {
-    let first = (0, values[0]);
-    values.iter().copied().enumerate().fold(first, |best, (i, v)| if v < best.1 { (i, v) } else { best })
 }

@@ -22,6 +22,8 @@ const EXAMPLES: &str = "Examples:
   tribo tune --friction stribeck --truth stribeck --pose 1 --seed 7
   tribo tune --resume --out campaigns/0001     go on with a campaign that was stopped
   tribo export campaigns/0001 --format json    the tuned compensator
+  tribo dashboard campaigns/0001               look at it, also while it runs
+  tribo report campaigns/0001                  the campaign as one HTML file
   tribo simulate --log trial.csv               one trial as a robot log
   tribo convert panda_gaz2019 panda.csv        a log of another program as canonical CSV
   tribo estimate panda.csv --torque-side link  what the joint torques and the tool say about it
@@ -51,7 +53,7 @@ pub struct Common {
 pub enum Command {
     /// Tune the friction compensator of a simulated arm over a campaign of trials.
     ///
-    /// Writes campaign.yaml, journal.log (readable by optuna-dashboard), trials/NNNN.parquet and tuned.yaml. A campaign
+    /// Writes campaign.yaml, journal.log (readable by optuna-dashboard), trials/NNNN.parquet, tuned.yaml and report.html. A campaign
     /// that was killed goes on with --resume and ends with the same result.
     Tune(Tune),
     /// Run one trial on the simulated arm and write it as a robot log.
@@ -66,6 +68,12 @@ pub enum Command {
     Convert(Convert),
     /// Write tuned parameters for another program.
     Export(Export),
+    /// Write a campaign, finished or running, as one HTML file with all figures; it needs no script and no network.
+    Report(Report),
+    /// Open the window: start campaigns, watch them live, look at trials, logs and diagnoses.
+    ///
+    /// A campaign that another process runs is followed through its journal. Watching changes no result.
+    Dashboard(Dashboard),
     /// Rerun the experiments of a paper and print their table.
     Reproduce(Reproduce),
     /// Print a shell completion script.
@@ -132,6 +140,9 @@ pub struct Tune {
     /// Phases of the reference trajectory.
     #[arg(long, value_parser = PossibleValuesParser::new(["documented", "random"]))]
     pub phases: Option<String>,
+    /// Watch the campaign in the window while it runs.
+    #[arg(long)]
+    pub dashboard: bool,
     /// Fail (exit code 1) if the best cost exceeds this multiple of the oracle's.
     #[arg(long, value_name = "RATIO", allow_negative_numbers = true)]
     pub check: Option<f64>,
@@ -255,6 +266,54 @@ pub struct Export {
     /// File to write [default: standard output].
     #[arg(long, value_name = "FILE")]
     pub out: Option<PathBuf>,
+}
+
+/// Arguments of `report`.
+#[derive(Debug, Args)]
+pub struct Report {
+    /// The campaign directory.
+    #[arg(value_name = "DIR")]
+    pub campaign: PathBuf,
+    /// File to write [default: report.html in the campaign directory].
+    #[arg(long, value_name = "FILE")]
+    pub out: Option<PathBuf>,
+}
+
+/// Arguments of `dashboard`.
+#[derive(Debug, Args)]
+pub struct Dashboard {
+    /// A campaign directory or a robot log [default: a form to start a campaign from].
+    #[arg(value_name = "DIR|LOG")]
+    pub open: Option<PathBuf>,
+    /// View to begin with.
+    #[arg(long, value_parser = PossibleValuesParser::new(["campaign", "trial", "arm", "log", "diagnosis", "compare"]))]
+    pub view: Option<String>,
+    /// Second campaign directory, of the view `compare`.
+    #[arg(long, value_name = "DIR")]
+    pub compare: Option<PathBuf>,
+    /// Model that a log is held against (YAML, schema tribo.model/1) [default: the bare Panda without friction].
+    #[arg(long, value_name = "FILE")]
+    pub model: Option<PathBuf>,
+    /// Side of the gears on which tau_J was measured, when no --model says it.
+    #[arg(long, default_value = "motor", value_parser = PossibleValuesParser::new(["motor", "link"]), conflicts_with = "model")]
+    pub torque_side: String,
+    /// Draw the view into this PNG and end; needs no display.
+    #[arg(long, value_name = "FILE")]
+    pub screenshot: Option<PathBuf>,
+    /// Size of the picture (px).
+    #[arg(long, value_name = "WxH", default_value = "1280x800", value_parser = picture_size)]
+    pub size: [usize; 2],
+    /// Dark picture.
+    #[arg(long)]
+    pub dark: bool,
+}
+
+/// `1280x800`.
+fn picture_size(text: &str) -> Result<[usize; 2], String> {
+    let sides = text.split_once('x').and_then(|(w, h)| Some([w.parse().ok()?, h.parse().ok()?]));
+    sides
+        .filter(|sides: &[usize; 2]| sides.iter().all(|side| (320..=7680).contains(side)))
+        .ok_or_else(|| "expected WIDTHxHEIGHT with sides of 320 to 7680".to_owned())
 }
 
 /// Arguments of `reproduce`.

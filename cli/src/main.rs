@@ -30,6 +30,8 @@ fn main() -> ExitCode {
         Command::Diagnose(diagnose) => command::diagnose::run(&diagnose, &common),
         Command::Convert(convert) => command::convert::run(&convert, &common),
         Command::Export(export) => command::export::run(&export, &common),
+        Command::Dashboard(dashboard) => command::dashboard::run(&dashboard),
+        Command::Report(report) => command::report::run(&report, &common),
         Command::Reproduce(reproduce) => command::reproduce::run(&reproduce, &common),
         Command::Completions { shell } => command::shell::completions(shell),
         Command::Man => command::shell::man_page(),

@@ -47,6 +47,7 @@ pub mod strategy;
 mod trial;
 mod trial_log;
 mod trial_store;
+pub mod watch;
 
 pub use against_ekf::{AgainstEkf, against_ekf};
 pub use believed::{Believed, NotCancelled, joint_effects};
@@ -63,7 +64,7 @@ pub use monitor::{AbortReason, PenaltyLimits, TrialMonitor};
 use numbered_trial::noise_seed;
 pub use numbered_trial::run_numbered;
 pub use parameters::{Bounds, ParameterSpace, TunedLaw};
-pub use reference_costs::{References, references};
+pub use reference_costs::{References, references, uncompensated_trial};
 pub use simulate::simulate_log;
 pub use trial::{Trial, TrialOutcome, run_trial, run_trial_observed};
 pub use trial_log::TrialLog;

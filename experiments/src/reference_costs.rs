@@ -6,7 +6,7 @@ use tribo_friction::{FrictionModel, JointEffects};
 use tribo_sim::Effect;
 
 use crate::numbered_trial::{noise_seed, run_estimated};
-use crate::{EstimatorError, Trial, ValidTune, joint_effects};
+use crate::{EstimatorError, Trial, TrialOutcome, ValidTune, joint_effects};
 
 /// Costs that put a campaign's result into proportion; known only in simulation.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -26,7 +26,7 @@ pub struct References {
 pub fn references(tune: &ValidTune) -> Result<References, EstimatorError> {
     let none = FrictionModel::uniform(CoulombViscous::default().into());
     let no_effects = [JointEffects::default(); 7];
-    let uncompensated = Trial { effects: no_effects, ..tune.trial.clone() };
+    let uncompensated = without_compensation(tune);
     let oracle = tune.trial.clone().believing(&tune.oracle);
     let mut smooth = Trial { effects: no_effects, ..oracle.clone() };
     smooth.truth.friction = none;
@@ -41,6 +41,19 @@ pub fn references(tune: &ValidTune) -> Result<References, EstimatorError> {
         })
         .collect::<Result<_, EstimatorError>>()?;
     Ok(References { uncompensated: costs[0], oracle: costs[1], frictionless: costs[2] })
+}
+
+/// The trial of [`References::uncompensated`] with its log: what the arm does when nobody cancels its friction.
+///
+/// # Errors
+/// A campaign whose estimator cannot be had.
+pub fn uncompensated_trial(tune: &ValidTune) -> Result<TrialOutcome<7>, EstimatorError> {
+    let none = FrictionModel::uniform(CoulombViscous::default().into());
+    run_estimated(tune, &without_compensation(tune), &none, noise_seed(tune.config.seed, u64::MAX))
+}
+
+fn without_compensation(tune: &ValidTune) -> Trial<7> {
+    Trial { effects: [JointEffects::default(); 7], ..tune.trial.clone() }
 }
 
 /// Whether an effect belongs to the arm even when nothing acts in its joints.

@@ -1,9 +1,11 @@
 //! One file per command.
 
 pub mod convert;
+pub mod dashboard;
 pub mod diagnose;
 pub mod estimate;
 pub mod export;
+pub mod report;
 pub mod reproduce;
 pub mod shell;
 pub mod simulate;
@@ -16,6 +18,15 @@ use tribo_experiments::files::YamlDocument;
 use tribo_experiments::{ConfigError, NotCancelled, TuneConfig, ValidTune};
 
 use crate::arguments::{Common, Scenario};
+
+/// Where campaigns go when nobody says where.
+const CAMPAIGNS: &str = "campaigns";
+
+/// The time, for the stamps in the journal.
+fn now() -> String {
+    // Optuna reads Python's isoformat, which wants +00:00 in place of Z.
+    jiff::Timestamp::now().strftime("%Y-%m-%dT%H:%M:%S.%6f+00:00").to_string()
+}
 
 /// The value of an option whose spelling clap has checked.
 fn named<T: DeserializeOwned>(name: &str) -> anyhow::Result<T> {

@@ -4,19 +4,16 @@ use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use anyhow::Context;
-use tribo_experiments::strategy::Origin;
+use tribo_experiments::watch::write_report;
 use tribo_experiments::{
     AgainstEkf, Campaign, CampaignError, CampaignResult, EstimatorName, ParameterSpace, against_ekf,
 };
 
-use super::{configured, set, warn_not_cancelled};
+use super::{CAMPAIGNS, configured, now, set, warn_not_cancelled};
 use crate::arguments::{Common, Tune};
 use crate::failure::{BadInput, CheckFailed};
 use crate::output::{print, print_json, significant, table};
 use crate::progress::{TrialProgress, stop_on_signal};
-
-/// Where campaigns go when nobody says where.
-const CAMPAIGNS: &str = "campaigns";
 
 /// Runs or resumes a campaign.
 pub fn run(arguments: &Tune, common: &Common) -> anyhow::Result<()> {
@@ -37,8 +34,18 @@ pub fn run(arguments: &Tune, common: &Common) -> anyhow::Result<()> {
         .build()
         .context("starting the threads of the trials")?;
     let tune = campaign.tune().clone();
-    let result = pool.install(|| campaign.run(&mut progress));
+    // The window watches through the journal, from this thread, as windows must; closing it does not stop the campaign.
+    let result = std::thread::scope(|scope| {
+        let running = scope.spawn(|| pool.install(|| campaign.run(&mut progress)));
+        let window = if arguments.dashboard { super::dashboard::watch(&directory) } else { Ok(()) };
+        (running.join(), window)
+    });
+    let (result, window) = result;
+    let result = result.map_err(|_| anyhow::anyhow!("the campaign's thread panicked"))?;
     progress.finish();
+    if let Err(error) = window {
+        eprintln!("tribo: {error}");
+    }
     let result = match result {
         Err(CampaignError::Stopped { finished }) => {
             eprintln!(
@@ -54,10 +61,11 @@ pub fn run(arguments: &Tune, common: &Common) -> anyhow::Result<()> {
     }
     let judged = pool.install(|| against_ekf(&tune, &result))?;
     let wall_s = started.elapsed().as_secs_f64();
+    let report = write_report(&directory, None, false)?;
     if common.json {
         print_json(&result.to_json(judged, wall_s));
     } else if !common.quiet {
-        show(&result, judged.as_ref(), &directory, wall_s);
+        show(&result, judged.as_ref(), &directory, &report, wall_s);
     }
     match arguments.check {
         Some(limit) => check(&result, limit),
@@ -126,12 +134,6 @@ fn last_campaign() -> Option<(u32, PathBuf)> {
         .max_by_key(|(number, _)| *number)
 }
 
-/// The time, for the stamps in the journal.
-fn now() -> String {
-    // Optuna reads Python's isoformat, which wants +00:00 in place of Z.
-    jiff::Timestamp::now().strftime("%Y-%m-%dT%H:%M:%S.%6f+00:00").to_string()
-}
-
 fn check(result: &CampaignResult, limit: f64) -> anyhow::Result<()> {
     let ratio = result.best.map_or(f64::INFINITY, |(_, cost)| cost / result.references.oracle);
     if ratio <= limit {
@@ -140,18 +142,7 @@ fn check(result: &CampaignResult, limit: f64) -> anyhow::Result<()> {
     Err(CheckFailed(format!("best J is {ratio:.3} of the oracle's; allowed: {limit}")).into())
 }
 
-/// Who chose a trial's parameters, for people.
-fn origin(origin: Origin) -> &'static str {
-    match origin {
-        Origin::Constant => "constant",
-        Origin::Design => "design",
-        Origin::LeastSquares => "least squares",
-        Origin::Model => "model",
-        Origin::Learning => "learning",
-    }
-}
-
-fn show(result: &CampaignResult, judged: Option<&AgainstEkf>, directory: &Path, wall_s: f64) {
+fn show(result: &CampaignResult, judged: Option<&AgainstEkf>, directory: &Path, report: &Path, wall_s: f64) {
     let mut trials =
         table(&["trial", "J [N + Nm]", "J/J_oracle", "max F+M", "mean F+M", "penalty", "chosen by", "state"]);
     let best = result.best.map(|(number, _)| number);
@@ -166,7 +157,7 @@ fn show(result: &CampaignResult, judged: Option<&AgainstEkf>, directory: &Path, 
             significant(trial.cost.max.iter().sum(), 3),
             significant(trial.cost.mean.iter().sum(), 3),
             significant(trial.cost.penalty, 3),
-            origin(trial.origin).to_owned(),
+            trial.origin.to_string(),
             state,
         ]);
     }
@@ -202,9 +193,10 @@ fn show(result: &CampaignResult, judged: Option<&AgainstEkf>, directory: &Path, 
         ));
     }
     print(format_args!(
-        "\n{} trials in {wall_s:.1} s; written {}",
+        "\n{} trials in {wall_s:.1} s; written {} and {}",
         result.trials.len(),
-        directory.join("tuned.yaml").display()
+        directory.join("tuned.yaml").display(),
+        report.display()
     ));
     if let Some((_, cost)) = result.best {
         print(format_args!(

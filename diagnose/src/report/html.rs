@@ -1,7 +1,9 @@
 //! The report as one HTML file.
 
-use super::escape::{escape, escape_sentence};
-use super::number::significant;
+use tribo_figure::escape::{escape, escape_sentence};
+use tribo_figure::number::significant;
+use tribo_figure::page;
+
 use super::section;
 use super::sentence::verdict_sentence;
 use crate::{Diagnosis, Verdict};
@@ -39,14 +41,9 @@ pub fn html(diagnosis: &Diagnosis, context: &ReportContext) -> String {
         section::small_print(diagnosis),
         section::overview(diagnosis),
     ];
-    format!(
-        "<!doctype html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n\
-         <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n\
-         <title>Diagnosis: {}</title>\n<style>\n{}</style>\n</head>\n<body>\n<main>\n{}{}</main>\n</body>\n</html>\n",
-        verdict_name(diagnosis.verdict),
-        include_str!("style.css"),
-        head(diagnosis, context),
-        sections.concat(),
+    page::page(
+        &format!("Diagnosis: {}", verdict_name(diagnosis.verdict)),
+        &(head(diagnosis, context) + &sections.concat()),
     )
 }
 

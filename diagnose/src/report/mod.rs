@@ -9,17 +9,14 @@
 //! Everything that is not ours (file names, reasons, signatures) is escaped. It shows and does not compute: every
 //! number is one of the [`Diagnosis`](crate::Diagnosis).
 
-mod axis;
-mod decimate;
-mod escape;
 mod html;
-pub mod number;
+mod pictures;
 #[cfg(test)]
 mod sample;
 mod section;
 mod sentence;
-mod svg;
 
 pub use html::{ClosedLoop, ReportContext, html};
+pub use pictures::{held_out_bars, via_points};
 pub use sentence::{cause_at, cause_name, description, finding_sentence, verdict_sentence};
-pub use svg::{bars_svg, plot_svg};
+pub use tribo_figure::number;

@@ -1,14 +1,16 @@
 //! The sections of the HTML report, each a pure function of the diagnosis; empty text where there is nothing to say.
 
-use super::escape::{escape, escape_sentence};
-use super::html::ClosedLoop;
-use super::number::{percent, percent_with_interval, probability, quantity_and_unit, significant, with_interval};
-use super::sentence::{cause_at, finding_sentence};
-use super::svg::{bars_svg, plot_svg};
-use crate::{Diagnosis, Finding, NextExperiment, Plot, Series};
+use tribo_figure::escape::{escape, escape_sentence};
+use tribo_figure::number::{
+    percent, percent_with_interval, probability, quantity_and_unit, significant, with_interval,
+};
+use tribo_figure::page::{raw_table, section, table};
+use tribo_figure::{Figure, page};
 
-/// Joints whose angle changes by more than this are drawn (rad).
-const MOVES_RAD: f64 = 1e-3;
+use super::html::ClosedLoop;
+use super::pictures::{held_out_bars, via_points};
+use super::sentence::{cause_at, finding_sentence};
+use crate::{Diagnosis, Finding, Plot};
 
 /// What was found, each finding with its parameters, rivals and evidence.
 pub fn findings(diagnosis: &Diagnosis) -> String {
@@ -57,20 +59,7 @@ fn article(finding: &Finding) -> String {
 /// Before and after, per joint, on the log, on unseen blocks, on other logs and in a closed loop.
 pub fn worth(diagnosis: &Diagnosis, closed_loop: Option<ClosedLoop>) -> String {
     let joints = &diagnosis.joints;
-    let column = |pick: fn(&crate::JointMisfit) -> f64| joints.iter().map(pick).collect::<Vec<f64>>();
-    let names: Vec<String> = (0..joints.len()).map(|joint| format!("joint {joint}")).collect();
-    let bars = bars_svg(
-        "Residual on unseen blocks, per joint",
-        "residual RMS [Nm]",
-        &names,
-        &[
-            ("before", column(|joint| joint.held_out_nm[0])),
-            ("with the findings", column(|joint| joint.held_out_nm[1])),
-        ],
-        ("noise of the torque sensor", &column(|joint| joint.noise_floor_nm)),
-    );
-    let caption = "Residual on blocks that the fit has not seen";
-    let bars = format!("<div class=\"plots\"><figure><figcaption>{caption}</figcaption>\n{bars}</figure></div>\n");
+    let bars = page::figures([&held_out_bars(diagnosis)]);
     let header = [
         "joint",
         "RMS before [Nm]",
@@ -122,31 +111,9 @@ pub fn next_experiment(diagnosis: &Diagnosis) -> String {
         escape(&next.instruction),
         significant(next.expected_evidence, 3),
         significant(next.evidence_of_this_log, 3),
-        figures(&via_plot(next))
+        page::figures(&via_points(next))
     );
     section("Next experiment", &body)
-}
-
-/// The via points of the joints that move.
-fn via_plot(next: &NextExperiment) -> Vec<Plot> {
-    let joints = next.via_points.iter().map(|(_, q)| q.len()).min().unwrap_or(0);
-    let angle = |j: usize| next.via_points.iter().map(move |(_, q)| q[j]);
-    let series: Vec<Series> = (0..joints)
-        .filter(|&j| angle(j).fold(f64::NEG_INFINITY, f64::max) - angle(j).fold(f64::INFINITY, f64::min) > MOVES_RAD)
-        .map(|j| Series {
-            name: format!("joint {j}"),
-            x: next.via_points.iter().map(|(time_s, _)| *time_s).collect(),
-            y: angle(j).collect(),
-            joined: true,
-        })
-        .collect();
-    let plot = |series| Plot {
-        title: format!("Via points of {}, joints that move", next.motion),
-        x_label: "time [s]".to_owned(),
-        y_label: "joint angle [rad]".to_owned(),
-        series,
-    };
-    if series.is_empty() { Vec::new() } else { vec![plot(series)] }
 }
 
 /// What the residual goes with before any cause is named.
@@ -220,19 +187,9 @@ pub fn overview(diagnosis: &Diagnosis) -> String {
     section("The residual in pictures", &figures(&diagnosis.overview))
 }
 
-fn section(heading: &str, body: &str) -> String {
-    format!("<section>\n<h2>{heading}</h2>\n{body}</section>\n")
-}
-
 fn figures(plots: &[Plot]) -> String {
-    let figures = plots
-        .iter()
-        .map(|plot| format!("<figure><figcaption>{}</figcaption>\n{}</figure>\n", escape(&plot.title), plot_svg(plot)));
-    if plots.is_empty() {
-        String::new()
-    } else {
-        format!("<div class=\"plots\">\n{}</div>\n", figures.collect::<String>())
-    }
+    let figures: Vec<Figure> = plots.iter().map(Figure::from).collect();
+    page::figures(&figures)
 }
 
 fn numbers(values: &[f64]) -> String {
@@ -242,24 +199,4 @@ fn numbers(values: &[f64]) -> String {
 fn part_cell(part: f64) -> String {
     let width = if part.is_finite() { 100.0 * part.clamp(0.0, 1.0) } else { 0.0 };
     format!("<td class=\"part\" style=\"--p:{width:.0}%\">{}</td>", percent(part))
-}
-
-/// A table of text; columns in `left` are left-aligned.
-fn table<R: IntoIterator<Item = String>>(header: &[&str], left: &[usize], rows: impl Iterator<Item = R>) -> String {
-    let row = |row: R| {
-        let cells =
-            row.into_iter().enumerate().map(|(k, cell)| format!("<td{}>{}</td>", class(left, k), escape(&cell)));
-        format!("<tr>{}</tr>\n", cells.collect::<String>())
-    };
-    raw_table(header, left, &rows.map(row).collect::<String>())
-}
-
-fn raw_table(header: &[&str], left: &[usize], rows: &str) -> String {
-    let names = header.iter().enumerate().map(|(k, name)| format!("<th{}>{}</th>", class(left, k), escape(name)));
-    let names = names.collect::<String>();
-    format!("<div class=\"scroll\"><table>\n<thead><tr>{names}</tr></thead>\n<tbody>\n{rows}</tbody>\n</table></div>\n")
-}
-
-fn class(left: &[usize], column: usize) -> &'static str {
-    if left.contains(&column) { " class=\"t\"" } else { "" }
 }

@@ -6,7 +6,8 @@
 //!
 //! Numbers in brackets are 95 % intervals. Joints and links count from 0.
 
-use super::number::{fixed, percent_with_interval, significant, with_interval};
+use tribo_figure::number::{fixed, percent_with_interval, significant, with_interval};
+
 use crate::{CauseLabel, Diagnosis, Finding, Location, Parameter, Verdict};
 
 /// The answer in one or two sentences.

@@ -6,8 +6,10 @@
 
 mod file;
 mod replay;
+mod tail;
 mod trial_record;
 
 pub use file::{Clock, Journal};
-pub use replay::{JournalTrial, TrialState, replay};
+pub use replay::{JournalTrial, Replay, TrialState, replay};
+pub use tail::{JournalTail, News};
 pub(crate) use trial_record::{attributes, finished_trial};

@@ -59,16 +59,37 @@ pub struct JournalTrial {
     pub attributes: BTreeMap<String, Value>,
 }
 
+/// The state of a study, line by line.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Replay {
+    studies: usize,
+    lines: u64,
+    trials: Vec<JournalTrial>,
+}
+
+impl Replay {
+    /// Takes further complete lines of the journal at `path`; anything unexpected names its line.
+    pub fn extend(&mut self, path: &Path, text: &str) -> Result<(), FileError> {
+        for line in text.lines() {
+            self.lines += 1;
+            let corrupt = |message: String| FileError::Journal { path: path.to_owned(), line: self.lines, message };
+            let record: Value = serde_json::from_str(line).map_err(|error| corrupt(format!("not JSON: {error}")))?;
+            apply(&record, &mut self.studies, &mut self.trials).map_err(corrupt)?;
+        }
+        Ok(())
+    }
+
+    /// The trials so far, by number.
+    pub fn trials(&self) -> &[JournalTrial] {
+        &self.trials
+    }
+}
+
 /// Replays the complete lines of a journal. An empty text has no study yet; anything unexpected names its line.
 pub fn replay(path: &Path, text: &str) -> Result<Vec<JournalTrial>, FileError> {
-    let mut trials = Vec::new();
-    let mut studies = 0;
-    for (index, line) in text.lines().enumerate() {
-        let corrupt = |message: String| FileError::Journal { path: path.to_owned(), line: index as u64 + 1, message };
-        let record: Value = serde_json::from_str(line).map_err(|error| corrupt(format!("not JSON: {error}")))?;
-        apply(&record, &mut studies, &mut trials).map_err(corrupt)?;
-    }
-    Ok(trials)
+    let mut replay = Replay::default();
+    replay.extend(path, text)?;
+    Ok(replay.trials)
 }
 
 fn apply(record: &Value, studies: &mut usize, trials: &mut Vec<JournalTrial>) -> Result<(), String> {

@@ -56,7 +56,7 @@ impl Strategy for Search {
 }
 
 /// Trials as the optimiser takes them: an aborted one has failed, its penalised cost beside it.
-pub(super) fn observations(history: &[FinishedTrial]) -> History {
+pub(crate) fn observations(history: &[FinishedTrial]) -> History {
     let trials = history
         .iter()
         .map(|trial| {

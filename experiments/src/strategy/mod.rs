@@ -5,10 +5,13 @@ mod bayes;
 mod grey_box;
 mod iterative_learning;
 
+use std::fmt;
+
 use serde::{Deserialize, Serialize};
 use tribo_bayesopt::BayesoptError;
 use tribo_friction::identify::GlsError;
 
+pub(crate) use bayes::observations;
 pub use grey_box::{GreyBox, identification_samples};
 
 use crate::files::FileError;
@@ -66,6 +69,18 @@ pub enum Origin {
     Model,
     /// A step of iterative learning.
     Learning,
+}
+
+impl fmt::Display for Origin {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::Constant => "constant",
+            Self::Design => "design",
+            Self::LeastSquares => "least squares",
+            Self::Model => "model",
+            Self::Learning => "learning",
+        })
+    }
 }
 
 /// A parameter vector to try, and who chose it.

@@ -1,9 +1,9 @@
 //! One axis of a plot: range, ticks at round numbers, and where a value lies.
 
-use super::number::fixed;
+use crate::number::fixed;
 
 /// Values that span more than this factor, all positive, get a logarithmic axis.
-const LOGARITHMIC_SPAN: f64 = 1e3;
+pub(crate) const LOGARITHMIC_SPAN: f64 = 1e3;
 /// At most this many decades are shown; what is smaller lies on the edge of the plot.
 const MOST_DECADES: f64 = 8.0;
 

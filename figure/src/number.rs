@@ -86,8 +86,9 @@ pub fn probability(p: f64) -> String {
 /// A name without a known suffix is without a unit.
 pub fn quantity_and_unit(name: &str) -> (String, &'static str) {
     // Longest first: `_nm_s_per_rad` also ends with `_rad`.
-    const SUFFIXES: [(&str, &str); 13] = [
+    const SUFFIXES: [(&str, &str); 14] = [
         ("_nm_s_per_rad", "Nm s/rad"),
+        ("_s_per_rad", "s/rad"),
         ("_first_moment_kg_m", "kg m"),
         ("_nm_per_rad", "Nm/rad"),
         ("_per_rev", "1/rev"),
@@ -146,6 +147,7 @@ mod tests {
             ("stribeck_velocity_rad_s", "stribeck velocity", "rad/s"),
             ("delta_viscous_nm_s_per_rad", "delta viscous", "Nm s/rad"),
             ("delta_first_moment_kg_m", "delta first moment", "kg m"),
+            ("inverse_stribeck_velocity_s_per_rad", "inverse stribeck velocity", "s/rad"),
             ("delta_rotor_inertia_kg_m2", "delta rotor inertia", "kg m²"),
             ("cycles_per_rev", "cycles", "1/rev"),
             ("stiffness_nm_per_rad", "stiffness", "Nm/rad"),

@@ -1,0 +1,210 @@
+//! What the model believes after the trials so far.
+
+use crate::gp::{FEWEST_SAMPLES, Fit, Gp, fit};
+use crate::settings::ModelSettings;
+use crate::transform::Targets;
+use crate::{BayesoptError, Domain, History};
+
+/// The Gaussian process from which the next point is chosen, and what undoes its transform.
+///
+/// [`suggest()`](crate::suggest()) maximises the acquisition on this very belief; [`Self::slice`] shows it.
+#[derive(Clone, Debug)]
+pub struct Belief {
+    /// The process, on the unit cube and standardised targets.
+    pub gp: Gp,
+    /// Its hyper-parameters and how their fit ended.
+    pub fit: Fit,
+    /// The targets it was conditioned on.
+    pub targets: Targets,
+    /// Trial with the least target.
+    pub incumbent: usize,
+    /// Its target.
+    pub best_target: f64,
+    settings: ModelSettings,
+    domain: Domain,
+    incumbent_unit: Vec<f64>,
+}
+
+/// The belief along one coordinate through the incumbent, all others held.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Slice {
+    /// Values of the coordinate, real units.
+    pub at: Vec<f64>,
+    /// Cost that the posterior mean stands for: the median of the cost, which is transformed monotonically.
+    pub median: Vec<f64>,
+    /// Lower and upper end of the central 95 % of the noise-free cost.
+    pub band95: Vec<[f64; 2]>,
+    /// The acquisition; a logarithm where the settings ask for it.
+    pub acquisition: Vec<f64>,
+}
+
+/// 97.5 % quantile of the standard normal.
+const Z95: f64 = 1.959_963_984_540_054;
+
+impl Belief {
+    /// The belief after `history`; none while there is too little to learn from.
+    ///
+    /// # Errors
+    /// A history that does not fit the domain, or a kernel matrix beyond repair.
+    pub fn of(
+        settings: &ModelSettings,
+        domain: &Domain,
+        history: &History,
+        seed: u64,
+    ) -> Result<Option<Self>, BayesoptError> {
+        let unit_points: Vec<Vec<f64>> =
+            history.trials.iter().map(|trial| domain.to_unit(&trial.point)).collect::<Result<_, _>>()?;
+        let targets = settings.transform.targets(history);
+        if targets.values.len() < FEWEST_SAMPLES {
+            return Ok(None);
+        }
+        let observed: Vec<Vec<f64>> = targets.trials.iter().map(|&i| unit_points[i].clone()).collect();
+
+        // Hyper-parameters from the observations, posterior from these and the pending trials.
+        let fit = fit_hyper_parameters(settings, &observed, &targets.values, seed, history.len())?;
+        let gp = condition(settings, &fit, observed, &targets, history, &unit_points)?;
+        let (best_at, best_target) = least(&targets.values);
+        let incumbent = targets.trials[best_at];
+        let incumbent_unit = unit_points[incumbent].clone();
+        let (settings, domain) = (settings.clone(), domain.clone());
+        Ok(Some(Self { gp, fit, targets, incumbent, best_target, settings, domain, incumbent_unit }))
+    }
+
+    /// The belief at `points` values of `coordinate`, evenly over its range, with the incumbent's own value among them.
+    ///
+    /// # Errors
+    /// `DimensionMismatch` of a coordinate that the domain does not have.
+    pub fn slice(&self, coordinate: usize, points: usize) -> Result<Slice, BayesoptError> {
+        let dimension = self.domain.dimension();
+        if coordinate >= dimension {
+            return Err(BayesoptError::DimensionMismatch { need: dimension, got: coordinate });
+        }
+        let mut along: Vec<f64> = (0..points).map(|k| k as f64 / (points.max(2) - 1) as f64).collect();
+        along.push(self.incumbent_unit[coordinate]);
+        along.sort_by(f64::total_cmp);
+        let at: Vec<Vec<f64>> = along
+            .iter()
+            .map(|u| {
+                let mut point = self.incumbent_unit.clone();
+                point[coordinate] = *u;
+                point
+            })
+            .collect();
+        let posterior = self.gp.posterior_batch(&at);
+        let cost = |target: f64| self.targets.cost(target);
+        let acquisition = self.settings.acquisition;
+        Ok(Slice {
+            at: at.iter().map(|u| Ok(self.domain.from_unit(u)?[coordinate])).collect::<Result<_, BayesoptError>>()?,
+            median: posterior.iter().map(|p| cost(p.mean)).collect(),
+            band95: posterior.iter().map(|p| [cost(p.mean - Z95 * p.sd), cost(p.mean + Z95 * p.sd)]).collect(),
+            acquisition: posterior.iter().map(|p| acquisition.evaluate(p.mean, p.sd, self.best_target).value).collect(),
+        })
+    }
+}
+
+/// Fits to all observations, or, above `fit_limit`, to the best half and the latest half of that many.
+fn fit_hyper_parameters(
+    model: &ModelSettings,
+    observed: &[Vec<f64>],
+    values: &[f64],
+    seed: u64,
+    trial: usize,
+) -> Result<Fit, BayesoptError> {
+    let (n, limit) = (values.len(), model.fit.fit_limit);
+    if n <= limit {
+        return fit(&model.fit, observed, values, seed ^ trial as u64);
+    }
+    let mut by_value: Vec<usize> = (0..n).collect();
+    by_value.sort_by(|&a, &b| values[a].total_cmp(&values[b]));
+    let mut kept: Vec<usize> = by_value[..limit / 2].to_vec();
+    let latest = (0..n).rev().filter(|i| !by_value[..limit / 2].contains(i)).take(limit - limit / 2);
+    kept.extend(latest);
+    kept.sort_unstable();
+    let points: Vec<Vec<f64>> = kept.iter().map(|&i| observed[i].clone()).collect();
+    let targets: Vec<f64> = kept.iter().map(|&i| values[i]).collect();
+    fit(&model.fit, &points, &targets, seed ^ trial as u64)
+}
+
+/// The posterior given the observations and, at their posterior means, the pending trials.
+fn condition(
+    model: &ModelSettings,
+    fit: &Fit,
+    observed: Vec<Vec<f64>>,
+    targets: &Targets,
+    history: &History,
+    unit_points: &[Vec<f64>],
+) -> Result<Gp, BayesoptError> {
+    let family = model.fit.family;
+    let pending: Vec<Vec<f64>> = (0..history.len())
+        .filter(|&i| history.trials[i].outcome.is_pending())
+        .map(|i| unit_points[i].clone())
+        .collect();
+    let gp = Gp::new(family, &fit.hyper, observed.clone(), &targets.values)?;
+    if pending.is_empty() {
+        return Ok(gp);
+    }
+    let believed = gp.posterior_batch(&pending);
+    let values: Vec<f64> = targets.values.iter().copied().chain(believed.iter().map(|p| p.mean)).collect();
+    Gp::new(family, &fit.hyper, observed.into_iter().chain(pending).collect(), &values)
+}
+
+/// Index and value of the least target; the first of equals.
+fn least(values: &[f64]) -> (usize, f64) {
+    let first = (0, values[0]);
+    values.iter().copied().enumerate().fold(first, |best, (i, v)| if v < best.1 { (i, v) } else { best })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{Outcome, Settings, suggest};
+
+    fn tried() -> (Settings, Domain, History) {
+        let domain = Domain::new(vec!["a".into(), "b".into()], vec![-1.0, 0.0], vec![1.0, 4.0]).unwrap();
+        let settings = Settings { init_trials: 4, ..Settings::bo(vec![0.0, 1.0]) };
+        let mut history = History::new();
+        for k in 0..9 {
+            let point = settings.design_point(&domain, k, 3).unwrap();
+            let cost = 1.0 + (point[0] - 0.2).powi(2) + 0.05 * (point[1] - 1.0).powi(2);
+            history.push(point, if k == 5 { Outcome::Failed { value: Some(50.0) } } else { Outcome::Value(cost) });
+        }
+        (settings, domain, history)
+    }
+
+    /// The belief that is shown is the one that chooses: same posterior at the suggested point.
+    #[test]
+    fn is_what_suggest_uses() {
+        let (settings, domain, history) = tried();
+        let evidence = suggest(&settings, &domain, &history, 3).unwrap();
+        let belief = Belief::of(settings.model.as_ref().unwrap(), &domain, &history, 3).unwrap().unwrap();
+        let at = domain.to_unit(&evidence.point).unwrap();
+        let posterior = &belief.gp.posterior_batch(&[at])[0];
+        let of_suggestion = evidence.evidence.unwrap();
+        assert_eq!(belief.fit, of_suggestion.fit);
+        assert!((posterior.mean - of_suggestion.mean).abs() < 1e-9 && (posterior.sd - of_suggestion.sd).abs() < 1e-9);
+    }
+
+    /// At the incumbent the slice passes through its cost; the band holds the median and closes at a trial.
+    #[test]
+    fn slices_pass_through_the_incumbent() {
+        let (settings, domain, history) = tried();
+        let belief = Belief::of(settings.model.as_ref().unwrap(), &domain, &history, 3).unwrap().unwrap();
+        let (trial, cost) = history.incumbent().unwrap();
+        assert_eq!(trial, belief.incumbent);
+        for coordinate in 0..2 {
+            let slice = belief.slice(coordinate, 41).unwrap();
+            let own = history.trials[trial].point[coordinate];
+            let k =
+                (0..slice.at.len()).min_by(|a, b| (slice.at[*a] - own).abs().total_cmp(&(slice.at[*b] - own).abs()));
+            let k = k.unwrap();
+            assert!((slice.at[k] - own).abs() < 1e-12 && (slice.median[k] - cost).abs() < 0.05 * cost);
+            let width = |k: usize| slice.band95[k][1] - slice.band95[k][0];
+            assert!(width(k) < 0.5 * width(0).max(width(40)));
+            assert!(
+                (0..slice.at.len())
+                    .all(|k| slice.band95[k][0] <= slice.median[k] && slice.median[k] <= slice.band95[k][1])
+            );
+        }
+        assert!(belief.slice(2, 41).is_err());
+    }
+}

@@ -1,0 +1,18 @@
+//! `tribo report`.
+
+use serde_json::json;
+use tribo_experiments::watch::write_report;
+
+use crate::arguments::{Common, Report};
+use crate::output::{print, print_json};
+
+/// Writes the report of a campaign, finished or not.
+pub fn run(arguments: &Report, common: &Common) -> anyhow::Result<()> {
+    let path = write_report(&arguments.campaign, arguments.out.as_deref(), true)?;
+    if common.json {
+        print_json(&json!({"schema": "tribo.report/1", "written": path}));
+    } else if !common.quiet {
+        print(format_args!("written {}", path.display()));
+    }
+    Ok(())
+}

@@ -1,0 +1,346 @@
+//! The window: bars, views, keys. It shows what the source hands it.
+
+use std::path::PathBuf;
+
+use egui::{CentralPanel, Context, Key, Panel, RichText, Theme, Ui};
+use serde::{Deserialize, Serialize};
+use tribo_experiments::journal::Clock;
+
+use crate::export;
+use crate::help;
+use crate::layout::Layout;
+use crate::log_snapshot::LogSource;
+use crate::source::Source;
+use crate::theme;
+use crate::views::{ArmView, CampaignView, CompareView, DiagnosisView, LogView, StartView, TrialView};
+
+/// The views.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum View {
+    /// Cost, parameters and belief over the trials.
+    #[default]
+    Campaign,
+    /// One trial.
+    Trial,
+    /// The arm in motion.
+    Arm,
+    /// Channels and wrench of a log.
+    Log,
+    /// What the model gets wrong about the log.
+    Diagnosis,
+    /// Two campaigns side by side.
+    Compare,
+}
+
+impl View {
+    /// All views, in the order of their tabs and keys.
+    pub const ALL: [Self; 6] = [Self::Campaign, Self::Trial, Self::Arm, Self::Log, Self::Diagnosis, Self::Compare];
+
+    /// Name on the tab.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Campaign => "Campaign",
+            Self::Trial => "Trial",
+            Self::Arm => "Arm",
+            Self::Log => "Log",
+            Self::Diagnosis => "Diagnosis",
+            Self::Compare => "Compare",
+        }
+    }
+}
+
+/// What a window is opened with.
+#[derive(Clone, Debug)]
+pub struct Options {
+    /// Campaign or log to open.
+    pub open: Option<LogSource>,
+    /// Second campaign of the view Compare.
+    pub compare: Option<PathBuf>,
+    /// View to begin with.
+    pub view: Option<View>,
+    /// Tells the time for journals.
+    pub clock: Clock,
+    /// Whether all work is done at once: every frame is a function of the input.
+    pub immediate: bool,
+    /// Where the layout is remembered.
+    pub layout: Option<PathBuf>,
+    /// Where figures are saved.
+    pub exports: PathBuf,
+    /// Parent of the directories of new campaigns.
+    pub campaigns: PathBuf,
+}
+
+/// The whole interface.
+#[derive(Debug)]
+pub struct Dashboard {
+    options: Options,
+    source: Source,
+    layout: Layout,
+    saved: Layout,
+    path: String,
+    help: bool,
+    starting: bool,
+    installed: bool,
+    start: StartView,
+    campaign: CampaignView,
+    trial: TrialView,
+    arm: ArmView,
+    log: LogView,
+    diagnosis: DiagnosisView,
+    compare: CompareView,
+}
+
+impl Dashboard {
+    /// An interface that has shown nothing yet.
+    pub fn new(options: Options) -> Self {
+        let mut layout = options.layout.as_deref().map(Layout::read).unwrap_or_default();
+        layout.view = options.view.unwrap_or(layout.view);
+        let path = options.open.as_ref().map_or(layout.path.clone(), |open| open.path.display().to_string());
+        Self {
+            source: Source::new(options.clock, options.immediate),
+            start: StartView::new(&options.campaigns),
+            saved: layout.clone(),
+            layout,
+            path,
+            help: false,
+            starting: options.open.is_none(),
+            installed: false,
+            campaign: CampaignView::default(),
+            trial: TrialView::default(),
+            arm: ArmView::default(),
+            log: LogView::default(),
+            diagnosis: DiagnosisView::default(),
+            compare: CompareView::default(),
+            options,
+        }
+    }
+
+    /// Where snapshots come from.
+    pub fn source(&self) -> &Source {
+        &self.source
+    }
+
+    /// Asks for the work that a picture shows and a user would have to ask for.
+    pub(crate) fn prepare(&mut self, ctx: &Context, diagnose: bool) {
+        let snapshot = self.source.snapshot();
+        if self.layout.view == View::Trial
+            && snapshot.trial.is_some()
+            && snapshot.loop_times.is_none()
+            && self.layout.trial_part == 4
+        {
+            self.source.measure_loop(ctx);
+        } else if diagnose
+            && snapshot.log.is_some()
+            && snapshot.diagnosis.is_none()
+            && self.source.diagnosing().is_none()
+        {
+            self.source.diagnose(ctx);
+        }
+    }
+
+    /// What is remembered.
+    pub fn layout(&self) -> &Layout {
+        &self.layout
+    }
+
+    /// One frame.
+    pub fn ui(&mut self, ui: &mut Ui) {
+        let ctx = ui.ctx().clone();
+        self.begin(&ctx);
+        self.keys(&ctx);
+        let now_s = ui.input(|input| input.time);
+        self.source.update(&ctx, now_s);
+        Panel::top("bar").show(ui, |ui| self.bar(ui));
+        Panel::bottom("status").show(ui, |ui| self.status(ui));
+        CentralPanel::default().show(ui, |ui| self.view(ui, now_s));
+        if self.help {
+            help::show(&ctx, &mut self.help);
+        }
+        for request in export::take_requests(&ctx) {
+            let dark = ctx.theme() == Theme::Dark;
+            self.source.message = match export::write(&self.options.exports, &request, dark) {
+                Ok(path) => format!("written {}", path.display()),
+                Err(error) => error,
+            };
+        }
+        self.remember(&ctx);
+        let live = self.source.snapshot().campaign.as_ref().is_some_and(|campaign| !campaign.is_complete());
+        if live || self.source.runner().is_some() {
+            // A frame a second: with OpenGL in software, more would be felt by the campaign.
+            ctx.request_repaint_after(std::time::Duration::from_secs(1));
+        }
+    }
+
+    /// What is done in the first frame, when there is a context.
+    fn begin(&mut self, ctx: &Context) {
+        if std::mem::replace(&mut self.installed, true) {
+            return;
+        }
+        theme::install(ctx);
+        if let Some(dark) = self.layout.dark {
+            ctx.set_theme(if dark { Theme::Dark } else { Theme::Light });
+        }
+        if let Some(open) = self.options.open.take() {
+            self.source.open(ctx, open);
+        }
+        if let Some(other) = self.options.compare.take() {
+            self.compare.open(&mut self.source, &other);
+        }
+    }
+
+    fn keys(&mut self, ctx: &Context) {
+        for file in ctx.input(|input| input.raw.dropped_files.clone()) {
+            self.path = file.path().display().to_string();
+            self.open(ctx);
+        }
+        if ctx.text_edit_focused() {
+            return;
+        }
+        let views = [Key::Num1, Key::Num2, Key::Num3, Key::Num4, Key::Num5, Key::Num6];
+        let pressed = |key: Key| ctx.input(|input| input.key_pressed(key));
+        for (view, key) in View::ALL.into_iter().zip(views) {
+            if pressed(key) {
+                (self.layout.view, self.starting) = (view, false);
+            }
+        }
+        if pressed(Key::F1) || pressed(Key::Questionmark) {
+            self.help = !self.help;
+        }
+        if pressed(Key::Escape) {
+            self.help = false;
+        }
+        if pressed(Key::T) {
+            self.toggle_theme(ctx);
+        }
+        if pressed(Key::Space) {
+            self.arm.playing = !self.arm.playing;
+        }
+        if pressed(Key::ArrowLeft) || pressed(Key::ArrowRight) {
+            self.trial.step(&mut self.source, if pressed(Key::ArrowRight) { 1 } else { -1 });
+        }
+    }
+
+    fn toggle_theme(&mut self, ctx: &Context) {
+        let dark = ctx.theme() != Theme::Dark;
+        self.layout.dark = Some(dark);
+        ctx.set_theme(if dark { Theme::Dark } else { Theme::Light });
+    }
+
+    fn open(&mut self, ctx: &Context) {
+        let source = LogSource { path: PathBuf::from(self.path.trim()), ..LogSource::default() };
+        let is_log = !source.path.join("campaign.yaml").exists() && source.path.is_file();
+        self.source.open(ctx, source);
+        self.starting = false;
+        match self.layout.view {
+            View::Campaign | View::Trial | View::Compare if is_log => self.layout.view = View::Log,
+            View::Log | View::Diagnosis if !is_log => self.layout.view = View::Campaign,
+            _ => {}
+        }
+    }
+
+    fn bar(&mut self, ui: &mut Ui) {
+        ui.add_space(4.0);
+        ui.horizontal(|ui| {
+            for view in View::ALL {
+                let tab = egui::Button::selectable(self.layout.view == view && !self.starting, view.name());
+                if ui.add(tab).clicked() {
+                    (self.layout.view, self.starting) = (view, false);
+                }
+            }
+            ui.separator();
+            if ui.button("New campaign").clicked() {
+                self.starting = true;
+            }
+            ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
+                if ui.button("Help").on_hover_text("Keys and gestures (F1)").clicked() {
+                    self.help = !self.help;
+                }
+                let name = if ui.visuals().dark_mode { "Light" } else { "Dark" };
+                if ui.button(name).on_hover_text("Change the theme (T)").clicked() {
+                    self.toggle_theme(&ui.ctx().clone());
+                }
+                if ui.button("Open").clicked() {
+                    self.open(&ui.ctx().clone());
+                }
+                let hint = "campaign directory or log";
+                let width = (ui.available_width() - 8.0).clamp(80.0, 420.0);
+                let label = ui.add(egui::TextEdit::singleline(&mut self.path).hint_text(hint).desired_width(width));
+                if label.lost_focus() && ui.input(|input| input.key_pressed(Key::Enter)) {
+                    self.open(&ui.ctx().clone());
+                }
+            });
+        });
+        ui.add_space(4.0);
+    }
+
+    fn status(&mut self, ui: &mut Ui) {
+        ui.horizontal(|ui| {
+            if self.source.busy() {
+                ui.spinner();
+            }
+            ui.label(RichText::new(&self.source.message).small());
+            ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
+                ui.label(
+                    RichText::new("wrenches: by the robot on the environment, base axes · joints count from 0")
+                        .small()
+                        .weak(),
+                );
+            });
+        });
+    }
+
+    fn view(&mut self, ui: &mut Ui, now_s: f64) {
+        if let Some(problem) = self.source.problem.clone() {
+            self.problem(ui, &problem);
+            return;
+        }
+        if self.starting {
+            if self.start.ui(ui, &mut self.source) {
+                (self.starting, self.layout.view) = (false, View::Campaign);
+            }
+            return;
+        }
+        let (source, layout) = (&mut self.source, &mut self.layout);
+        match layout.view {
+            View::Campaign => {
+                if self.campaign.ui(ui, source, layout) {
+                    layout.view = View::Trial;
+                }
+            }
+            View::Trial => self.trial.ui(ui, source, layout, self.arm.cursor_s),
+            View::Arm => self.arm.ui(ui, source.snapshot(), now_s),
+            View::Log => self.log.ui(ui, source),
+            View::Diagnosis => self.diagnosis.ui(ui, source),
+            View::Compare => self.compare.ui(ui, source),
+        }
+    }
+
+    fn problem(&mut self, ui: &mut Ui, problem: &str) {
+        ui.add_space(40.0);
+        ui.vertical_centered(|ui| {
+            ui.heading("This cannot be shown");
+            ui.add_space(8.0);
+            ui.label(RichText::new(problem).color(theme::bad(ui.visuals().dark_mode)));
+            ui.add_space(8.0);
+            ui.label("Give another path above, drop a directory or a log on this window, or start a new campaign.");
+            ui.add_space(8.0);
+            if ui.button("Start a campaign").clicked() {
+                (self.source.problem, self.starting) = (None, true);
+            }
+        });
+    }
+
+    /// Saves the layout when it has changed.
+    fn remember(&mut self, ctx: &Context) {
+        if self.source.snapshot().campaign.is_some() || self.source.snapshot().log.is_some() {
+            self.layout.path.clone_from(&self.path);
+        }
+        let size = ctx.content_rect().size();
+        self.layout.size = [size.x, size.y];
+        if let Some(path) = self.options.layout.as_deref().filter(|_| self.layout != self.saved) {
+            self.layout.write(path);
+            self.saved = self.layout.clone();
+        }
+    }
+}

@@ -1,0 +1,37 @@
+//! The window onto campaigns, trials, logs and diagnoses.
+//!
+//! ```text
+//! journal, logs → Source (threads) → Snapshot (immutable) → views → egui → window | picture | test
+//! ```
+//!
+//! [`Dashboard`] is the whole interface as a function of egui's input; [`run`] puts it into a window, [`screenshot()`] draws it
+//! into a PNG without display or graphics card, the tests click its labels. Views are handed an immutable [`Snapshot`] and
+//! write nothing. A campaign that is started here runs in a thread and is watched like any other: through its directory.
+//! Figures are those of the HTML report ([`tribo_experiments::watch`]).
+
+mod app;
+mod export;
+mod help;
+mod jobs;
+mod layout;
+mod log_snapshot;
+mod picture;
+mod plot;
+mod raster;
+mod runner;
+mod screenshot;
+mod shell;
+mod snapshot;
+mod source;
+mod theme;
+mod views;
+
+pub use app::{Dashboard, Options, View};
+pub use layout::Layout;
+pub use log_snapshot::{LogSnapshot, LogSource};
+pub use picture::{PictureError, picture, write_png};
+pub use screenshot::screenshot;
+pub use shell::{NoWindow, run};
+pub use snapshot::{DiagnosisSnapshot, Snapshot};
+pub use source::Source;
+pub use views::channels;

@@ -1,0 +1,275 @@
+//! The Panda as capsules, following a trial or a log, with the wrench as an arrow.
+
+use egui::{Color32, Pos2, Rect, RichText, Sense, Shape, Stroke, Ui, pos2, vec2};
+use nalgebra::{SVector, Vector3};
+use tribo_figure::number::significant;
+use tribo_robot::{Kinematics, presets};
+
+use crate::snapshot::Snapshot;
+use crate::theme::ink;
+
+/// Radii of the capsules from link to link (m): base to flange.
+const RADII_M: [f64; 8] = [0.075, 0.07, 0.065, 0.06, 0.055, 0.05, 0.045, 0.04];
+/// Length of the arrow (m per N).
+const ARROW_M_PER_N: f64 = 0.02;
+
+/// The camera and the moment.
+#[derive(Debug)]
+pub struct ArmView {
+    /// The moment that is shown, in the time of trial or log (s).
+    pub cursor_s: f64,
+    /// Whether time runs.
+    pub playing: bool,
+    speed: f64,
+    yaw: f64,
+    pitch: f64,
+    zoom: f64,
+    last_frame_s: Option<f64>,
+}
+
+impl Default for ArmView {
+    fn default() -> Self {
+        Self { cursor_s: 0.0, playing: false, speed: 1.0, yaw: -0.9, pitch: 0.35, zoom: 1.0, last_frame_s: None }
+    }
+}
+
+/// What is drawn at one moment.
+struct Moment {
+    q: SVector<f64, 7>,
+    /// Force then moment, by the robot on the environment, base axes.
+    wrench: Option<[f64; 6]>,
+}
+
+/// A motion: its time span, and its moments.
+struct Motion<'a> {
+    name: String,
+    span_s: [f64; 2],
+    at: Box<dyn Fn(f64) -> Option<Moment> + 'a>,
+    path: Vec<SVector<f64, 7>>,
+}
+
+/// Configurations along the path that is drawn.
+const PATH_POINTS: usize = 200;
+
+fn motion(snapshot: &Snapshot) -> Option<Motion<'_>> {
+    if let Some(trial) = &snapshot.trial {
+        let log = &trial.log;
+        let span_s = [*log.time_s.first()?, *log.time_s.last()?];
+        let at = move |time_s: f64| {
+            let row = trial.row_at(time_s);
+            let h = log.wrench.get(row)?;
+            Some(Moment { q: *log.q.get(row)?, wrench: Some([h[3], h[4], h[5], h[0], h[1], h[2]]) })
+        };
+        let path = log.q.iter().step_by((log.len() / PATH_POINTS).max(1)).copied().collect();
+        return Some(Motion { name: format!("trial {}", trial.watched.trial.number), span_s, at: Box::new(at), path });
+    }
+    let log = snapshot.log.as_ref()?;
+    let q = |row: usize| SVector::from_fn(|j, _| log.log.q_rad[j][row]);
+    let at = move |time_s: f64| {
+        let row = log.log.time_s.partition_point(|t| *t < time_s).min(log.log.rows() - 1);
+        let component = |k: usize| {
+            log.wrench.channels().get(3 * k).and_then(|channel| channel.samples().get(row)).map(|h| f64::from(*h))
+        };
+        let wrench: [f64; 6] = std::array::from_fn(|k| component(k).unwrap_or(f64::NAN));
+        Some(Moment { q: q(row), wrench: wrench.iter().all(|h| h.is_finite()).then_some(wrench) })
+    };
+    let path = (0..log.log.rows()).step_by((log.log.rows() / PATH_POINTS).max(1)).map(q).collect();
+    Some(Motion { name: "log".to_owned(), span_s: log.signals.span_s(), at: Box::new(at), path })
+}
+
+impl ArmView {
+    /// The view; `now_s` is the time of the frame (s).
+    pub fn ui(&mut self, ui: &mut Ui, snapshot: &Snapshot, now_s: f64) {
+        let Some(motion) = motion(snapshot) else {
+            super::empty(
+                ui,
+                "Nothing moves",
+                "Open a campaign or a log; the arm follows the trial that is chosen in the view Trial.",
+            );
+            return;
+        };
+        let [first_s, last_s] = motion.span_s;
+        let passed_s = self.last_frame_s.map_or(0.0, |last| now_s - last);
+        self.last_frame_s = Some(now_s);
+        if self.playing {
+            self.cursor_s += self.speed * passed_s;
+            if self.cursor_s > last_s {
+                self.cursor_s = first_s;
+            }
+            ui.ctx().request_repaint();
+        }
+        self.cursor_s = self.cursor_s.clamp(first_s, last_s);
+        self.controls(ui, &motion);
+        let Some(moment) = (motion.at)(self.cursor_s) else { return };
+        self.figures(ui, &moment);
+        self.scene(ui, &motion, &moment);
+    }
+
+    fn controls(&mut self, ui: &mut Ui, motion: &Motion<'_>) {
+        ui.horizontal(|ui| {
+            ui.label(RichText::new(format!("Panda, {}", motion.name)).heading());
+            if ui.button(if self.playing { "Pause" } else { "Play" }).on_hover_text("Space").clicked() {
+                self.playing = !self.playing;
+            }
+            for (speed, name) in [(0.25, "¼"), (1.0, "1"), (4.0, "4")] {
+                ui.selectable_value(&mut self.speed, speed, format!("{name}×"));
+            }
+            let label = ui.label("time [s]");
+            ui.spacing_mut().slider_width = (ui.available_width() - 230.0).max(120.0);
+            let slider = egui::Slider::new(&mut self.cursor_s, motion.span_s[0]..=motion.span_s[1]).fixed_decimals(2);
+            ui.add(slider).labelled_by(label.id);
+            if ui.button("Reset view").clicked() {
+                (self.yaw, self.pitch, self.zoom) = (-0.9, 0.35, 1.0);
+            }
+        });
+    }
+
+    fn figures(&self, ui: &mut Ui, moment: &Moment) {
+        let q: Vec<String> = moment.q.iter().map(|q| significant(*q, 3)).collect();
+        ui.label(format!("q [rad]: {}", q.join(", ")));
+        if let Some(h) = moment.wrench {
+            let part = |k: usize| h[k..k + 3].iter().map(|h| significant(*h, 3)).collect::<Vec<_>>().join(", ");
+            let size = |k: usize| significant(h[k..k + 3].iter().map(|h| h * h).sum::<f64>().sqrt(), 3);
+            ui.label(format!(
+                "force [N], base axes: {} (|F| = {}); moment [Nm]: {} (|M| = {})",
+                part(0),
+                size(0),
+                part(3),
+                size(3)
+            ));
+        } else {
+            ui.weak("no wrench at this moment: the estimator is settling");
+        }
+    }
+
+    fn scene(&mut self, ui: &mut Ui, motion: &Motion<'_>, moment: &Moment) {
+        let size = ui.available_size().max(vec2(200.0, 200.0));
+        let (response, painter) = ui.allocate_painter(size, Sense::click_and_drag());
+        let drag = response.drag_delta();
+        self.yaw -= f64::from(drag.x) * 0.008;
+        self.pitch = (self.pitch + f64::from(drag.y) * 0.008).clamp(-1.5, 1.5);
+        if response.hovered() {
+            self.zoom = (self.zoom * f64::from(ui.input(|input| input.zoom_delta()))).clamp(0.3, 5.0);
+        }
+        let response = response.on_hover_text_at_pointer("Drag to turn, Ctrl + wheel to zoom");
+        let dark = ui.visuals().dark_mode;
+        let camera = Camera::new(response.rect, self.yaw, self.pitch, self.zoom);
+        ground(&painter, &camera, ui.visuals().widgets.noninteractive.bg_stroke.color);
+
+        // The links, back to front, then the path of the flange.
+        let arm = presets::panda();
+        let at = Kinematics::at(&arm, &moment.q);
+        let mut points = vec![Vector3::zeros()];
+        points.extend(at.origins);
+        points.push(at.flange_origin);
+        let mut capsules: Vec<(f64, usize)> = (0..points.len() - 1)
+            .filter(|k| (points[k + 1] - points[*k]).norm() > 1e-6)
+            .map(|k| (camera.project(&((points[k] + points[k + 1]) * 0.5)).1, k))
+            .collect();
+        capsules.sort_by(|a, b| b.0.total_cmp(&a.0));
+        for (_, k) in capsules {
+            let radius_m = RADII_M[k.min(RADII_M.len() - 1)];
+            capsule(&painter, &camera, [&points[k], &points[k + 1]], radius_m, dark);
+        }
+        let flange = |q: &SVector<f64, 7>| camera.project(&Kinematics::at(&arm, q).flange_origin).0;
+        painter.add(Shape::line(motion.path.iter().map(flange).collect(), Stroke::new(1.2, ink(2, dark))));
+        for origin in &at.origins {
+            let (centre, _) = camera.project(origin);
+            painter.circle_filled(centre, 3.0, if dark { Color32::WHITE } else { Color32::BLACK });
+        }
+        frame_axes(&painter, &camera, dark);
+        if let Some(h) = moment.wrench {
+            let tip = at.flange_origin + Vector3::new(h[0], h[1], h[2]) * ARROW_M_PER_N;
+            let (from, to) = (camera.project(&at.flange_origin).0, camera.project(&tip).0);
+            painter.arrow(from, to - from, Stroke::new(3.0, ink(1, dark)));
+            let corner = response.rect.left_bottom() + vec2(12.0, -24.0);
+            let text = format!(
+                "arrow: force on the environment, 10 cm = {} N · green: path of the flange",
+                significant(0.1 / ARROW_M_PER_N, 2)
+            );
+            painter.text(
+                corner,
+                egui::Align2::LEFT_CENTER,
+                text,
+                egui::FontId::proportional(12.0),
+                ui.visuals().weak_text_color(),
+            );
+        }
+    }
+}
+
+/// Parallel projection: no part of the arm hides by being far.
+struct Camera {
+    centre: Pos2,
+    scale: f64,
+    right: Vector3<f64>,
+    up: Vector3<f64>,
+    forward: Vector3<f64>,
+}
+
+impl Camera {
+    /// Middle of what is looked at, in base axes (m).
+    const TARGET_M: [f64; 3] = [0.25, 0.0, 0.4];
+
+    fn new(rect: Rect, yaw: f64, pitch: f64, zoom: f64) -> Self {
+        let forward = Vector3::new(pitch.cos() * yaw.cos(), pitch.cos() * yaw.sin(), -pitch.sin());
+        let right = Vector3::new(yaw.sin(), -yaw.cos(), 0.0);
+        let up = right.cross(&forward);
+        let scale = zoom * f64::from(rect.height().min(rect.width() * 0.8)) / 1.05;
+        Self { centre: rect.center(), scale, right, up, forward }
+    }
+
+    /// Place on the screen, and depth (m).
+    fn project(&self, point: &Vector3<f64>) -> (Pos2, f64) {
+        let from_target = point - Vector3::from(Self::TARGET_M);
+        let (x, y) = (self.right.dot(&from_target) * self.scale, self.up.dot(&from_target) * self.scale);
+        (pos2(self.centre.x + x as f32, self.centre.y - y as f32), self.forward.dot(&from_target))
+    }
+}
+
+/// A grid on the floor, 20 cm wide.
+fn ground(painter: &egui::Painter, camera: &Camera, colour: Color32) {
+    for k in -3..=5 {
+        let at = 0.2 * f64::from(k);
+        for (from, to) in [
+            (Vector3::new(at, -0.6, 0.0), Vector3::new(at, 0.6, 0.0)),
+            (Vector3::new(-0.6, at - 0.2, 0.0), Vector3::new(1.0, at - 0.2, 0.0)),
+        ] {
+            painter.line_segment([camera.project(&from).0, camera.project(&to).0], Stroke::new(1.0, colour));
+        }
+    }
+}
+
+/// The axes of the base, with their names.
+fn frame_axes(painter: &egui::Painter, camera: &Camera, dark: bool) {
+    for (k, name) in ["x", "y", "z"].into_iter().enumerate() {
+        let mut tip = Vector3::zeros();
+        tip[k] = 0.25;
+        let (from, to) = (camera.project(&Vector3::zeros()).0, camera.project(&tip).0);
+        let colour = ink([1, 2, 0][k], dark);
+        painter.arrow(from, to - from, Stroke::new(2.0, colour));
+        painter.text(
+            to + (to - from) * 0.08,
+            egui::Align2::CENTER_CENTER,
+            name,
+            egui::FontId::proportional(13.0),
+            colour,
+        );
+    }
+}
+
+/// A link: a thick line with round ends and an outline.
+fn capsule(painter: &egui::Painter, camera: &Camera, ends: [&Vector3<f64>; 2], radius_m: f64, dark: bool) {
+    let [from, to] = ends.map(|end| camera.project(end).0);
+    let radius = (radius_m * camera.scale) as f32;
+    let (body, edge) = if dark {
+        (Color32::from_rgb(0x4a, 0x53, 0x5e), Color32::from_rgb(0x86, 0x90, 0x9b))
+    } else {
+        (Color32::from_rgb(0xe3, 0xe7, 0xec), Color32::from_rgb(0x8a, 0x93, 0x9c))
+    };
+    for (grow, colour) in [(1.5, edge), (0.0, body)] {
+        painter.line_segment([from, to], Stroke::new(2.0 * (radius + grow), colour));
+        painter.circle_filled(from, radius + grow, colour);
+        painter.circle_filled(to, radius + grow, colour);
+    }
+}

@@ -1,0 +1,230 @@
+//! The report of a campaign: one HTML file for people without a window.
+
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+use tribo_figure::Figure;
+use tribo_figure::escape::{escape, escape_sentence};
+use tribo_figure::number::{quantity_and_unit, significant};
+use tribo_figure::page::{self, figures, section, table};
+use tribo_logs::write_atomic;
+
+use super::{
+    CampaignSnapshot, CampaignWatch, LoopTimes, Surrogate, TrialSnapshot, WatchedTrial, campaign_figures, loop_times,
+    surrogate_figures, trial_figures,
+};
+use crate::files::FileError;
+use crate::{CampaignError, references, uncompensated_trial};
+
+/// Slices of the belief in the report: the most relevant parameters.
+const SLICES: usize = 4;
+
+/// Writes `report.html` of the campaign in a directory, to `out` or beside its journal; finished or not. Without `loop_time`,
+/// which is read from a clock, equal campaigns have equal reports, wherever they live.
+pub fn write_report(directory: &Path, out: Option<&Path>, loop_time: bool) -> Result<PathBuf, CampaignError> {
+    let mut watch = CampaignWatch::open(directory)?;
+    watch.set_references(references(watch.tune())?);
+    let snapshot = watch.poll()?;
+    let campaign = snapshot
+        .ok_or_else(|| FileError::Campaign { path: directory.to_owned(), message: "has no journal yet".to_owned() })?;
+    // Without enough trials, or with a kernel matrix beyond repair, the report does without the belief.
+    let surrogate = Surrogate::of(&campaign).ok().flatten();
+    let best = match campaign.best() {
+        Some(best) => {
+            let without = Arc::new(uncompensated_trial(&campaign.tune)?.log);
+            Some(TrialSnapshot::read(directory, Arc::clone(&campaign.tune), best.clone(), Some(without))?)
+        }
+        None => None,
+    };
+    let timed = best.as_ref().filter(|_| loop_time);
+    let times = timed.map(|best| loop_times(&campaign.tune, &best.watched.trial.theta)).transpose()?;
+    let page = campaign_page(&campaign, surrogate.as_ref(), best.as_ref(), times.as_ref());
+    let path = out.map_or_else(|| directory.join("report.html"), Path::to_owned);
+    write_atomic(&path, |file| file.write_all(page.as_bytes())).map_err(FileError::from)?;
+    Ok(path)
+}
+
+/// The whole file, from what is known.
+pub fn campaign_page(
+    campaign: &CampaignSnapshot,
+    surrogate: Option<&Surrogate>,
+    best: Option<&TrialSnapshot>,
+    times: Option<&LoopTimes>,
+) -> String {
+    let body = [
+        head(campaign),
+        result(campaign),
+        failures(campaign),
+        search(campaign, surrogate),
+        best.map_or(String::new(), |best| best_trial(best, times)),
+        all_trials(campaign),
+    ];
+    page::page(&headline(campaign), &body.concat())
+}
+
+/// What came of it, in one sentence.
+pub fn headline(campaign: &CampaignSnapshot) -> String {
+    let (done, total) = (campaign.trials.len(), campaign.total());
+    let Some(best) = campaign.best() else {
+        return match done {
+            0 => "No trial has finished yet.".to_owned(),
+            _ => format!("All {done} trials so far have failed: none has a cost to compare."),
+        };
+    };
+    let cost = best.trial.cost.total();
+    let against = campaign.references.map_or(String::new(), |references| {
+        format!(
+            ", from {} without compensation; with the true friction it would be {}",
+            significant(references.uncompensated, 3),
+            significant(references.oracle, 3)
+        )
+    });
+    let progress = if campaign.is_complete() { format!("of {done}") } else { format!("({done} of {total} done)") };
+    format!("J = {} in trial {} {progress}{against}.", significant(cost, 3), best.trial.number)
+}
+
+fn head(campaign: &CampaignSnapshot) -> String {
+    let (class, state) = match campaign.is_complete() {
+        true => ("nothing_missing", "finished"),
+        false => ("ambiguous", "not finished"),
+    };
+    let facts = campaign.facts().into_iter().map(|(what, value)| format!("{what}: {value}"));
+    let mut facts: Vec<String> = facts.collect();
+    facts.push(format!("tribo {}", campaign.tune.config.tribo_version));
+    facts.push("joints and trials count from 0; wrenches are by the robot on the environment, base axes".to_owned());
+    let torn = if campaign.torn {
+        "<p class=\"meta\">The last line of the journal is incomplete and was left out: its writer is at work or was killed \
+         (tribo tune --resume repairs it).</p>\n"
+    } else {
+        ""
+    };
+    format!(
+        "<header>\n<span class=\"badge {class}\">{state}</span>\n<h1>{}</h1>\n<p class=\"meta\">{}</p>\n{torn}</header>\n",
+        escape_sentence(&headline(campaign)),
+        escape(&facts.join(" · "))
+    )
+}
+
+fn result(campaign: &CampaignSnapshot) -> String {
+    let mut rows = Vec::new();
+    let oracle = campaign.references.map(|references| references.oracle);
+    let mut row = |what: String, cost: f64| {
+        let ratio = oracle.map_or("–".to_owned(), |oracle| significant(cost / oracle, 3));
+        rows.push([what, significant(cost, 4), ratio]);
+    };
+    if let Some(references) = campaign.references {
+        row("none".to_owned(), references.uncompensated);
+    }
+    if let Some(best) = campaign.best() {
+        row(format!("tuned (trial {})", best.trial.number), best.trial.cost.total());
+    }
+    if let Some(references) = campaign.references {
+        row("true friction".to_owned(), references.oracle);
+        row("an arm without friction".to_owned(), references.frictionless);
+    }
+    let mut body = table(&["compensation", "J [N + Nm]", "J / J with the true friction"], &[0], rows.into_iter());
+    let failed = campaign.failed().next().is_some();
+    let mut drawn = vec![campaign_figures::cost_per_trial(campaign), campaign_figures::cost_parts(campaign, false)];
+    if failed {
+        drawn.push(campaign_figures::cost_parts(campaign, true));
+    }
+    body += &figures(&drawn);
+    if let Some(best) = campaign.best() {
+        body +=
+            &format!("<h3>Tuned parameters (trial {})</h3>\n{}", best.trial.number, parameter_table(campaign, best));
+    }
+    section("Result", &body)
+}
+
+fn parameter_table(campaign: &CampaignSnapshot, best: &WatchedTrial) -> String {
+    let entries = campaign.tune.space.entries();
+    let named = entries.iter().map(|entry| {
+        let (quantity, unit) = quantity_and_unit(entry.0);
+        if unit.is_empty() { quantity } else { format!("{quantity} [{unit}]") }
+    });
+    let header: Vec<String> = std::iter::once("joint".to_owned()).chain(named).collect();
+    let header: Vec<&str> = header.iter().map(String::as_str).collect();
+    let joints = best.trial.theta.chunks(entries.len()).enumerate();
+    let rows = joints.map(|(joint, values)| {
+        std::iter::once(joint.to_string()).chain(values.iter().map(|value| significant(*value, 4))).collect::<Vec<_>>()
+    });
+    table(&header, &[0], rows)
+}
+
+fn failures(campaign: &CampaignSnapshot) -> String {
+    let failed: Vec<&WatchedTrial> = campaign.failed().collect();
+    if failed.is_empty() {
+        return String::new();
+    }
+    let rows = failed.iter().map(|watched| {
+        let at = watched.aborted_at_s.map_or("–".to_owned(), |at_s| format!("{at_s:.2}"));
+        let reason = watched.trial.aborted.map_or(String::new(), |reason| reason.to_string());
+        [watched.trial.number.to_string(), reason, at, significant(watched.trial.cost.penalty, 3)]
+    });
+    let count = failed.len();
+    section(
+        &format!("Failed trials ({count})"),
+        &table(&["trial", "limit violated", "at [s]", "penalty"], &[0, 1], rows),
+    )
+}
+
+fn search(campaign: &CampaignSnapshot, surrogate: Option<&Surrogate>) -> String {
+    let mut body = figures(&campaign_figures::parameters(campaign));
+    if let Some(surrogate) = surrogate {
+        let mut order: Vec<usize> = (0..surrogate.names.len()).collect();
+        order.sort_by(|a, b| surrogate.lengthscales[*a].total_cmp(&surrogate.lengthscales[*b]));
+        let mut drawn: Vec<Figure> = vec![surrogate_figures::relevance(surrogate, campaign.tune.space.joints)];
+        for k in order.into_iter().take(SLICES) {
+            drawn.extend(surrogate_figures::slice(surrogate, campaign, k));
+            drawn.extend(surrogate_figures::acquisition(surrogate, k));
+        }
+        body += &format!(
+            "<h3>What the trials say about the rest of the space</h3>\n<p class=\"hint\">Gaussian process on {} trials: {}. \
+             Slices run through the incumbent, along the most relevant parameters.</p>\n{}",
+            surrogate.trials,
+            escape(surrogate.whose),
+            figures(&drawn)
+        );
+    }
+    section("Search", &body)
+}
+
+fn best_trial(best: &TrialSnapshot, times: Option<&LoopTimes>) -> String {
+    let mut body = figures(&trial_figures::all(best));
+    if let Some(times) = times {
+        let at = |p: f64| times.quantile(p).map_or("–".to_owned(), |us| significant(us, 3));
+        body += &format!(
+            "<h3>Loop time on this computer</h3>\n<p class=\"hint\">The loop of this trial once more, with a clock around each of \
+             its {} ticks: median {} µs, 99.9 % {} µs, longest {} µs, of {} µs.</p>\n{}",
+            times.tick_us.len(),
+            at(0.5),
+            at(0.999),
+            at(1.0),
+            significant(times.period_us, 3),
+            figures([&trial_figures::loop_time(times)])
+        );
+    }
+    section(&format!("Best trial ({})", best.watched.trial.number), &body)
+}
+
+fn all_trials(campaign: &CampaignSnapshot) -> String {
+    let rows = campaign.trials.iter().map(|watched| {
+        let (trial, parts) = (&watched.trial, watched.trial.cost.parts());
+        let mut row = vec![trial.number.to_string(), significant(trial.cost.total(), 4)];
+        row.extend(parts.iter().map(|part| significant(part.1, 3)));
+        row.extend([trial.origin.to_string(), watched.state()]);
+        row
+    });
+    let header = [
+        "trial",
+        "J [N + Nm]",
+        "max |force| [N]",
+        "max |moment| [Nm]",
+        "mean |force| [N]",
+        "mean |moment| [Nm]",
+        "penalty",
+        "chosen by",
+        "state",
+    ];
+    section("All trials", &table(&header, &[0, 7, 8], rows))
+}

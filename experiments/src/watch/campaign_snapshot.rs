@@ -1,0 +1,95 @@
+//! A campaign at one moment.
+
+use std::path::PathBuf;
+use std::sync::Arc;
+
+use crate::strategy::FinishedTrial;
+use crate::{References, ValidTune};
+
+/// A finished trial as the journal tells it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct WatchedTrial {
+    /// Parameters, cost, reason.
+    pub trial: FinishedTrial,
+    /// Time of the violation since the start of the judged part (s), if there was one.
+    pub aborted_at_s: Option<f64>,
+}
+
+impl WatchedTrial {
+    /// `failed at 3.2 s: tool error`, or `complete`.
+    pub fn state(&self) -> String {
+        match (self.trial.aborted, self.aborted_at_s) {
+            (None, _) => "complete".to_owned(),
+            (Some(reason), Some(at_s)) => format!("failed at {at_s:.2} s: {reason}"),
+            (Some(reason), None) => format!("failed: {reason}"),
+        }
+    }
+}
+
+/// A campaign at one moment; nothing in it changes.
+#[derive(Clone, Debug)]
+pub struct CampaignSnapshot {
+    /// Where it lives.
+    pub directory: PathBuf,
+    /// Its settings.
+    pub tune: Arc<ValidTune>,
+    /// Finished trials, by number.
+    pub trials: Vec<WatchedTrial>,
+    /// Numbers of the trials that have begun and not ended.
+    pub running: Vec<usize>,
+    /// Whether the last line of the journal is incomplete: it is being written, or its writer was killed.
+    pub torn: bool,
+    /// Reference costs, once they are known.
+    pub references: Option<References>,
+}
+
+impl CampaignSnapshot {
+    /// The trial of this number, if it has finished.
+    pub fn trial(&self, number: usize) -> Option<&WatchedTrial> {
+        self.trials.iter().find(|watched| watched.trial.number == number)
+    }
+
+    /// The cheapest trial that was not stopped; the earliest of equals.
+    pub fn best(&self) -> Option<&WatchedTrial> {
+        let complete = self.trials.iter().filter(|watched| watched.trial.aborted.is_none());
+        complete.min_by(|a, b| a.trial.cost.total().total_cmp(&b.trial.cost.total()))
+    }
+
+    /// Trials that were stopped.
+    pub fn failed(&self) -> impl Iterator<Item = &WatchedTrial> {
+        self.trials.iter().filter(|watched| watched.trial.aborted.is_some())
+    }
+
+    /// Whether all trials have finished.
+    pub fn is_complete(&self) -> bool {
+        self.trials.len() >= self.tune.config.trials
+    }
+
+    /// Trials to be run in all.
+    pub fn total(&self) -> usize {
+        self.tune.config.trials.max(self.trials.len() + self.running.len())
+    }
+
+    /// The settings that tell campaigns apart, as name and value.
+    pub fn facts(&self) -> Vec<(&'static str, String)> {
+        let config = &self.tune.config;
+        vec![
+            ("strategy", file_name(&config.strategy)),
+            ("friction law", file_name(&config.friction)),
+            ("estimator", file_name(&config.residual)),
+            ("truth", file_name(&config.truth)),
+            ("velocity", file_name(&config.velocity)),
+            ("pose", config.pose.to_string()),
+            ("seed", config.seed.to_string()),
+        ]
+    }
+}
+
+/// The name that a setting has in files.
+fn file_name(value: &impl serde::Serialize) -> String {
+    match serde_json::to_value(value) {
+        Ok(serde_json::Value::String(name)) => name,
+        Ok(other) => other.to_string(),
+        Err(_) => String::new(),
+    }
+}

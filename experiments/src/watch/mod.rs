@@ -1,0 +1,27 @@
+//! Campaigns to look at: what is on the disk as immutable snapshots, and the figures of both.
+//!
+//! ```text
+//! campaign.yaml + journal.log → CampaignWatch → CampaignSnapshot → campaign_figures ┐
+//! trials/NNNN.parquet         → TrialSnapshot → trial_figures                       ├→ campaign_page, window
+//! trials                      → Surrogate     → surrogate_figures                   ┘
+//! ```
+//!
+//! Watching reads and never locks or writes: a campaign that is watched leaves the same bits. Everything that is not on
+//! the disk (reference costs, the run without compensation) follows from the settings and is computed anew.
+
+pub mod campaign_figures;
+mod campaign_page;
+mod campaign_snapshot;
+mod loop_time;
+mod surrogate;
+pub mod surrogate_figures;
+pub mod trial_figures;
+mod trial_snapshot;
+mod watcher;
+
+pub use campaign_page::{campaign_page, headline, write_report};
+pub use campaign_snapshot::{CampaignSnapshot, WatchedTrial};
+pub use loop_time::{LoopTimes, loop_times};
+pub use surrogate::Surrogate;
+pub use trial_snapshot::TrialSnapshot;
+pub use watcher::CampaignWatch;

@@ -1,0 +1,78 @@
+//! From the directory of a campaign to its snapshots.
+
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+use super::{CampaignSnapshot, WatchedTrial};
+use crate::config::ConfigError;
+use crate::files::{FileError, YamlDocument};
+use crate::journal::{JournalTail, News, finished_trial};
+use crate::{CampaignError, References, TuneConfig, ValidTune};
+
+/// Watches the campaign of a directory, finished or running, in this process or another.
+#[derive(Clone, Debug)]
+pub struct CampaignWatch {
+    directory: PathBuf,
+    tune: Arc<ValidTune>,
+    tail: JournalTail,
+    torn: bool,
+    references: Option<References>,
+    seen: bool,
+}
+
+impl CampaignWatch {
+    /// Opens a campaign; what is wrong with the directory is said, and what to do.
+    pub fn open(directory: &Path) -> Result<Self, CampaignError> {
+        let settings = directory.join("campaign.yaml");
+        if !settings.exists() {
+            let message = if directory.join("campaigns").is_dir() {
+                "holds no campaign.yaml; campaigns live in directories like campaigns/0001"
+            } else {
+                "holds no campaign.yaml; `tribo tune` makes a campaign"
+            };
+            return Err(FileError::Campaign { path: directory.to_owned(), message: message.to_owned() }.into());
+        }
+        let document = YamlDocument::read(&settings)?;
+        let config: TuneConfig = document.parse()?;
+        let tune = config.validate().map_err(|error| match error {
+            ConfigError::Field(field) => ConfigError::File(document.explain(field)),
+            other => other,
+        })?;
+        let tail = JournalTail::new(&directory.join("journal.log"));
+        let (directory, tune) = (directory.to_owned(), Arc::new(tune));
+        Ok(Self { directory, tune, tail, torn: false, references: None, seen: false })
+    }
+
+    /// The settings.
+    pub fn tune(&self) -> &Arc<ValidTune> {
+        &self.tune
+    }
+
+    /// Makes reference costs part of all snapshots to come.
+    pub fn set_references(&mut self, references: References) {
+        (self.references, self.seen) = (Some(references), false);
+    }
+
+    /// A snapshot if anything has changed since the last one.
+    pub fn poll(&mut self) -> Result<Option<CampaignSnapshot>, CampaignError> {
+        let news = self.tail.poll()?;
+        let torn = self.tail.torn_bytes() > 0;
+        if self.seen && news == News::None && torn == self.torn {
+            return Ok(None);
+        }
+        (self.seen, self.torn) = (true, torn);
+        let journal = self.directory.join("journal.log");
+        let (mut trials, mut running) = (Vec::new(), Vec::new());
+        for (number, trial) in self.tail.trials().iter().enumerate() {
+            if trial.state.is_finished() {
+                let aborted_at_s = trial.attributes.get("aborted_at_s").and_then(serde_json::Value::as_f64);
+                let finished = finished_trial(&self.tune, &journal, number, trial)?;
+                trials.push(WatchedTrial { trial: finished, aborted_at_s });
+            } else {
+                running.push(number);
+            }
+        }
+        let (directory, tune, references) = (self.directory.clone(), Arc::clone(&self.tune), self.references);
+        Ok(Some(CampaignSnapshot { directory, tune, trials, running, torn, references }))
+    }
+}
