@@ -75,7 +75,7 @@ pub enum AnyEstimator {
     /// The momentum observer.
     Momentum(MomentumEstimator<7>),
     /// The friction-band programme.
-    Qp(QpEstimator<7>),
+    Qp(Box<QpEstimator<7>>),
     /// The thermal virtual force sensor.
     Thermal(Box<ThermalEstimator<7>>),
     /// Two encoders per joint.
@@ -120,7 +120,10 @@ impl AnyEstimator {
             EstimatorName::Momentum => Self::Momentum(momentum(band, BandOf::Remainder)),
             EstimatorName::Qp => {
                 let settings = QpSettings { band_of: BandOf::Remainder, limits: false, ..QpSettings::new(band) };
-                Self::Qp(QpEstimator::new(QpSettings { prior: diagonal_prior(PRIOR[0], PRIOR[1]), ..settings }))
+                Self::Qp(Box::new(QpEstimator::new(QpSettings {
+                    prior: diagonal_prior(PRIOR[0], PRIOR[1]),
+                    ..settings
+                })))
             }
             EstimatorName::Thermal => Self::thermal(friction, 1.0)?,
             EstimatorName::DoubleEncoder => {
@@ -150,7 +153,7 @@ impl AnyEstimator {
             EstimatorName::Momentum => Self::Momentum(momentum(band, BandOf::Friction)),
             EstimatorName::Qp => {
                 let prior = diagonal_prior(PRIOR[0], PRIOR[1]);
-                Self::Qp(QpEstimator::new(QpSettings { prior, ..QpSettings::new(band) }))
+                Self::Qp(Box::new(QpEstimator::new(QpSettings { prior, ..QpSettings::new(band) })))
             }
             EstimatorName::Thermal => Self::thermal(friction, noise_factor)?,
             EstimatorName::DoubleEncoder => Self::DoubleEncoder(Box::new(double_encoder(arm)?)),
