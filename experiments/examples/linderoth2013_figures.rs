@@ -31,7 +31,7 @@ fn main() -> Result<(), Box<dyn Error>> {
             .margin_right(20)
             .x_label_area_size(34)
             .y_label_area_size(58)
-            .build_cartesian_2d(SHOWN_S[0]..SHOWN_S[1], -22.0..22.0)?;
+            .build_cartesian_2d(SHOWN_S[0]..SHOWN_S[1], -18.0..18.0)?;
         chart
             .configure_mesh()
             .light_line_style(WHITE.mix(0.0))
@@ -47,7 +47,7 @@ fn main() -> Result<(), Box<dyn Error>> {
             let outline = points(1).into_iter().chain(points(2).into_iter().rev());
             chart.draw_series([Polygon::new(outline.collect::<Vec<_>>(), colour.mix(0.2))])?;
             chart
-                .draw_series(LineSeries::new(points(0), colour.stroke_width(2)))?
+                .draw_series(LineSeries::new(points(0), colour.stroke_width(1)))?
                 .label(name)
                 .legend(move |(x, y)| PathElement::new([(x, y), (x + 18, y)], colour.stroke_width(3)));
         }

@@ -77,7 +77,8 @@ fn costs(path: &Path, campaigns: &[CellResult]) -> Result<(), Box<dyn Error>> {
             .configure_mesh()
             .light_line_style(WHITE.mix(0.0))
             .x_desc("trials of 30 s [-]")
-            .y_desc("lowest J so far / J of the truth [-]")
+            .y_desc("lowest J / J_oracle [-]")
+            .x_label_formatter(&|x| format!("{x:.0}"))
             .y_label_formatter(&|y| format!("{y}"))
             .label_style(("sans-serif", 12))
             .axis_desc_style(("sans-serif", 13))
@@ -174,13 +175,15 @@ fn draw(
     let lines: Vec<Points> = logs.iter().map(line).collect();
     let values = lines.iter().flatten().map(|point| point.1);
     let (low, high) = values.fold((0.0, 0.0), |(a, b): (f64, f64), y| (a.min(y), b.max(y)));
-    let margin = 0.05 * (high - low);
+    // Room for the legend above the lines.
+    let top = high + if with_legend { 0.3 } else { 0.05 } * (high - low);
+    let bottom = if low < 0.0 { low - 0.05 * (high - low) } else { 0.0 };
     let mut chart = ChartBuilder::on(panel)
         .margin(8)
         .margin_right(20)
         .x_label_area_size(34)
         .y_label_area_size(58)
-        .build_cartesian_2d(0.0..30.0, if low < 0.0 { low - margin } else { 0.0 }..high + margin)?;
+        .build_cartesian_2d(0.0..30.0, bottom..top)?;
     chart
         .configure_mesh()
         .light_line_style(WHITE.mix(0.0))
@@ -204,7 +207,7 @@ fn draw(
 
 fn legend<'a, 'b, C>(chart: &mut ChartContext<'a, SVGBackend<'b>, C>) -> Result<(), Box<dyn Error>>
 where
-    C: plotters::coord::CoordTranslate,
+    C: CoordTranslate,
     'b: 'a,
 {
     chart
