@@ -69,13 +69,13 @@ pub fn believed_band<const N: usize>(friction: &FrictionModel<N>) -> FrictionBan
 #[derive(Clone, Debug)]
 pub enum AnyEstimator {
     /// The filter alone; its covariance knows nothing of friction.
-    Ekf(WrenchEkf),
+    Ekf(Box<WrenchEkf>),
     /// The filter with a friction band in its covariance.
-    FrictionAwareEkf(FrictionAwareEkf<7>),
+    FrictionAwareEkf(Box<FrictionAwareEkf<7>>),
     /// The momentum observer.
-    Momentum(MomentumEstimator<7>),
+    Momentum(Box<MomentumEstimator<7>>),
     /// The friction-band programme.
-    Qp(QpEstimator<7>),
+    Qp(Box<QpEstimator<7>>),
     /// The thermal virtual force sensor.
     Thermal(Box<ThermalEstimator<7>>),
     /// Two encoders per joint.
@@ -116,11 +116,14 @@ impl AnyEstimator {
         let unknown = CoulombViscous { coulomb_nm: UNKNOWN_COULOMB_NM, viscous_nm_s_per_rad: 0.0 };
         let band = believed_band(&FrictionModel::uniform(unknown.into()));
         Ok(match name {
-            EstimatorName::Ekf => Self::Ekf(WrenchEkf::new(ekf)),
-            EstimatorName::Momentum => Self::Momentum(momentum(band, BandOf::Remainder)),
+            EstimatorName::Ekf => Self::Ekf(Box::new(WrenchEkf::new(ekf))),
+            EstimatorName::Momentum => Self::Momentum(Box::new(momentum(band, BandOf::Remainder))),
             EstimatorName::Qp => {
                 let settings = QpSettings { band_of: BandOf::Remainder, limits: false, ..QpSettings::new(band) };
-                Self::Qp(QpEstimator::new(QpSettings { prior: diagonal_prior(PRIOR[0], PRIOR[1]), ..settings }))
+                Self::Qp(Box::new(QpEstimator::new(QpSettings {
+                    prior: diagonal_prior(PRIOR[0], PRIOR[1]),
+                    ..settings
+                })))
             }
             EstimatorName::Thermal => Self::thermal(friction, 1.0)?,
             EstimatorName::DoubleEncoder => {
@@ -146,11 +149,11 @@ impl AnyEstimator {
     ) -> Result<Self, EstimatorError> {
         let band = band.with_noise_times(noise_factor);
         Ok(match name {
-            EstimatorName::Ekf => Self::FrictionAwareEkf(FrictionAwareEkf::new(ekf, band, noise_factor)),
-            EstimatorName::Momentum => Self::Momentum(momentum(band, BandOf::Friction)),
+            EstimatorName::Ekf => Self::FrictionAwareEkf(Box::new(FrictionAwareEkf::new(ekf, band, noise_factor))),
+            EstimatorName::Momentum => Self::Momentum(Box::new(momentum(band, BandOf::Friction))),
             EstimatorName::Qp => {
                 let prior = diagonal_prior(PRIOR[0], PRIOR[1]);
-                Self::Qp(QpEstimator::new(QpSettings { prior, ..QpSettings::new(band) }))
+                Self::Qp(Box::new(QpEstimator::new(QpSettings { prior, ..QpSettings::new(band) })))
             }
             EstimatorName::Thermal => Self::thermal(friction, noise_factor)?,
             EstimatorName::DoubleEncoder => Self::DoubleEncoder(Box::new(double_encoder(arm)?)),
@@ -232,7 +235,7 @@ impl WrenchEstimator<7> for AnyEstimator {
 
     fn delay_s(&self) -> f64 {
         match self {
-            Self::Ekf(ekf) => WrenchEstimator::<7>::delay_s(ekf),
+            Self::Ekf(ekf) => WrenchEstimator::<7>::delay_s(ekf.as_ref()),
             Self::FrictionAwareEkf(ekf) => ekf.delay_s(),
             Self::Momentum(momentum) => momentum.delay_s(),
             Self::Qp(qp) => qp.delay_s(),

@@ -50,8 +50,34 @@ pub struct Linderoth2013 {
     pub push_nm: f64,
 }
 
-/// What one arm shows at one instant.
-type Moment = (ForceProblem<7, 6>, Vector6<f64>);
+/// What one arm shows at one instant, and the true wrench of the static arm, `[moment; force]`.
+struct Instant {
+    time_s: f64,
+    problem: ForceProblem<7, 6>,
+    truth: Vector6<f64>,
+}
+
+/// Force along the assembly (N), base axes, one row per estimate.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct AssemblyTrace {
+    /// Time since the start of the judged part (s).
+    pub time_s: Vec<f64>,
+    /// True force of the static arm on the thing.
+    pub truth_n: Vec<[f64; 3]>,
+    /// Estimate, lower and upper end of the 95 % band, from the static arm, the moving arm and both.
+    pub bands_n: [Vec<[[f64; 3]; 3]>; 3],
+}
+
+impl AssemblyTrace {
+    fn push(&mut self, time_s: f64, truth: &Vector6<f64>, judged: &[Judged; 3]) {
+        let force = |wrench: &Vector6<f64>| [wrench[3], wrench[4], wrench[5]];
+        self.time_s.push(time_s);
+        self.truth_n.push(force(truth));
+        for (band, judged) in self.bands_n.iter_mut().zip(judged) {
+            band.push([&judged.estimate, &judged.lower, &judged.upper].map(force));
+        }
+    }
+}
 
 impl Linderoth2013 {
     /// Checks every field.
@@ -92,42 +118,43 @@ impl Linderoth2013 {
         all
     }
 
-    /// Measures it for one seed: same seed, same bits.
+    /// Measures it for one seed: same seed, same bits. With it the forces of the assembly, for figures.
     ///
     /// # Errors
     /// A band that cannot be identified.
-    pub fn run(&self, seed: u64) -> Result<(SeedRun, ()), ExperimentError> {
+    pub fn run(&self, seed: u64) -> Result<(SeedRun, AssemblyTrace), ExperimentError> {
         let band = identified_band(seed)?;
         let mut values = Vec::new();
         let point = pushes(seed, 0, self.push_n, 0.0);
-        let static_arm = moments(seed, false, &point, 1.0, &band)?;
+        let static_arm = instants(seed, false, &point, 1.0, &band)?;
         for [force_n, moment_nm] in [[self.point_force_sd_n, self.point_moment_sd_nm], NO_PRIOR] {
             let mut solver = ForceSolver::new(diagonal_prior(force_n, moment_nm));
             let mut score = Score::default();
-            for (problem, truth) in &static_arm {
-                score.add(&mut solver, problem, truth)?;
+            for Instant { problem, truth, .. } in &static_arm {
+                score.take(&Judged::of(&mut solver, problem)?, truth);
             }
             values.extend((3..6).map(|i| score.mean_absolute(i)));
         }
         let task = pushes(seed, 1, self.push_n, self.push_nm);
-        let still = moments(seed, false, &task, 1.0, &band)?;
-        let moving = moments(seed, true, &task, -1.0, &band)?;
+        let still = instants(seed, false, &task, 1.0, &band)?;
+        let moving = instants(seed, true, &task, -1.0, &band)?;
         let prior = diagonal_prior(self.task_force_sd_n, self.task_moment_sd_nm);
         // F is the wrench of the static arm on the thing; the moving arm answers it.
         let (mut one, mut other, mut both) =
             (ForceSolver::<7, 6>::new(prior), ForceSolver::<7, 6>::new(prior), ForceSolver::<14, 6>::new(prior));
-        let mut scores = [[Score::default(); 3]; 2];
-        for ((a, truth), (b, _)) in still.iter().zip(&moving) {
+        let (mut scores, mut trace) = ([[Score::default(); 3]; 2], AssemblyTrace::default());
+        for (Instant { time_s, problem: a, truth }, Instant { problem: b, .. }) in still.iter().zip(&moving) {
             let opposed = ForceProblem { jacobian: -b.jacobian, ..*b };
             let parts = if *truth == Vector6::zeros() { 0..1 } else { 0..2 };
             let judged = [
-                Judged::of(&mut one, a, truth)?,
-                Judged::of(&mut other, &opposed, truth)?,
-                Judged::of(&mut both, &stack_opposed::<7, 7, 14>(a, b), truth)?,
+                Judged::of(&mut one, a)?,
+                Judged::of(&mut other, &opposed)?,
+                Judged::of(&mut both, &stack_opposed::<7, 7, 14>(a, b))?,
             ];
             for part in parts {
-                scores[part].iter_mut().zip(&judged).for_each(|(score, judged)| score.take(judged));
+                scores[part].iter_mut().zip(&judged).for_each(|(score, judged)| score.take(judged, truth));
             }
+            trace.push(*time_s, truth, &judged);
         }
         for score in scores.iter().flatten() {
             let mean = |value: &dyn Fn(usize) -> f64, axes: std::ops::Range<usize>| axes.map(value).sum::<f64>() / 3.0;
@@ -137,34 +164,31 @@ impl Linderoth2013 {
             values.push(mean(&|i| score.mean_absolute(i), 0..3));
             values.push(mean(&|i| score.half_width(i), 3..6));
         }
-        Ok((SeedRun { seed, values }, ()))
+        Ok((SeedRun { seed, values }, trace))
     }
 }
 
-/// Estimate and limits of one instant against the truth, `[moment; force]`.
+/// Estimate and 95 % limits of one instant, `[moment; force]`.
 struct Judged {
-    error: Vector6<f64>,
-    inside: [bool; 6],
-    half_width: Vector6<f64>,
+    estimate: Vector6<f64>,
+    lower: Vector6<f64>,
+    upper: Vector6<f64>,
 }
 
 impl Judged {
     fn of<const N: usize>(
         solver: &mut ForceSolver<N, 6>,
         problem: &ForceProblem<N, 6>,
-        truth: &Vector6<f64>,
     ) -> Result<Self, ExperimentError> {
         let unsolved = |outcome: BoxOutcome| ExperimentError::Unsolved { joints: N, outcome };
         let estimate: ForceEstimate<N, 6> = solver.estimate(problem).map_err(unsolved)?;
-        let (mut inside, mut half_width) = ([false; 6], Vector6::zeros());
+        let (mut lower, mut upper) = (Vector6::zeros(), Vector6::zeros());
         for axis in 0..6 {
             let v = Vector6::from_fn(|r, _| f64::from(u8::from(r == axis)));
-            let above = solver.limit(&v, LAMBDA_95).map_err(unsolved)?.value;
-            let below = -solver.limit(&-v, LAMBDA_95).map_err(unsolved)?.value;
-            inside[axis] = below <= truth[axis] && truth[axis] <= above;
-            half_width[axis] = 0.5 * (above - below);
+            upper[axis] = solver.limit(&v, LAMBDA_95).map_err(unsolved)?.value;
+            lower[axis] = -solver.limit(&-v, LAMBDA_95).map_err(unsolved)?.value;
         }
-        Ok(Self { error: estimate.force - truth, inside, half_width })
+        Ok(Self { estimate: estimate.force, lower, upper })
     }
 }
 
@@ -178,22 +202,13 @@ struct Score {
 }
 
 impl Score {
-    fn add<const N: usize>(
-        &mut self,
-        solver: &mut ForceSolver<N, 6>,
-        problem: &ForceProblem<N, 6>,
-        truth: &Vector6<f64>,
-    ) -> Result<(), ExperimentError> {
-        self.take(&Judged::of(solver, problem, truth)?);
-        Ok(())
-    }
-
-    fn take(&mut self, judged: &Judged) {
+    fn take(&mut self, judged: &Judged, truth: &Vector6<f64>) {
+        let Judged { estimate, lower, upper } = judged;
         self.count += 1.0;
         for i in 0..6 {
-            self.absolute[i] += judged.error[i].abs();
-            self.inside[i] += f64::from(u8::from(judged.inside[i]));
-            self.width[i] += judged.half_width[i];
+            self.absolute[i] += (estimate[i] - truth[i]).abs();
+            self.inside[i] += f64::from(u8::from(lower[i] <= truth[i] && truth[i] <= upper[i]));
+            self.width[i] += 0.5 * (upper[i] - lower[i]);
         }
     }
 
@@ -250,18 +265,17 @@ fn identified_band(seed: u64) -> Result<FrictionBand<7>, ExperimentError> {
         AnyEstimator::for_tuning(EstimatorName::Momentum, WrenchEkfSettings::default(), &trial.model, &none())?;
     let (_, log) = simulate_log(&trial, &none(), estimator, noise_seed(seed, 9)).map_err(ExperimentError::Log)?;
     let fits = identify_band(&log, &trial.model, GAIN_RAD_S).map_err(ExperimentError::Band)?;
-    Ok(FrictionBand::new(fits.map(|fit| fit.band)).map_err(|error| ExperimentError::Band(error.into()))?)
+    FrictionBand::new(fits.map(|fit| fit.band)).map_err(|error| ExperimentError::Band(error.into()))
 }
 
-/// What one arm shows along its trial, with the true wrench of the static arm, `[moment; force]`; `side` is the sign of this
-/// arm's share in it.
-fn moments(
+/// What one arm shows along its trial; `side` is the sign of this arm's share in the wrench of the static arm.
+fn instants(
     seed: u64,
     moving: bool,
     pushes: &WrenchPulses,
     side: f64,
     band: &FrictionBand<7>,
-) -> Result<Vec<Moment>, ExperimentError> {
+) -> Result<Vec<Instant>, ExperimentError> {
     let mut own = pushes.clone();
     for pulse in &mut own.pulses {
         pulse.wrench_base.force_n *= side;
@@ -290,9 +304,61 @@ fn moments(
         }
         sent = Some(record.command);
         if frame.time_s >= trial.reference.pre_roll_s() && tick % DECIMATION == 0 {
-            found.push((observer.problem(), pushes.at(frame.time_s - trial.dt_s).to_vector()));
+            let truth = pushes.at(frame.time_s - trial.dt_s).to_vector();
+            let time_s = frame.time_s - trial.reference.pre_roll_s();
+            found.push(Instant { time_s, problem: observer.problem(), truth });
         }
         tick += 1;
     });
     Ok(found)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::files::YamlDocument;
+
+    fn shipped() -> Linderoth2013 {
+        YamlDocument::embedded("config.yaml", include_str!("../../02_linderoth2013/config.yaml")).parse().unwrap()
+    }
+
+    /// One seed: the same bits twice, one value per quantity, and what the experiment is there to show.
+    #[test]
+    fn a_prior_and_a_second_arm_help() {
+        let experiment = shipped();
+        experiment.validate().unwrap();
+        let (once, again) = rayon::join(|| experiment.run(3).unwrap(), || experiment.run(3).unwrap());
+        assert!(once == again);
+        assert_ne!(pushes(3, 1, 15.0, 0.5), pushes(4, 1, 15.0, 0.5));
+        let (run, trace) = once;
+        let quantities = experiment.quantities();
+        assert_eq!(run.values.len(), quantities.len());
+        let value = |name: &str| run.values[quantities.iter().position(|q| q.name == name).unwrap()];
+        for axis in &AXES[..3] {
+            let [with, without] = ["with", "without"].map(|p| value(&format!("static arm, {p} prior: MAE {axis}")));
+            assert!(with < without, "{axis}: {with} {without}");
+        }
+        let [one, other, both] = ["static arm", "moving arm", "both arms"]
+            .map(|arms| ["MAE", "half-width"].map(|what| value(&format!("in contact, {arms}: {what}, forces"))));
+        assert!((0..2).all(|i| both[i] < one[i] && both[i] < other[i]), "{one:?} {other:?} {both:?}");
+
+        // The trace is what was judged: its share inside the band is the coverage.
+        let held = |k: usize, i: usize| {
+            let ([_, lower, upper], truth) = (trace.bands_n[2][k], trace.truth_n[k]);
+            f64::from(u8::from(lower[i] <= truth[i] && truth[i] <= upper[i]))
+        };
+        let count = trace.time_s.len();
+        let share = (0..count).map(|k| (0..3).map(|i| held(k, i)).sum::<f64>()).sum::<f64>() / (3.0 * count as f64);
+        assert!((100.0 * share - value("whole, both arms: coverage, forces")).abs() < 1e-9);
+        assert!(trace.time_s[0] >= 0.0 && trace.time_s[count - 1] < 30.1);
+    }
+
+    #[test]
+    fn settings_out_of_range_are_named() {
+        let named = |experiment: Linderoth2013| experiment.validate().unwrap_err().to_string();
+        let error = named(Linderoth2013 { point_moment_sd_nm: 0.0, ..shipped() });
+        assert!(error.contains("point_moment_sd_nm"), "{error}");
+        let error = named(Linderoth2013 { push_n: f64::NAN, ..shipped() });
+        assert!(error.contains("push_n"), "{error}");
+    }
 }

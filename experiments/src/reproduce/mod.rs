@@ -10,7 +10,7 @@ pub mod uhlmann2023;
 mod wrench_pulses;
 
 pub use error::ExperimentError;
-pub use linderoth2013::Linderoth2013;
+pub use linderoth2013::{AssemblyTrace, Linderoth2013};
 pub use quantity::{Quantity, QuantitySummary, SeedRun, summarize_quantities};
 pub use roveda2022::{CaseConfig, CellResult, Roveda2022, RowSummary, StrategyConfig, summarize};
 pub use seeded::SeededExperiment;

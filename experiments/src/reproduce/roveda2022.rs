@@ -47,6 +47,9 @@ pub struct StrategyConfig {
     pub trials: usize,
     /// Poses, each with every seed.
     pub poses: Vec<usize>,
+    /// Only the first seeds of the experiment; all, if not given.
+    #[serde(default)]
+    pub seeds: Option<u64>,
 }
 
 /// One campaign of the experiment.
@@ -107,6 +110,9 @@ impl Roveda2022 {
         FieldError::check("oracle_runs", self.oracle_runs as f64, 1.0, 100.0)?;
         for strategy in &self.strategies {
             FieldError::check("strategies.trials", strategy.trials as f64, 2.0, 10_000.0)?;
+            if let Some(seeds) = strategy.seeds {
+                FieldError::check("strategies.seeds", seeds as f64, 1.0, 10_000.0)?;
+            }
             if let Some(pose) = strategy.poses.iter().find(|&&pose| pose >= POSES) {
                 return Err(FieldError::new("strategies.poses", pose, format!("0 to {}", POSES - 1)));
             }
@@ -116,8 +122,12 @@ impl Roveda2022 {
 
     /// Number of campaigns.
     pub fn cells(&self) -> usize {
-        let per_case: usize = self.strategies.iter().map(|strategy| strategy.poses.len()).sum();
-        per_case * self.seeds as usize * self.cases.len()
+        let campaigns = |strategy: &StrategyConfig| strategy.poses.len() * self.seeds_of(strategy) as usize;
+        self.strategies.iter().map(campaigns).sum::<usize>() * self.cases.len()
+    }
+
+    fn seeds_of(&self, strategy: &StrategyConfig) -> u64 {
+        strategy.seeds.map_or(self.seeds, |seeds| seeds.min(self.seeds))
     }
 
     /// Runs every campaign, on the threads of the current rayon pool; `done` is told of each as it ends.
@@ -125,7 +135,7 @@ impl Roveda2022 {
         let mut cells = Vec::new();
         for case in &self.cases {
             for strategy in &self.strategies {
-                for seed in 1..=self.seeds {
+                for seed in 1..=self.seeds_of(strategy) {
                     cells.extend(strategy.poses.iter().map(|&pose| (case, strategy, seed, pose)));
                 }
             }
@@ -228,5 +238,25 @@ pub fn summarize(cells: &[CellResult]) -> Vec<RowSummary> {
 impl From<FieldError> for CampaignError {
     fn from(error: FieldError) -> Self {
         Self::Config(ConfigError::Field(error))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::files::YamlDocument;
+
+    /// Ten seeds and three poses of three strategies, five seeds at one pose of the fourth, on three truths.
+    #[test]
+    fn a_strategy_may_have_fewer_seeds() {
+        let text = include_str!("../../01_roveda2022/config.yaml");
+        let mut shipped: Roveda2022 = YamlDocument::embedded("config.yaml", text).parse().unwrap();
+        shipped.validate().unwrap();
+        assert_eq!(shipped.cells(), 3 * (3 * 10 * 3 + 5));
+        shipped.seeds = 2;
+        assert_eq!(shipped.cells(), 3 * (3 * 2 * 3 + 2));
+        shipped.strategies[0].seeds = Some(0);
+        let error = shipped.validate().unwrap_err().to_string();
+        assert!(error.contains("strategies.seeds"), "{error}");
     }
 }

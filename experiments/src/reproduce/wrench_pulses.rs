@@ -245,3 +245,71 @@ fn free_mean(log: &LogWrench) -> [f64; 6] {
         .collect();
     std::array::from_fn(|i| free.iter().map(|&k| log.wrench[k][i]).sum::<f64>() / free.len().max(1) as f64)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::files::YamlDocument;
+
+    const SMOOTH: PushCase = PushCase { friction: false, compensated: false, moving: false, payload_kg: 0.0 };
+
+    fn shipped() -> PushedTool {
+        YamlDocument::embedded("config.yaml", include_str!("../../07_wrench_pulses/config.yaml")).parse().unwrap()
+    }
+
+    /// One trial without calibration.
+    fn judged(case: PushCase, estimator: EstimatorName) -> PushRow {
+        let stretch = Stretch { case, seed: 1, pushed: true };
+        let log = stretch.watch(&stretch.trial(0, estimator).unwrap(), estimator, 1.0).unwrap();
+        row(case, estimator, 1.0, &[log])
+    }
+
+    #[test]
+    fn the_filter_sees_pushes_on_a_smooth_arm() {
+        let ekf = judged(SMOOTH, EstimatorName::Ekf);
+        assert_eq!(ekf, judged(SMOOTH, EstimatorName::Ekf));
+        assert!(ekf.rmse_force_n < 0.25 && ekf.rmse_moment_nm < 0.05, "{ekf:?}");
+        assert!(ekf.bias_force_n < 0.01 && ekf.coverage95_worst > 0.95, "{ekf:?}");
+        assert!((5.0..30.0).contains(&ekf.delay_ms), "{ekf:?}");
+    }
+
+    /// What lies between the two encoders does not contain the friction of the motors; the filter sees all of it.
+    #[test]
+    fn two_encoders_do_not_see_friction() {
+        let rough = PushCase { friction: true, ..SMOOTH };
+        let ratio = |estimator| judged(rough, estimator).rmse_force_n / judged(SMOOTH, estimator).rmse_force_n;
+        let [gears, motors] = [EstimatorName::DoubleEncoder, EstimatorName::Ekf].map(ratio);
+        assert!((gears - 1.0).abs() < 0.02 && motors > 5.0, "{gears} {motors}");
+    }
+
+    #[test]
+    fn the_free_mean_ignores_pushes_and_their_edges() {
+        let [force_n, moment_nm, start_s, width_s, pause_s] = PUSH;
+        let pulses = WrenchPulses::each_axis(force_n, moment_nm, start_s, width_s, pause_s);
+        let (bias, mut log) = ([0.3, -0.2, 0.1, 0.03, -0.02, 0.01], LogWrench::default());
+        let mut reference = Vec::new();
+        for k in 0..3000 {
+            let time_s = 0.01 * f64::from(k);
+            // An estimate that comes a quarter of a second late.
+            let late = pulses.at(time_s - 0.25).to_force_moment();
+            log.time_s.push(time_s);
+            log.wrench.push(std::array::from_fn(|i| bias[i] + late[i]));
+            reference.push(pulses.at(time_s).to_force_moment());
+        }
+        log.reference = Some(reference);
+        let free = free_mean(&log);
+        assert!((0..6).all(|i| (free[i] - bias[i]).abs() < 1e-12), "{free:?}");
+    }
+
+    #[test]
+    fn settings_out_of_range_are_named() {
+        let shipped = shipped();
+        shipped.validate().unwrap();
+        assert_eq!(shipped.trials(), 8 * 5 * 5);
+        let error = PushedTool { pose: POSES, ..shipped.clone() }.validate().unwrap_err().to_string();
+        assert!(error.contains("pose"), "{error}");
+        let cases = vec![PushCase { payload_kg: -0.1, ..SMOOTH }];
+        let error = PushedTool { cases, ..shipped }.validate().unwrap_err().to_string();
+        assert!(error.contains("cases.payload_kg"), "{error}");
+    }
+}
