@@ -85,7 +85,8 @@ fn check(ours: &Document, expected: &Document) -> anyhow::Result<()> {
             ("half-width", row.half_width_force_n, want.half_width_force_n),
         ];
         for (what, got, want) in pairs {
-            if !((got / want - 1.0).abs() <= TOLERANCE) {
+            let differs = (got / want - 1.0).abs();
+            if differs.is_nan() || differs > TOLERANCE {
                 return Err(CheckFailed(format!("{name}: {what}: {got:.4}, expected {want:.4}")).into());
             }
         }
