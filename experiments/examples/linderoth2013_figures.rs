@@ -59,7 +59,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         if axis == 0 {
             chart
                 .configure_series_labels()
-                .position(SeriesLabelPosition::UpperRight)
+                .position(SeriesLabelPosition::LowerRight)
                 .background_style(WHITE.mix(0.85))
                 .label_font(("sans-serif", 12))
                 .draw()?;
