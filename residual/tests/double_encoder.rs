@@ -57,15 +57,16 @@ fn log(poses: usize, seed: u64) -> RobotLog {
                 columns.q_rad[j].push(q[j] + ENCODER_SD_RAD * a);
                 columns.dq_rad_s[j].push(qd[j]);
                 columns.tau_j_nm[j].push(load[j]);
-                columns.theta_rad.as_mut().unwrap()[j].push(q[j] + load[j] / STIFFNESS[j] + ENCODER_SD_RAD * b);
+                columns.theta_rad.as_mut().expect("two encoders")[j]
+                    .push(q[j] + load[j] / STIFFNESS[j] + ENCODER_SD_RAD * b);
             }
-            for (column, value) in columns.o_f_ext.as_mut().unwrap().iter_mut().zip(wrench) {
+            for (column, value) in columns.o_f_ext.as_mut().expect("a reference").iter_mut().zip(wrench) {
                 column.push(value);
             }
         }
         last = next;
     }
-    columns.validate().unwrap()
+    columns.validate().expect("a valid log")
 }
 
 fn from_log(settings: DoubleEncoderSettings, poses: usize) -> Result<DoubleEncoderModel<7>, CalibrationError> {
