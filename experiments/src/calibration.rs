@@ -34,7 +34,7 @@ impl Calibration {
     /// # Errors
     /// Those of `run`.
     pub fn of_free_stretch<E>(run: impl Fn(f64) -> Result<LogWrench, E>) -> Result<Self, E> {
-        let tare = run(1.0)?.summary().mean;
+        let tare = run(1.0)?.mean();
         let holds = |factor: f64| {
             let mut log = run(factor)?;
             log.tare(&tare);

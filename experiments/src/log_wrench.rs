@@ -209,6 +209,13 @@ impl LogWrench {
         inside as f64 / all.max(1) as f64
     }
 
+    /// Mean wrench of the settled samples, force then moment.
+    pub fn mean(&self) -> [f64; 6] {
+        let settled: Vec<&[f64; 6]> = self.wrench.iter().filter(|wrench| wrench[0].is_finite()).collect();
+        let count = settled.len().max(1) as f64;
+        std::array::from_fn(|i| settled.iter().map(|wrench| wrench[i]).sum::<f64>() / count)
+    }
+
     /// The figures of the settled samples.
     pub fn summary(&self) -> WrenchSummary {
         let settled: Vec<usize> = (0..self.wrench.len()).filter(|&k| self.wrench[k][0].is_finite()).collect();
@@ -235,7 +242,7 @@ impl LogWrench {
         let nis: Vec<f64> = settled.iter().map(|&k| self.nis[k]).filter(|nis| nis.is_finite()).collect();
         WrenchSummary {
             samples: settled.len(),
-            mean: mean_of(&|k, i| self.wrench[k][i]),
+            mean: self.mean(),
             rms: mean_of(&|k, i| self.wrench[k][i].powi(2)).map(f64::sqrt),
             max: std::array::from_fn(|i| settled.iter().map(|&k| self.wrench[k][i].abs()).fold(0.0, f64::max)),
             stated_sd: mean_of(&|k, i| self.sd[k][i]),

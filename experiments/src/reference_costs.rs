@@ -1,7 +1,6 @@
 //! Costs that put a result into proportion.
 
 use rayon::prelude::*;
-use tribo_friction::law::CoulombViscous;
 use tribo_friction::{FrictionModel, JointEffects};
 use tribo_sim::Effect;
 
@@ -24,7 +23,7 @@ pub struct References {
 /// # Errors
 /// A friction that the estimator cannot work with.
 pub fn references(tune: &ValidTune) -> Result<References, EstimatorError> {
-    let none = FrictionModel::uniform(CoulombViscous::default().into());
+    let none = FrictionModel::none();
     let no_effects = [JointEffects::default(); 7];
     let uncompensated = without_compensation(tune);
     let oracle = tune.trial.clone().believing(&tune.oracle);
@@ -48,7 +47,7 @@ pub fn references(tune: &ValidTune) -> Result<References, EstimatorError> {
 /// # Errors
 /// A campaign whose estimator cannot be had.
 pub fn uncompensated_trial(tune: &ValidTune) -> Result<TrialOutcome<7>, EstimatorError> {
-    let none = FrictionModel::uniform(CoulombViscous::default().into());
+    let none = FrictionModel::none();
     run_estimated(tune, &without_compensation(tune), &none, noise_seed(tune.config.seed, u64::MAX))
 }
 

@@ -58,6 +58,12 @@ const JOINT_DAMPING_NM_S_PER_RAD: f64 = 10.0;
 const LOG_DECIMATION: u64 = 10;
 
 impl Trial<7> {
+    /// The same trial with the tool held where it starts.
+    pub fn holding(mut self) -> Self {
+        self.reference = SinusoidReference::fixed(self.reference.centre);
+        self
+    }
+
     /// The same trial on a Panda with springs in its joints and an encoder on either side of them.
     pub fn with_two_encoders(mut self) -> Self {
         self.truth = self.truth.with_elastic_joints(PANDA_JOINT_STIFFNESS_NM_PER_RAD, JOINT_DAMPING_NM_S_PER_RAD);

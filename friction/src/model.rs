@@ -2,7 +2,7 @@
 
 use nalgebra::SVector;
 
-use crate::law::JointFriction;
+use crate::law::{CoulombViscous, JointFriction};
 
 /// One friction law per joint: `tau_f,j = law_j(qd_j)`.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -15,6 +15,11 @@ impl<const N: usize> FrictionModel<N> {
     /// The same law on every joint.
     pub fn uniform(joint: JointFriction) -> Self {
         Self { joints: [joint; N] }
+    }
+
+    /// No friction at all.
+    pub fn none() -> Self {
+        Self::uniform(CoulombViscous::default().into())
     }
 
     /// Steady-sliding friction torque (Nm) at qd [rad/s], sign smoothed over `smoothing_rad_s`.

@@ -58,7 +58,7 @@ pub use double_encoder::{
     StopOperator, ValidDoubleEncoder, calibrate, fit_stiffness,
 };
 pub use friction_left::FrictionLeft;
-pub use momentum::{MomentumEstimator, MomentumObserver, MomentumSettings};
+pub use momentum::{MomentumEstimator, MomentumObserver, MomentumSettings, OBSERVER_GAIN_RAD_S};
 pub use qp::{
     BandObserver, BoxOutcome, BoxQp, BoxSolution, ForceEstimate, ForceLimit, ForcePrior, ForceProblem, ForceSolver,
     PIVOT_LIMIT, QpEstimator, QpSettings, Side, diagonal_prior, stack_opposed,

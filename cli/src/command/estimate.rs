@@ -12,10 +12,9 @@ use tribo_experiments::{
     AnyEstimator, Believed, Calibration, EstimatorError, EstimatorName, LogWrench, WrenchSummary, believed_band,
     without_effects, wrench_on_log,
 };
-use tribo_friction::law::CoulombViscous;
 use tribo_friction::{FrictionBand, FrictionModel};
 use tribo_logs::{LogSummary, RobotLog, Table, read_log, write_table};
-use tribo_residual::identify_band;
+use tribo_residual::{OBSERVER_GAIN_RAD_S, identify_band};
 use tribo_sim::panda_gaz_joints;
 
 use super::{named, warn_not_cancelled};
@@ -28,9 +27,6 @@ const AXES: [&str; 6] = ["Fx [N]", "Fy [N]", "Fz [N]", "Mx [Nm]", "My [Nm]", "Mz
 
 /// Mean NIS above which the filter's stated deviations are refuted; 6 is the expectation, below it they are generous.
 const OVERCONFIDENT_NIS: f64 = 8.0;
-
-/// Gain of the momentum observer that a band belongs to, that of the estimators (rad/s).
-const BAND_GAIN_RAD_S: f64 = 50.0;
 
 /// Runs the estimators over a log and prints what they say.
 pub fn run(arguments: &Estimate, common: &Common) -> anyhow::Result<()> {
@@ -110,7 +106,7 @@ impl FreeLog {
     fn read(path: &Path, believed: &Believed) -> anyhow::Result<Self> {
         let (log, _) = read_log(path)?;
         let bad = |error: &dyn std::fmt::Display| BadInput(format!("{}: {error}", path.display()));
-        let fits = identify_band(&log, &believed.arm, BAND_GAIN_RAD_S).map_err(|error| bad(&error))?;
+        let fits = identify_band(&log, &believed.arm, OBSERVER_GAIN_RAD_S).map_err(|error| bad(&error))?;
         let band = FrictionBand::new(fits.map(|fit| fit.band)).map_err(|error| bad(&error))?;
         Ok(Self { log, band })
     }
@@ -143,7 +139,7 @@ fn torque_residual(
         blocks: BlockSettings { length_s: arguments.block_s, ..BlockSettings::default() },
     };
     let friction = comparison(arguments, model);
-    let none = FrictionModel::uniform(CoulombViscous::default().into());
+    let none = FrictionModel::none();
     Ok(FrictionReport::of(&residual, (friction != none).then_some(&friction), &settings))
 }
 

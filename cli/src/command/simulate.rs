@@ -3,11 +3,9 @@
 use std::path::{Path, PathBuf};
 
 use serde_json::{Map, Value, json};
-use tribo_control::SinusoidReference;
 use tribo_experiments::files::{Model, TrajectoryFile, TunedFile, YamlDocument};
 use tribo_experiments::{AnyEstimator, Believed, NotCancelled, ValidTune, follow, simulate_log};
 use tribo_friction::FrictionModel;
-use tribo_friction::law::CoulombViscous;
 use tribo_logs::RobotLog;
 use tribo_sim::WrenchPulses;
 
@@ -26,7 +24,7 @@ pub fn run(arguments: &Simulate, common: &Common) -> anyhow::Result<()> {
     let trial = &mut tune.trial;
     trial.sensors.torque_side = named(&arguments.torque_side)?;
     if arguments.fixed {
-        trial.reference = SinusoidReference::fixed(trial.reference.centre);
+        *trial = trial.clone().holding();
     }
     for (name, value) in [("--pulse-force", arguments.pulse_force), ("--pulse-moment", arguments.pulse_moment)] {
         if !(0.0..=1000.0).contains(&value) {
@@ -53,7 +51,7 @@ fn belief(arguments: &Simulate, tune: &mut ValidTune) -> anyhow::Result<(Frictio
         "none" => {
             // The arm may still be that of --model.
             tune.trial.effects = Default::default();
-            return Ok((FrictionModel::uniform(CoulombViscous::default().into()), Vec::new()));
+            return Ok((FrictionModel::none(), Vec::new()));
         }
         "oracle" => Some(tune.oracle.clone()),
         file if is_model(Path::new(file))? => Some(Believed::by_controller(&Model::read(Path::new(file))?)),

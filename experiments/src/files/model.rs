@@ -4,7 +4,6 @@ use std::path::Path;
 
 use tribo_diagnose::Nominal;
 use tribo_friction::FrictionModel;
-use tribo_friction::law::CoulombViscous;
 use tribo_robot::{Arm, presets};
 use tribo_sim::{Effect, TorqueSide, Truth};
 
@@ -32,7 +31,7 @@ impl Model<7> {
             TorqueSide::Motor => presets::panda(),
             TorqueSide::Link => presets::panda().link_side(),
         };
-        let friction = FrictionModel::uniform(CoulombViscous::default().into());
+        let friction = FrictionModel::none();
         Self { arm, torque_side, friction, smoothing_rad_s: 0.005, effects: Vec::new() }
     }
 

@@ -4,23 +4,19 @@ use nalgebra::{SVector, Vector6};
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64;
 use serde::{Deserialize, Serialize};
-use tribo_control::SinusoidReference;
 use tribo_ekf::WrenchEkfSettings;
-use tribo_friction::law::CoulombViscous;
 use tribo_friction::{FrictionBand, FrictionModel};
 use tribo_residual::{
-    BandObserver, BandOf, BoxOutcome, ForceEstimate, ForceProblem, ForceSolver, diagonal_prior, identify_band,
-    stack_opposed,
+    BandObserver, BandOf, BoxOutcome, ForceEstimate, ForceProblem, ForceSolver, OBSERVER_GAIN_RAD_S, diagonal_prior,
+    identify_band, stack_opposed,
 };
-use tribo_robot::{ControlTerms, EstimatorInput, Kinematics, LAMBDA_95, Wrench};
+use tribo_robot::{ControlTerms, EstimatorInput, LAMBDA_95, Wrench};
 use tribo_sim::{Pulse, Truth, WrenchPulses};
 
 use super::{ExperimentError, Quantity, SeedRun};
 use crate::files::FieldError;
 use crate::{AnyEstimator, EstimatorName, Phases, Trial, TuneConfig, noise_seed, run_trial_observed, simulate_log};
 
-/// Gain of the momentum observer, to which a band belongs (rad/s).
-const GAIN_RAD_S: f64 = 50.0;
 /// Ticks between two estimates: 250 Hz, as the paper's samples.
 const DECIMATION: u64 = 4;
 /// Standard deviations that stand for no prior: force (N), moment (Nm).
@@ -247,24 +243,21 @@ fn trial(seed: u64, moving: bool, pulses: WrenchPulses) -> Result<Trial<7>, Expe
     let mut trial = config.validate()?.trial;
     trial.truth = Truth::panda_coulomb_viscous();
     trial.pulses = pulses;
-    if !moving {
-        trial.reference = SinusoidReference::fixed(Kinematics::at(&trial.model, &trial.start).base_from_flange());
-    }
-    Ok(trial)
-}
-
-/// Friction of a controller that believes there is none.
-fn none() -> FrictionModel<7> {
-    FrictionModel::uniform(CoulombViscous::default().into())
+    Ok(if moving { trial } else { trial.holding() })
 }
 
 /// The band of each joint from a motion that nobody touches (section II-C, automated).
 fn identified_band(seed: u64) -> Result<FrictionBand<7>, ExperimentError> {
     let trial = trial(seed, true, WrenchPulses::default())?;
-    let estimator =
-        AnyEstimator::for_tuning(EstimatorName::Momentum, WrenchEkfSettings::default(), &trial.model, &none())?;
-    let (_, log) = simulate_log(&trial, &none(), estimator, noise_seed(seed, 9)).map_err(ExperimentError::Log)?;
-    let fits = identify_band(&log, &trial.model, GAIN_RAD_S).map_err(ExperimentError::Band)?;
+    let estimator = AnyEstimator::for_tuning(
+        EstimatorName::Momentum,
+        WrenchEkfSettings::default(),
+        &trial.model,
+        &FrictionModel::none(),
+    )?;
+    let (_, log) =
+        simulate_log(&trial, &FrictionModel::none(), estimator, noise_seed(seed, 9)).map_err(ExperimentError::Log)?;
+    let fits = identify_band(&log, &trial.model, OBSERVER_GAIN_RAD_S).map_err(ExperimentError::Band)?;
     FrictionBand::new(fits.map(|fit| fit.band)).map_err(|error| ExperimentError::Band(error.into()))
 }
 
@@ -282,13 +275,17 @@ fn instants(
         pulse.wrench_base.moment_nm *= side;
     }
     let trial = trial(seed, moving, own)?;
-    let estimator =
-        AnyEstimator::for_tuning(EstimatorName::Momentum, WrenchEkfSettings::default(), &trial.model, &none())?;
-    let mut observer = BandObserver::new(*band, BandOf::Friction, GAIN_RAD_S);
+    let estimator = AnyEstimator::for_tuning(
+        EstimatorName::Momentum,
+        WrenchEkfSettings::default(),
+        &trial.model,
+        &FrictionModel::none(),
+    )?;
+    let mut observer = BandObserver::new(*band, BandOf::Friction, OBSERVER_GAIN_RAD_S);
     let (nothing, no_command) = (SVector::zeros(), Vector6::zeros());
     let (mut sent, mut tick, mut found) = (None, 0u64, Vec::new());
     let noise = noise_seed(seed, 10 + u64::from(moving));
-    run_trial_observed(&trial, &none(), estimator, noise, |record, _| {
+    run_trial_observed(&trial, &FrictionModel::none(), estimator, noise, |record, _| {
         let frame = &record.frame;
         let terms = ControlTerms::at(&trial.model, &frame.q, &frame.qd);
         match sent {

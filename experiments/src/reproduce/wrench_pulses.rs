@@ -2,11 +2,9 @@
 
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
-use tribo_control::SinusoidReference;
 use tribo_ekf::WrenchEkfSettings;
 use tribo_friction::FrictionModel;
-use tribo_friction::law::CoulombViscous;
-use tribo_robot::{Kinematics, WrenchEstimator};
+use tribo_robot::WrenchEstimator;
 use tribo_sim::{Truth, WrenchPulses};
 
 use super::ExperimentError;
@@ -19,7 +17,7 @@ use crate::{
 
 /// Push on each axis in turn: 15 N or 2.5 Nm for 2.5 s, 1.5 s apart, from 5 s on.
 const PUSH: [f64; 5] = [15.0, 2.5, 5.0, 2.5, 1.5];
-/// Time before a push, and after it, that does not count as free of contact (s).
+/// Time after a push that does not count as free of contact (s).
 const NEAR_PUSH_S: f64 = 0.3;
 
 /// Settings of the experiment, `schema: tribo.reproduce/1`.
@@ -160,10 +158,7 @@ impl Stretch {
             let [force_n, moment_nm, start_s, width_s, pause_s] = PUSH;
             trial.pulses = WrenchPulses::each_axis(force_n, moment_nm, start_s, width_s, pause_s);
         }
-        if !self.case.moving {
-            trial.reference = SinusoidReference::fixed(Kinematics::at(&trial.model, &trial.start).base_from_flange());
-        }
-        Ok(trial)
+        Ok(if self.case.moving { trial } else { trial.holding() })
     }
 
     /// Estimate and truth at every tick of the judged part.
@@ -173,7 +168,7 @@ impl Stretch {
         estimator: EstimatorName,
         noise_factor: f64,
     ) -> Result<LogWrench, ExperimentError> {
-        let none = FrictionModel::uniform(CoulombViscous::default().into());
+        let none = FrictionModel::none();
         let friction = if self.case.compensated { truth_of(self.case).friction } else { none };
         let band = believed_band(&truth_of(self.case).friction);
         let settings = WrenchEkfSettings::default();
@@ -235,14 +230,11 @@ fn row(case: PushCase, estimator: EstimatorName, noise_factor: f64, pushes: &[Lo
 fn free_mean(log: &LogWrench) -> [f64; 6] {
     let Some(reference) = &log.reference else { return [0.0; 6] };
     let [.., start_s, width_s, pause_s] = PUSH;
-    let begin_s = log.time_s.first().copied().unwrap_or(0.0);
     let near = |time_s: f64| {
         let since = time_s - start_s;
-        since >= -NEAR_PUSH_S && since.rem_euclid(width_s + pause_s) <= width_s + NEAR_PUSH_S
+        since >= 0.0 && since.rem_euclid(width_s + pause_s) <= width_s + NEAR_PUSH_S
     };
-    let free: Vec<usize> = (0..reference.len())
-        .filter(|&k| reference[k] == [0.0; 6] && !near(log.time_s[k]) && log.time_s[k] >= begin_s)
-        .collect();
+    let free: Vec<usize> = (0..reference.len()).filter(|&k| reference[k] == [0.0; 6] && !near(log.time_s[k])).collect();
     std::array::from_fn(|i| free.iter().map(|&k| log.wrench[k][i]).sum::<f64>() / free.len().max(1) as f64)
 }
 

@@ -1,5 +1,6 @@
 //! What is calibrated, and how the estimator runs.
 
+use crate::OBSERVER_GAIN_RAD_S;
 use serde::{Deserialize, Serialize};
 
 use super::CalibrationError;
@@ -59,7 +60,7 @@ impl Default for DoubleEncoderSettings {
             loading_travel_rad: 2e-5,
             inducing: 128,
             coarse: 480,
-            gain_rad_s: 50.0,
+            gain_rad_s: OBSERVER_GAIN_RAD_S,
             force_damping_n: 500.0,
             moment_damping_nm: 100.0,
             encoder_sd_rad: 1e-5,

@@ -3,7 +3,7 @@
 use nalgebra::{SMatrix, SVector};
 use tribo_robot::{ControlTerms, EstimateFault, EstimatorInput, SensorFrame, Wrench, WrenchEstimate, WrenchEstimator};
 
-use super::MomentumObserver;
+use super::{MomentumObserver, OBSERVER_GAIN_RAD_S};
 use crate::BandOf;
 use crate::damped_wrench::{damped_wrench, weighted_inverse};
 use tribo_friction::FrictionBand;
@@ -32,7 +32,7 @@ impl<const N: usize> MomentumSettings<N> {
     /// 3 mrad/s), and damping far above any contact: it takes 1e-4 off a wrench that is seen to 1 % of it.
     pub fn new(friction: FrictionBand<N>) -> Self {
         Self {
-            gain_rad_s: 50.0,
+            gain_rad_s: OBSERVER_GAIN_RAD_S,
             torque_sd_nm: SVector::repeat(0.05),
             velocity_sd_rad_s: SVector::repeat(3e-3),
             friction,

@@ -5,3 +5,7 @@ mod observer;
 
 pub use estimator::{MomentumEstimator, MomentumSettings};
 pub use observer::MomentumObserver;
+
+/// Gain (rad/s) of the momentum observer of every estimator by default: 8 Hz, 20 ms, as the wrench filter. A friction band
+/// belongs to the gain of the observer through which it was identified.
+pub const OBSERVER_GAIN_RAD_S: f64 = 50.0;

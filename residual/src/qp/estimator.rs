@@ -7,7 +7,7 @@ use tribo_robot::{
 };
 
 use super::{BandObserver, BoxOutcome, ForcePrior, ForceSolver};
-use crate::BandOf;
+use crate::{BandOf, OBSERVER_GAIN_RAD_S};
 use tribo_friction::FrictionBand;
 
 /// Settings of [`QpEstimator`].
@@ -29,7 +29,13 @@ impl<const N: usize> QpSettings<N> {
     /// A hand's contact as the prior (30 N, 3 Nm), K = 50 rad/s as the momentum estimator, the band for the whole
     /// friction, limits on.
     pub fn new(band: FrictionBand<N>) -> Self {
-        Self { band, prior: diagonal_prior(30.0, 3.0), gain_rad_s: 50.0, band_of: BandOf::Friction, limits: true }
+        Self {
+            band,
+            prior: diagonal_prior(30.0, 3.0),
+            gain_rad_s: OBSERVER_GAIN_RAD_S,
+            band_of: BandOf::Friction,
+            limits: true,
+        }
     }
 }
 

@@ -1,5 +1,6 @@
 //! Settings of the thermal virtual sensor.
 
+use crate::OBSERVER_GAIN_RAD_S;
 use nalgebra::SVector;
 use thiserror::Error;
 use tribo_friction::FrictionModel;
@@ -62,7 +63,7 @@ impl<const N: usize> ThermalSettings<N> {
             joints,
             ambient_c,
             initial_c: SVector::repeat(ambient_c),
-            gain_rad_s: 50.0,
+            gain_rad_s: OBSERVER_GAIN_RAD_S,
             torque_sd_nm: SVector::repeat(0.05),
             velocity_sd_rad_s: SVector::repeat(3e-3),
             sliding_rad_s: 0.03,

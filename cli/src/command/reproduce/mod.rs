@@ -1,15 +1,11 @@
 //! `tribo reproduce`.
 
+mod rerun;
 mod roveda2022;
 mod seeded;
 mod uhlmann2023;
 mod wrench_pulses;
 
-use std::path::Path;
-
-use serde::Serialize;
-use serde::de::DeserializeOwned;
-use tribo_experiments::files::{FileError, read_text};
 use tribo_experiments::reproduce::{Linderoth2013, Simoni2017, Simoni2019};
 
 use crate::arguments::{Common, Reproduce};
@@ -33,18 +29,4 @@ pub fn run(arguments: &Reproduce, common: &Common) -> anyhow::Result<()> {
         "wrench_pulses" | "07" => wrench_pulses::run(arguments, common),
         _ => roveda2022::run(arguments, common),
     }
-}
-
-/// One line per item, for diffs that people can read.
-fn json_lines<T: Serialize>(items: &[T]) -> serde_json::Result<String> {
-    let lines: Vec<String> = items.iter().map(serde_json::to_string).collect::<Result<_, _>>()?;
-    Ok(lines.join(",\n"))
-}
-
-/// What `--check` compares with.
-fn read_expected<T: DeserializeOwned>(path: &Path) -> anyhow::Result<T> {
-    serde_json::from_str(&read_text(path)?).map_err(|error| {
-        let (line, column) = (error.line() as u64, error.column() as u64);
-        FileError::Syntax { path: path.to_owned(), line, column, message: error.to_string() }.into()
-    })
 }

@@ -1,15 +1,11 @@
 //! `tribo reproduce roveda2022`.
 
-use anyhow::Context;
-use indicatif::{ProgressBar, ProgressStyle};
 use serde::{Deserialize, Serialize};
-use tribo_experiments::files::YamlDocument;
 use tribo_experiments::reproduce::{CellResult, Roveda2022, RowSummary, summarize};
-use tribo_logs::write_atomic;
 
-use super::{json_lines, read_expected};
+use super::rerun::{RESULT_SCHEMA, deliver, expected, json_lines, settings, with_progress};
 use crate::arguments::{Common, Reproduce};
-use crate::failure::{BadInput, CheckFailed};
+use crate::failure::CheckFailed;
 use crate::output::{print, significant, table};
 
 /// The settings that ship with the experiment.
@@ -41,41 +37,19 @@ impl Document {
 
 /// Runs the campaigns of the experiment and prints one row per truth and strategy.
 pub fn run(arguments: &Reproduce, common: &Common) -> anyhow::Result<()> {
-    let expected = arguments.check.as_deref().map(read_expected::<Document>).transpose()?;
-    let mut config: Roveda2022 = match &arguments.config {
-        Some(path) => {
-            let document = YamlDocument::read(path)?;
-            let config: Roveda2022 = document.parse()?;
-            config.validate().map_err(|error| document.explain(error))?;
-            config
-        }
-        None => YamlDocument::embedded("config.yaml", SETTINGS).parse()?,
-    };
-    config.seeds = arguments.seeds.unwrap_or(config.seeds);
-    config.validate().map_err(|error| BadInput(error.to_string()))?;
-
-    let bar = if common.quiet { ProgressBar::hidden() } else { ProgressBar::new(config.cells() as u64) };
-    bar.set_style(ProgressStyle::with_template("{bar:30} {pos}/{len} campaigns  {elapsed}  eta {eta}")?);
-    let pool = rayon::ThreadPoolBuilder::new().num_threads(common.threads).build().context("starting the threads")?;
-    let cells = pool.install(|| config.run(|_| bar.inc(1)))?;
-    bar.finish_and_clear();
+    let expected = expected::<Document>(arguments)?;
+    let config = settings(arguments, SETTINGS, Roveda2022::validate, |config| &mut config.seeds)?;
+    let cells = with_progress(common, config.cells() as u64, "campaigns", |bar| Ok(config.run(|_| bar.inc(1))?))?;
 
     let rows = summarize(&cells);
     let document = Document {
-        schema: "tribo.reproduce.result/1".to_owned(),
+        schema: RESULT_SCHEMA.to_owned(),
         tribo_version: env!("CARGO_PKG_VERSION").to_owned(),
         rows,
         campaigns: cells,
     };
     let text = document.text()?;
-    if let Some(out) = &arguments.out {
-        write_atomic(out, |file| file.write_all(text.as_bytes()))?;
-    }
-    if common.json {
-        print(text.trim_end());
-    } else if !common.quiet {
-        show(&document.rows);
-    }
+    deliver(&text, arguments, common, || show(&document.rows))?;
     expected.map_or(Ok(()), |expected| check(&document, &expected))
 }
 

@@ -1,14 +1,10 @@
 //! Experiments that are a list of numbers per seed: `tribo reproduce simoni2017`, `simoni2019`.
 
-use anyhow::Context;
-use indicatif::{ProgressBar, ProgressStyle};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
-use tribo_experiments::files::YamlDocument;
 use tribo_experiments::reproduce::{QuantitySummary, SeedRun, SeededExperiment, summarize_quantities};
-use tribo_logs::write_atomic;
 
-use super::{json_lines, read_expected};
+use super::rerun::{self, RESULT_SCHEMA, deliver, expected, json_lines, with_progress};
 use crate::arguments::{Common, Reproduce};
 use crate::failure::{BadInput, CheckFailed};
 use crate::output::{print, significant, table};
@@ -49,49 +45,27 @@ pub fn run<E: SeededExperiment>(
     arguments: &Reproduce,
     common: &Common,
 ) -> anyhow::Result<()> {
-    let expected = arguments.check.as_deref().map(read_expected::<Document>).transpose()?;
-    let mut experiment: E = match &arguments.config {
-        Some(path) => {
-            let document = YamlDocument::read(path)?;
-            let experiment: E = document.parse()?;
-            experiment.validate().map_err(|error| document.explain(error))?;
-            experiment
-        }
-        None => YamlDocument::embedded("config.yaml", settings).parse()?,
-    };
-    if let Some(seeds) = arguments.seeds {
-        *experiment.seeds() = seeds;
-    }
-    experiment.validate().map_err(|error| BadInput(error.to_string()))?;
+    let expected = expected::<Document>(arguments)?;
+    let mut experiment: E = rerun::settings(arguments, settings, E::validate, E::seeds)?;
     let seeds = *experiment.seeds();
-
-    let bar = if common.quiet { ProgressBar::hidden() } else { ProgressBar::new(seeds) };
-    bar.set_style(ProgressStyle::with_template("{bar:30} {pos}/{len} seeds  {elapsed}  eta {eta}")?);
-    let pool = rayon::ThreadPoolBuilder::new().num_threads(common.threads).build().context("starting the threads")?;
-    let one = |seed: u64| {
-        let run = experiment.measure(seed).map_err(|error| BadInput(format!("seed {seed}: {error}")));
-        bar.inc(1);
-        run
-    };
-    let runs: Vec<SeedRun> = pool.install(|| (1..=seeds).into_par_iter().map(one).collect::<Result<_, _>>())?;
-    bar.finish_and_clear();
+    let runs: Vec<SeedRun> = with_progress(common, seeds, "seeds", |bar| {
+        let one = |seed: u64| {
+            let run = experiment.measure(seed).map_err(|error| BadInput(format!("seed {seed}: {error}")));
+            bar.inc(1);
+            run
+        };
+        Ok((1..=seeds).into_par_iter().map(one).collect::<Result<_, _>>()?)
+    })?;
 
     let document = Document {
-        schema: "tribo.reproduce.result/1".to_owned(),
+        schema: RESULT_SCHEMA.to_owned(),
         tribo_version: env!("CARGO_PKG_VERSION").to_owned(),
         paper: paper.to_owned(),
         quantities: summarize_quantities(&experiment.quantities(), &runs),
         runs,
     };
     let text = document.text()?;
-    if let Some(out) = &arguments.out {
-        write_atomic(out, |file| file.write_all(text.as_bytes()))?;
-    }
-    if common.json {
-        print(text.trim_end());
-    } else if !common.quiet {
-        show(&document.quantities);
-    }
+    deliver(&text, arguments, common, || show(&document.quantities))?;
     expected.map_or(Ok(()), |expected| check(&document, &expected))
 }
 

@@ -1,13 +1,9 @@
 //! `tribo reproduce uhlmann2023`.
 
-use anyhow::Context;
-use indicatif::{ProgressBar, ProgressStyle};
 use serde::{Deserialize, Serialize};
-use tribo_experiments::files::YamlDocument;
 use tribo_experiments::reproduce::uhlmann2023::{Uhlmann2023, VariantResult, VariantSummary, summarize};
-use tribo_logs::write_atomic;
 
-use super::read_expected;
+use super::rerun::{RESULT_SCHEMA, deliver, expected, settings, with_progress};
 use crate::arguments::{Common, Reproduce};
 use crate::failure::{BadInput, CheckFailed};
 use crate::output::{print, significant, table};
@@ -29,41 +25,21 @@ struct Document {
 
 /// Runs every model on every seed and prints one row per model.
 pub fn run(arguments: &Reproduce, common: &Common) -> anyhow::Result<()> {
-    let expected = arguments.check.as_deref().map(read_expected::<Document>).transpose()?;
-    let mut config: Uhlmann2023 = match &arguments.config {
-        Some(path) => {
-            let document = YamlDocument::read(path)?;
-            let config: Uhlmann2023 = document.parse()?;
-            config.validate().map_err(|error| document.explain(error))?;
-            config
-        }
-        None => YamlDocument::embedded("config.yaml", UHLMANN2023).parse()?,
-    };
-    config.seeds = arguments.seeds.unwrap_or(config.seeds);
-    config.validate().map_err(|error| BadInput(error.to_string()))?;
-
+    let expected = expected::<Document>(arguments)?;
+    let config = settings(arguments, UHLMANN2023, Uhlmann2023::validate, |config| &mut config.seeds)?;
     let cells = config.seeds * config.variants.len() as u64;
-    let bar = if common.quiet { ProgressBar::hidden() } else { ProgressBar::new(cells) };
-    bar.set_style(ProgressStyle::with_template("{bar:30} {pos}/{len} models  {elapsed}  eta {eta}")?);
-    let pool = rayon::ThreadPoolBuilder::new().num_threads(common.threads).build().context("starting the threads")?;
-    let results = pool.install(|| config.run(|_| bar.inc(1))).map_err(|error| BadInput(error.to_string()))?;
-    bar.finish_and_clear();
+    let results = with_progress(common, cells, "models", |bar| {
+        Ok(config.run(|_| bar.inc(1)).map_err(|error| BadInput(error.to_string()))?)
+    })?;
 
     let document = Document {
-        schema: "tribo.reproduce.result/1".to_owned(),
+        schema: RESULT_SCHEMA.to_owned(),
         tribo_version: env!("CARGO_PKG_VERSION").to_owned(),
         rows: summarize(&results),
         results,
     };
     let text = serde_json::to_string_pretty(&document)? + "\n";
-    if let Some(out) = &arguments.out {
-        write_atomic(out, |file| file.write_all(text.as_bytes()))?;
-    }
-    if common.json {
-        print(text.trim_end());
-    } else if !common.quiet {
-        show(&document.rows);
-    }
+    deliver(&text, arguments, common, || show(&document.rows))?;
     expected.map_or(Ok(()), |expected| check(&document.results, &expected.results))
 }
 

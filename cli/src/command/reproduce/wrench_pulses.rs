@@ -1,13 +1,9 @@
 //! `tribo reproduce wrench_pulses`.
 
-use anyhow::Context;
-use indicatif::{ProgressBar, ProgressStyle};
 use serde::{Deserialize, Serialize};
-use tribo_experiments::files::YamlDocument;
 use tribo_experiments::reproduce::{PushRow, PushedTool};
-use tribo_logs::write_atomic;
 
-use super::{json_lines, read_expected};
+use super::rerun::{RESULT_SCHEMA, deliver, expected, json_lines, settings, with_progress};
 use crate::arguments::{Common, Reproduce};
 use crate::failure::{BadInput, CheckFailed};
 use crate::output::{print, significant, table};
@@ -28,26 +24,13 @@ struct Document {
 
 /// Runs every estimator in every situation and prints one row for each.
 pub fn run(arguments: &Reproduce, common: &Common) -> anyhow::Result<()> {
-    let expected = arguments.check.as_deref().map(read_expected::<Document>).transpose()?;
-    let mut config: PushedTool = match &arguments.config {
-        Some(path) => {
-            let document = YamlDocument::read(path)?;
-            let config: PushedTool = document.parse()?;
-            config.validate().map_err(|error| document.explain(error))?;
-            config
-        }
-        None => YamlDocument::embedded("config.yaml", SETTINGS).parse()?,
-    };
-    config.seeds = arguments.seeds.unwrap_or(config.seeds);
-    config.validate().map_err(|error| BadInput(error.to_string()))?;
+    let expected = expected::<Document>(arguments)?;
+    let config = settings(arguments, SETTINGS, PushedTool::validate, |config| &mut config.seeds)?;
+    let rows = with_progress(common, config.trials() as u64, "trials", |bar| {
+        Ok(config.run(|| bar.inc(1)).map_err(|error| BadInput(error.to_string()))?)
+    })?;
 
-    let bar = if common.quiet { ProgressBar::hidden() } else { ProgressBar::new(config.trials() as u64) };
-    bar.set_style(ProgressStyle::with_template("{bar:30} {pos}/{len} trials  {elapsed}  eta {eta}")?);
-    let pool = rayon::ThreadPoolBuilder::new().num_threads(common.threads).build().context("starting the threads")?;
-    let rows = pool.install(|| config.run(|| bar.inc(1))).map_err(|error| BadInput(error.to_string()))?;
-    bar.finish_and_clear();
-
-    let (schema, tribo_version) = ("tribo.reproduce.result/1".to_owned(), env!("CARGO_PKG_VERSION").to_owned());
+    let (schema, tribo_version) = (RESULT_SCHEMA.to_owned(), env!("CARGO_PKG_VERSION").to_owned());
     let document = Document { schema, tribo_version, seeds: config.seeds, rows };
     let text = format!(
         "{{\n\"schema\": \"{}\",\n\"tribo_version\": \"{}\",\n\"seeds\": {},\n\"rows\": [\n{}\n]\n}}\n",
@@ -56,14 +39,7 @@ pub fn run(arguments: &Reproduce, common: &Common) -> anyhow::Result<()> {
         document.seeds,
         json_lines(&document.rows)?
     );
-    if let Some(out) = &arguments.out {
-        write_atomic(out, |file| file.write_all(text.as_bytes()))?;
-    }
-    if common.json {
-        print(text.trim_end());
-    } else if !common.quiet {
-        show(&document.rows);
-    }
+    deliver(&text, arguments, common, || show(&document.rows))?;
     expected.map_or(Ok(()), |expected| check(&document, &expected))
 }
 
