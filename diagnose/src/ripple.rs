@@ -8,7 +8,7 @@ use rayon::prelude::*;
 
 use crate::evidence::{fit_rows, inner, solve_truncated};
 use crate::noise_level::median;
-use crate::scene::{FineColumn, Scene};
+use crate::scene::{FineColumn, Sample, Scene};
 use crate::whitening::Whitening;
 
 /// A ripple of one joint, found at the full rate of the log: most of it may lie above the band of the residual.
@@ -101,26 +101,31 @@ fn joint_ripples<const N: usize>(
 }
 
 /// The raw residual without what slow causes of the joint explain: sign, velocity, acceleration, load, angle, constant.
+///
+/// Their coefficients are those of the band: outside it the noise of the acceleration is in the residual and in the
+/// regressor alike, and would pass for inertia.
 fn slow_part_removed<const N: usize>(scene: &Scene<N>, explained: &[nalgebra::SVector<f64, N>], j: usize) -> Vec<f64> {
-    let rows = scene.samples.len();
-    let y: Vec<f64> = scene
-        .samples
-        .iter()
-        .enumerate()
+    let residual = scene.samples.iter().enumerate();
+    let y: Vec<f64> = residual
         .map(|(k, at)| at.measured_nm[j] - at.model_nm[j] - explained.get(k).map_or(0.0, |tau| tau[j]))
         .collect();
-    let bases: Vec<Vec<f64>> = vec![
-        vec![1.0; rows],
-        scene.samples.iter().map(|at| at.sign[j]).collect(),
-        scene.samples.iter().map(|at| at.qd[j]).collect(),
-        scene.samples.iter().map(|at| at.qdd[j]).collect(),
-        scene.samples.iter().map(|at| at.link_nm[j]).collect(),
-        scene.samples.iter().map(|at| at.q[j]).collect(),
-        scene.samples.iter().map(|at| at.q[j].sin()).collect(),
-        scene.samples.iter().map(|at| at.q[j].cos()).collect(),
+    let base = |value: &dyn Fn(&Sample<N>) -> f64| scene.samples.iter().map(value).collect::<Vec<f64>>();
+    let mut bases = vec![
+        base(&|_| 1.0),
+        base(&|at| at.sign[j]),
+        base(&|at| at.qd[j]),
+        base(&|at| at.qdd[j]),
+        base(&|at| at.link_nm[j]),
+        base(&|at| at.q[j]),
+        base(&|at| at.q[j].sin()),
+        base(&|at| at.q[j].cos()),
     ];
-    let fit = fit_rows(&bases, &y, 1e-8);
-    (0..rows).map(|row| y[row] - (0..bases.len()).map(|c| fit.coefficients[c] * bases[c][row]).sum::<f64>()).collect()
+    bases.push(y);
+    let mut in_band = scene.filter_own_all(j, &bases);
+    let (target, y) = (in_band.pop().unwrap_or_default(), bases.pop().unwrap_or_default());
+    let fit = fit_rows(&in_band, &target, 1e-8);
+    let slow = |row: usize| -> f64 { bases.iter().zip(&fit.coefficients).map(|(base, c)| c * base[row]).sum() };
+    y.iter().enumerate().map(|(row, y)| y - slow(row)).collect()
 }
 
 fn strongest_line<const N: usize>(

@@ -66,6 +66,22 @@ impl<const N: usize> FineColumn<N> {
             Self::Arm(values) => sum.iter_mut().zip(values).for_each(|(sum, x)| *sum += x * coefficient),
         }
     }
+
+    /// Whether it is anything but zero on a joint.
+    fn acts_on(&self, joint: usize) -> bool {
+        match self {
+            Self::Joint(j, _) => *j == joint,
+            Self::Arm(values) => values.iter().any(|value| value[joint] != 0.0),
+        }
+    }
+
+    /// Torque per unit of the coefficient on a joint that it acts on (Nm).
+    fn at(&self, sample: usize, joint: usize) -> f64 {
+        match self {
+            Self::Joint(_, values) => values[sample],
+            Self::Arm(values) => values[sample][joint],
+        }
+    }
 }
 
 /// A regressor after band filter and averaging; a joint that it leaves alone has no row.
@@ -374,26 +390,40 @@ impl<const N: usize> Scene<N> {
 
     /// A regressor through the same band filter, trim and average as the torques.
     pub fn filter(&self, column: &FineColumn<N>) -> Column<N> {
-        let finish = |values: &dyn Fn(usize) -> f64| {
-            let mut out = Vec::with_capacity(self.time_s.len());
-            for burst in &self.bursts {
-                let fine: Vec<f64> = burst.fine.clone().map(values).collect();
-                out.extend(self.chains[burst.log].finish(&fine));
+        let mut columns = self.filter_all(std::slice::from_ref(column));
+        columns.pop().unwrap_or_else(|| Column { rows: std::array::from_fn(|_| None) })
+    }
+
+    /// The same of several, side by side.
+    pub fn filter_all(&self, columns: &[FineColumn<N>]) -> Vec<Column<N>> {
+        let acting: Vec<(usize, usize)> = (0..columns.len())
+            .flat_map(|c| (0..N).filter(move |j| columns[c].acts_on(*j)).map(move |j| (c, j)))
+            .collect();
+        let mut filtered: Vec<Column<N>> =
+            columns.iter().map(|_| Column { rows: std::array::from_fn(|_| None) }).collect();
+        for &(c, j) in &acting {
+            filtered[c].rows[j] = Some(Vec::with_capacity(self.time_s.len()));
+        }
+        for burst in &self.bursts {
+            let track = |&(c, j): &(usize, usize)| burst.fine.clone().map(|k| columns[c].at(k, j)).collect();
+            let tracks: Vec<Vec<f64>> = acting.iter().map(track).collect();
+            for (&(c, j), values) in acting.iter().zip(self.chains[burst.log].finish_all(&tracks)) {
+                filtered[c].rows[j].get_or_insert_default().extend(values);
             }
-            out
-        };
-        let rows = match column {
-            FineColumn::Joint(joint, values) => std::array::from_fn(|j| (j == *joint).then(|| finish(&|k| values[k]))),
-            FineColumn::Arm(values) => {
-                std::array::from_fn(|j| values.iter().any(|value| value[j] != 0.0).then(|| finish(&|k| values[k][j])))
-            }
-        };
-        Column { rows }
+        }
+        filtered
     }
 
     /// A signal of one joint (any unit) on the fine grid, after band filter and averaging.
     pub fn filter_own(&self, joint: usize, values: Vec<f64>) -> Vec<f64> {
         self.filter(&FineColumn::Joint(joint, values)).rows[joint].take().unwrap_or_default()
+    }
+
+    /// The same of several signals of one joint.
+    pub fn filter_own_all(&self, joint: usize, signals: &[Vec<f64>]) -> Vec<Vec<f64>> {
+        let columns: Vec<FineColumn<N>> = signals.iter().map(|x| FineColumn::Joint(joint, x.clone())).collect();
+        let filtered = self.filter_all(&columns).into_iter();
+        filtered.map(|mut column| column.rows[joint].take().unwrap_or_default()).collect()
     }
 
     /// Regressors of every link in its ten inertial parameters, in the band.
@@ -405,9 +435,11 @@ impl<const N: usize> Scene<N> {
             let columns: Vec<[Column<N>; 10]> = (0..N)
                 .into_par_iter()
                 .map(|link| {
-                    std::array::from_fn(|i| {
-                        let column = blocks.iter().map(|block| block[link].column(i).into_owned()).collect();
-                        self.filter(&FineColumn::Arm(column))
+                    let of = |i: usize| blocks.iter().map(|block| block[link].column(i).into_owned()).collect();
+                    let columns: [FineColumn<N>; 10] = std::array::from_fn(|i| FineColumn::Arm(of(i)));
+                    let mut filtered = self.filter_all(&columns);
+                    std::array::from_fn(|i| Column {
+                        rows: std::mem::replace(&mut filtered[i].rows, [const { None }; N]),
                     })
                 })
                 .collect();

@@ -144,6 +144,11 @@ impl SignalChain {
         self.trim_and_average(&self.band.filter(x))
     }
 
+    /// B x for several settled x of one burst, ends trimmed, averaged.
+    pub(crate) fn finish_all(&self, signals: &[Vec<f64>]) -> Vec<Vec<f64>> {
+        self.band.filter_all(signals).iter().map(|x| self.trim_and_average(x)).collect()
+    }
+
     /// B x for settled x, as long as x.
     pub(crate) fn in_band(&self, x: &[f64]) -> Vec<f64> {
         self.band.filter(x)

@@ -72,7 +72,7 @@ pub(crate) trait Candidate<const N: usize>: Send + Sync {
 
     /// The same in the band, which not every candidate needs to filter anew.
     fn filtered(&self, scene: &Scene<N>, shape: &[f64]) -> Vec<Column<N>> {
-        self.columns(scene, shape).iter().map(|column| scene.filter(column)).collect()
+        scene.filter_all(&self.columns(scene, shape))
     }
 
     /// Whether physics allows these values.
