@@ -94,6 +94,9 @@ pub fn show(ui: &mut Ui, figure: &Figure, look: Look) {
                 categories.get(mark.value.round() as usize).cloned().unwrap_or_default()
             });
     }
+    if figure.to_scale {
+        plot = plot.data_aspect(1.0);
+    }
     if let Some(group) = look.group {
         let id = Id::unique(group);
         plot = plot.link_axis(id, Vec2b::new(true, false)).link_cursor(id, Vec2b::new(true, false));

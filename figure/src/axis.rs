@@ -52,6 +52,18 @@ impl Axis {
         Self { low: 0.0, high: 1.04 * high, logarithmic: false, step: round_step(high / ticks.max(2) as f64) }
     }
 
+    /// Length of a linear axis.
+    pub fn span(&self) -> f64 {
+        self.high - self.low
+    }
+
+    /// A linear axis of length `span` around the same middle, with about `ticks` ticks.
+    pub fn widened(&self, span: f64, ticks: usize) -> Self {
+        let middle = 0.5 * (self.low + self.high);
+        let (low, high) = (middle - 0.5 * span, middle + 0.5 * span);
+        Self { low, high, logarithmic: false, step: round_step(span / ticks.max(2) as f64) }
+    }
+
     /// Where a finite value lies: 0 at the low end, 1 at the high end; clamped to them.
     pub fn position(&self, value: f64) -> f64 {
         let value = match (self.logarithmic, value > 0.0) {

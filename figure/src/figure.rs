@@ -189,12 +189,19 @@ pub struct Figure {
     pub y: Scale,
     /// What is drawn.
     pub layers: Vec<Layer>,
+    /// Whether one unit is as long on both axes: a drawing of something in space.
+    pub to_scale: bool,
 }
 
 impl Figure {
     /// An empty figure.
     pub fn new(title: impl Into<String>, x: Scale, y: Scale) -> Self {
-        Self { title: title.into(), x, y, layers: Vec::new() }
+        Self { title: title.into(), x, y, layers: Vec::new(), to_scale: false }
+    }
+
+    /// The same with units of one length on both axes.
+    pub fn to_scale(self) -> Self {
+        Self { to_scale: true, ..self }
     }
 
     /// The same with one more layer on top.

@@ -88,10 +88,12 @@ impl CampaignView {
                 if ui.button("Stop").clicked() {
                     runner.stop();
                 }
+            } else if !campaign.is_complete() && source.runs_elsewhere(ui.input(|input| input.time)) {
+                ui.label("running, started outside this window");
             } else if !campaign.is_complete()
                 && ui.button("Resume").on_hover_text("Run the remaining trials here").clicked()
             {
-                source.resume(ui.ctx());
+                source.resume();
             }
             if ui.button("Write report").on_hover_text("report.html in the campaign's directory").clicked() {
                 source.report(ui.ctx());
