@@ -184,6 +184,12 @@ pub fn legend(ui: &mut Ui, title: &str, layers: &[Layer]) -> Vec<String> {
         ui.spacing_mut().item_spacing = egui::vec2(5.0, 0.0);
         for layer in named {
             let off = hidden.contains(&layer.name);
+            // A name stays beside its sample.
+            let letters = egui::TextStyle::Small.resolve(ui.style());
+            let words = ui.painter().layout_no_wrap(layer.name.clone(), letters, Color32::PLACEHOLDER);
+            if ui.available_size_before_wrap().x < words.size().x + 26.0 {
+                ui.end_row();
+            }
             sample(ui, layer, if off { ui.visuals().weak_text_color() } else { ink(layer.ink, dark) });
             let text = RichText::new(&layer.name).small();
             let text = if off { text.weak().strikethrough() } else { text };

@@ -2,8 +2,9 @@
 
 use crate::number::fixed;
 
-/// Values that span more than this factor, all positive, get a logarithmic axis.
-pub(crate) const LOGARITHMIC_SPAN: f64 = 1e3;
+/// Values that span more than this factor, all positive, get a logarithmic axis: on a linear one, all that is common of a
+/// campaign with failed trials, whose penalty is 1000, would lie on the floor.
+pub(crate) const LOGARITHMIC_SPAN: f64 = 200.0;
 /// At most this many decades are shown; what is smaller lies on the edge of the plot.
 const MOST_DECADES: f64 = 8.0;
 

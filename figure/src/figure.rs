@@ -9,7 +9,7 @@ pub struct Scale {
     pub label: String,
     /// Names at 0, 1, 2 … in place of numbers.
     pub categories: Vec<String>,
-    /// Whether a logarithm is taken when all values are positive and span three decades.
+    /// Whether a logarithm is taken when all values are positive and span more than two decades.
     pub may_be_logarithmic: bool,
     /// Values the axis holds whatever the data are.
     pub holds: Vec<f64>,
@@ -242,13 +242,13 @@ mod tests {
     }
 
     #[test]
-    fn only_three_positive_decades_are_logarithmic() {
+    fn only_wide_positive_ranges_are_logarithmic() {
         let figure = |y: Vec<f64>| {
             let x = (0..y.len()).map(|k| k as f64).collect();
             Figure::new("", Scale::of("x"), Scale::of("y").or_logarithmic()).with(Layer::line("", 0, x, y))
         };
-        assert!(figure(vec![1.0, 2000.0]).is_logarithmic());
-        assert!(!figure(vec![1.0, 900.0]).is_logarithmic() && !figure(vec![0.0, 2000.0]).is_logarithmic());
+        assert!(figure(vec![1.0, 300.0]).is_logarithmic());
+        assert!(!figure(vec![1.0, 150.0]).is_logarithmic() && !figure(vec![0.0, 2000.0]).is_logarithmic());
         assert!(!figure(vec![]).is_logarithmic() && !figure(vec![f64::NAN]).has_data());
     }
 }

@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use tribo_figure::Figure;
 use tribo_figure::escape::{escape, escape_sentence};
-use tribo_figure::number::{quantity_and_unit, significant};
+use tribo_figure::number::{fixed, quantity_and_unit, significant};
 use tribo_figure::page::{self, figures, section, table};
 use tribo_logs::write_atomic;
 
@@ -159,7 +159,7 @@ fn failures(campaign: &CampaignSnapshot) -> String {
         return String::new();
     }
     let rows = failed.iter().map(|watched| {
-        let at = watched.aborted_at_s.map_or("–".to_owned(), |at_s| format!("{at_s:.2}"));
+        let at = watched.aborted_at_s.map_or("–".to_owned(), |at_s| fixed(at_s, 2));
         let reason = watched.trial.aborted.map_or(String::new(), |reason| reason.to_string());
         [watched.trial.number.to_string(), reason, at, significant(watched.trial.cost.penalty, 3)]
     });
