@@ -180,7 +180,7 @@ fn failures(ui: &mut Ui, campaign: &CampaignSnapshot, look_at: &mut Option<usize
             if link.on_hover_text("Look at this trial; before 0 s the arm runs in").clicked() {
                 *look_at = Some(watched.trial.number);
             }
-            ui.weak("·");
+            ui.add_space(8.0);
         }
         let more = campaign.failed().count().saturating_sub(12);
         if more > 0 {
