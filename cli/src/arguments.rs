@@ -53,8 +53,8 @@ pub struct Common {
 pub enum Command {
     /// Tune the friction compensator of a simulated arm over a campaign of trials.
     ///
-    /// Writes campaign.yaml, journal.log (readable by optuna-dashboard), trials/NNNN.parquet, tuned.yaml and report.html. A campaign
-    /// that was killed goes on with --resume and ends with the same result.
+    /// Writes campaign.yaml, references.yaml, journal.log (readable by optuna-dashboard), trials/NNNN.parquet, tuned.yaml and
+    /// report.html. A campaign that was killed goes on with --resume and ends with the same result.
     Tune(Tune),
     /// Run one trial on the simulated arm and write it as a robot log.
     Simulate(Simulate),

@@ -1,7 +1,7 @@
 //! One hour of sixty channels at 1 kHz, moved and zoomed, without a window: CPU time of a frame and peak memory.
 //!
-//! `cargo bench -p tribo-dashboard` prints both and fails below 30 frames per second of CPU time (over all frames) or above
-//! 2 GB.
+//! `cargo bench -p tribo-dashboard --bench hour_of_signals` prints both and fails if more than one frame in a hundred takes
+//! longer than a thirtieth of a second of CPU time, or above 2 GB. The zoom goes from the whole hour to single samples and back.
 
 use std::process::ExitCode;
 use std::time::Instant;
@@ -13,7 +13,9 @@ use tribo_figure::{Signal, Signals};
 const ROWS: usize = 3_600_000;
 const QUANTITIES: usize = 9;
 const CHANNELS: usize = 60;
-const FRAMES: usize = 240;
+const FRAMES: usize = 260;
+/// Frames that make the letters.
+const WARM: usize = 10;
 /// A thirtieth of a second (ms).
 const MOST_MS: f64 = 1e3 / 30.0;
 const MOST_BYTES: f64 = 2e9;
@@ -27,6 +29,7 @@ fn main() -> ExitCode {
     let screen = Rect::from_min_size(Pos2::ZERO, vec2(1920.0, 1080.0));
     let middle = pos2(500.0, 150.0);
     let mut times_ms = Vec::new();
+    let mut slowest = (0, 0.0);
     for frame in 0..FRAMES {
         let started_s = cpu_s();
         let input = RawInput {
@@ -39,21 +42,24 @@ fn main() -> ExitCode {
         let triangles = ctx.tessellate(output.shapes, output.pixels_per_point);
         assert!(!triangles.is_empty());
         times_ms.push((cpu_s() - started_s) * 1e3);
+        if frame >= WARM && times_ms[frame] > slowest.1 {
+            slowest = (frame, times_ms[frame]);
+        }
     }
-    // The first frames make the letters.
-    let mut settled = times_ms.split_off(10);
+    let mut settled = times_ms.split_off(WARM);
     settled.sort_by(f64::total_cmp);
     let at = |p: f64| settled[(p * (settled.len() - 1) as f64) as usize];
     let mean_ms = settled.iter().sum::<f64>() / settled.len() as f64;
     let peak = peak_bytes().unwrap_or(0.0);
     println!(
-        "CPU time of a frame: mean {mean_ms:.1} ms, median {:.1} ms, 99 % {:.1} ms, longest {:.1} ms; peak memory {:.2} GB",
+        "CPU time of a frame: mean {mean_ms:.1} ms, median {:.1} ms, 99 % {:.1} ms, longest {:.1} ms (frame {}); peak memory {:.2} GB",
         at(0.5),
         at(0.99),
         at(1.0),
+        slowest.0,
         peak * 1e-9
     );
-    if mean_ms <= MOST_MS && peak <= MOST_BYTES { ExitCode::SUCCESS } else { ExitCode::FAILURE }
+    if at(0.99) <= MOST_MS && peak <= MOST_BYTES { ExitCode::SUCCESS } else { ExitCode::FAILURE }
 }
 
 /// Drag for a while, zoom in for a while, drag again, zoom out.
@@ -66,8 +72,8 @@ fn gesture(frame: usize, middle: Pos2) -> Vec<Event> {
         20 | 140 => vec![button(true, middle)],
         21..80 | 141..180 => vec![Event::PointerMoved(middle + vec2((frame % 60) as f32 * 6.0, 0.0))],
         80 | 180 => vec![button(false, middle), Event::PointerMoved(middle)],
-        90..140 => vec![Event::Zoom(1.12)],
-        190..240 => vec![Event::Zoom(0.9)],
+        90..140 => vec![Event::Zoom(1.2)],
+        190..250 => vec![Event::Zoom(0.84)],
         _ => Vec::new(),
     }
 }

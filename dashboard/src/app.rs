@@ -1,6 +1,7 @@
 //! The window: bars, views, keys. It shows what the source hands it.
 
 use std::path::PathBuf;
+use std::time::Duration;
 
 use egui::{CentralPanel, Context, Key, Panel, RichText, Theme, Ui};
 use serde::{Deserialize, Serialize};
@@ -10,7 +11,7 @@ use crate::export;
 use crate::help;
 use crate::layout::Layout;
 use crate::log_snapshot::LogSource;
-use crate::source::Source;
+use crate::source::{Needs, Source};
 use crate::theme;
 use crate::views::{ArmView, CampaignView, CompareView, DiagnosisView, LogView, StartView, TrialView};
 
@@ -48,7 +49,20 @@ impl View {
             Self::Compare => "Compare",
         }
     }
+
+    /// What has to be worked out for it.
+    fn needs(self) -> Needs {
+        Needs {
+            surrogate: self == Self::Campaign,
+            trial: matches!(self, Self::Trial | Self::Arm),
+            uncompensated: self == Self::Trial,
+        }
+    }
 }
+
+/// Time between two frames that nobody but a running campaign asks for: where a processor has to draw them (OpenGL in
+/// software takes 50 ms and more), the campaign does not feel it.
+const LIVE: Duration = Duration::from_secs(2);
 
 /// What a window is opened with.
 #[derive(Clone, Debug)]
@@ -150,7 +164,8 @@ impl Dashboard {
         self.begin(&ctx);
         self.keys(&ctx);
         let now_s = ui.input(|input| input.time);
-        self.source.update(&ctx, now_s);
+        let needs = if self.starting { Needs::default() } else { self.layout.view.needs() };
+        self.source.update(&ctx, now_s, needs);
         Panel::top("bar").show(ui, |ui| self.bar(ui));
         Panel::bottom("status").show(ui, |ui| self.status(ui));
         CentralPanel::default().show(ui, |ui| self.view(ui, now_s));
@@ -167,8 +182,7 @@ impl Dashboard {
         self.remember(&ctx);
         let live = self.source.snapshot().campaign.as_ref().is_some_and(|campaign| !campaign.is_complete());
         if live || self.source.runner().is_some() {
-            // A frame a second: with OpenGL in software, more would be felt by the campaign.
-            ctx.request_repaint_after(std::time::Duration::from_secs(1));
+            ctx.request_repaint_after(LIVE);
         }
     }
 
@@ -277,7 +291,8 @@ impl Dashboard {
     fn status(&mut self, ui: &mut Ui) {
         ui.horizontal(|ui| {
             if self.source.busy() {
-                ui.spinner();
+                // Nothing that turns: every turn would be a frame, drawn while a campaign needs the computer.
+                ui.label(RichText::new("at work").small().strong());
             }
             ui.label(RichText::new(&self.source.message).small());
             ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
@@ -309,9 +324,14 @@ impl Dashboard {
                 }
             }
             View::Trial => self.trial.ui(ui, source, layout, self.arm.cursor_s),
-            View::Arm => self.arm.ui(ui, source.snapshot(), now_s),
-            View::Log => self.log.ui(ui, source),
-            View::Diagnosis => self.diagnosis.ui(ui, source),
+            View::Arm => {
+                if source.snapshot().trial.is_none() {
+                    source.estimate(ui.ctx(), layout.estimator);
+                }
+                self.arm.ui(ui, source.snapshot(), layout.estimator, now_s);
+            }
+            View::Log => self.log.ui(ui, source, layout),
+            View::Diagnosis => self.diagnosis.ui(ui, source, &self.options.exports),
             View::Compare => self.compare.ui(ui, source),
         }
     }

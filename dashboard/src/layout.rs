@@ -3,6 +3,7 @@
 use std::path::Path;
 
 use serde::{Deserialize, Serialize};
+use tribo_experiments::EstimatorName;
 
 use crate::app::View;
 
@@ -18,6 +19,8 @@ pub struct Layout {
     pub joint: usize,
     /// Part of the trial view.
     pub trial_part: usize,
+    /// Whose wrench is shown along a log.
+    pub estimator: EstimatorName,
     /// Size of the window (px).
     pub size: [f32; 2],
     /// What was open.
@@ -26,7 +29,15 @@ pub struct Layout {
 
 impl Default for Layout {
     fn default() -> Self {
-        Self { view: View::Campaign, dark: None, joint: 0, trial_part: 0, size: [1280.0, 800.0], path: String::new() }
+        Self {
+            view: View::Campaign,
+            dark: None,
+            joint: 0,
+            trial_part: 0,
+            estimator: EstimatorName::default(),
+            size: [1280.0, 800.0],
+            path: String::new(),
+        }
     }
 }
 

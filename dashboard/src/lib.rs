@@ -10,6 +10,7 @@
 //! Figures are those of the HTML report ([`tribo_experiments::watch`]).
 
 mod app;
+mod diagnosis_snapshot;
 mod export;
 mod help;
 mod jobs;
@@ -25,13 +26,16 @@ mod snapshot;
 mod source;
 mod theme;
 mod views;
+mod wrench_snapshot;
 
 pub use app::{Dashboard, Options, View};
+pub use diagnosis_snapshot::DiagnosisSnapshot;
 pub use layout::Layout;
 pub use log_snapshot::{LogSnapshot, LogSource};
 pub use picture::{PictureError, picture, write_png};
 pub use screenshot::screenshot;
 pub use shell::{NoWindow, run};
-pub use snapshot::{DiagnosisSnapshot, Snapshot};
+pub use snapshot::Snapshot;
 pub use source::Source;
 pub use views::channels;
+pub use wrench_snapshot::WrenchSnapshot;

@@ -2,9 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use tribo_ekf::{WrenchEkf, WrenchEkfSettings};
 use tribo_experiments::files::{Model, ModelFile, YamlDocument};
-use tribo_experiments::{Believed, LogWrench, WrenchSummary, wrench_on_log};
 use tribo_figure::{Signal, Signals};
 use tribo_logs::{Quantity, RobotLog, read_log};
 
@@ -19,7 +17,14 @@ pub struct LogSource {
     pub link_side: bool,
 }
 
-/// A log with its channels ready to be drawn and the wrench estimated along it.
+impl LogSource {
+    /// The model, by the name of its file.
+    pub fn model_name(&self) -> String {
+        self.model.as_ref().map_or("the bare Panda without friction".to_owned(), |path| path.display().to_string())
+    }
+}
+
+/// A log with its channels ready to be drawn.
 #[derive(Debug)]
 pub struct LogSnapshot {
     /// Where it comes from.
@@ -30,19 +35,10 @@ pub struct LogSnapshot {
     pub model: Model<7>,
     /// Its channels.
     pub signals: Signals,
-    /// Wrench along the log: six components, each with its lower and upper 95 % limit.
-    pub wrench: Signals,
-    /// Figures of the wrench.
-    pub summary: WrenchSummary,
 }
 
-/// Components of a wrench in file order.
-const COMPONENTS: [&str; 6] = ["force x", "force y", "force z", "moment x", "moment y", "moment z"];
-/// 97.5 % quantile of the standard normal.
-const Z95: f64 = 1.96;
-
 impl LogSnapshot {
-    /// Reads a log and estimates the wrench along it.
+    /// Reads a log.
     ///
     /// # Errors
     /// What is wrong with log or model, as a sentence.
@@ -53,11 +49,8 @@ impl LogSnapshot {
         if log.joints() != 7 {
             return Err(format!("{}: {} joints; the model has 7", source.path.display(), log.joints()));
         }
-        let believed = Believed::on_log(&model);
-        let mut estimator = WrenchEkf::new(WrenchEkfSettings::default());
-        let wrench = wrench_on_log(&log, &believed, model.smoothing_rad_s, &mut estimator);
-        let (signals, summary) = (signals(&log), wrench.summary());
-        Ok(Self { source: source.clone(), log, model, signals, wrench: wrench_signals(&wrench), summary })
+        let signals = signals(&log);
+        Ok(Self { source: source.clone(), log, model, signals })
     }
 }
 
@@ -77,7 +70,7 @@ fn model(path: Option<&Path>, link_side: bool) -> Result<Model<7>, String> {
 
 /// A sensor's 24 bits.
 #[allow(clippy::cast_possible_truncation)]
-fn single(values: impl Iterator<Item = f64>) -> Vec<f32> {
+pub(crate) fn single(values: impl Iterator<Item = f64>) -> Vec<f32> {
     values.map(|value| value as f32).collect()
 }
 
@@ -101,17 +94,4 @@ fn signals(log: &RobotLog) -> Signals {
         }
     }
     Signals::new(log.time_s.clone(), channels)
-}
-
-fn wrench_signals(wrench: &LogWrench) -> Signals {
-    let mut channels = Vec::new();
-    for (k, name) in COMPONENTS.into_iter().enumerate() {
-        let unit = if k < 3 { "N" } else { "Nm" };
-        let label = format!("{name} [{unit}], base axes");
-        for (what, sign) in [("estimate", 0.0), ("low", -Z95), ("high", Z95)] {
-            let values = wrench.wrench.iter().zip(&wrench.sd).map(|(h, sd)| h[k] + sign * sd[k]);
-            channels.push(Signal::new(format!("{what} {name}"), label.clone(), single(values)));
-        }
-    }
-    Signals::new(wrench.time_s.clone(), channels)
 }

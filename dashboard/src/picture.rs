@@ -8,8 +8,9 @@ use egui::{ColorImage, Context, Pos2, RawInput, Rect, Theme, vec2};
 use crate::raster::Raster;
 use crate::theme;
 
-/// Frames until a window has found its layout: sizes are known after one, scroll bars after two.
-const FRAMES: usize = 4;
+/// Frames until a window shows what it will show: sizes are known after one, scroll bars after two, and what one frame asks
+/// for comes with the next, four times over.
+const FRAMES: usize = 6;
 /// Time between two of them (s), past the animations.
 const FRAME_S: f64 = 0.5;
 

@@ -94,6 +94,9 @@ pub fn show(ui: &mut Ui, figure: &Figure, look: Look) {
                 categories.get(mark.value.round() as usize).cloned().unwrap_or_default()
             });
     }
+    if figure.to_scale {
+        plot = plot.data_aspect(1.0);
+    }
     if let Some(group) = look.group {
         let id = Id::unique(group);
         plot = plot.link_axis(id, Vec2b::new(true, false)).link_cursor(id, Vec2b::new(true, false));
@@ -181,6 +184,12 @@ pub fn legend(ui: &mut Ui, title: &str, layers: &[Layer]) -> Vec<String> {
         ui.spacing_mut().item_spacing = egui::vec2(5.0, 0.0);
         for layer in named {
             let off = hidden.contains(&layer.name);
+            // A name stays beside its sample.
+            let letters = egui::TextStyle::Small.resolve(ui.style());
+            let words = ui.painter().layout_no_wrap(layer.name.clone(), letters, Color32::PLACEHOLDER);
+            if ui.available_size_before_wrap().x < words.size().x + 26.0 {
+                ui.end_row();
+            }
             sample(ui, layer, if off { ui.visuals().weak_text_color() } else { ink(layer.ink, dark) });
             let text = RichText::new(&layer.name).small();
             let text = if off { text.weak().strikethrough() } else { text };

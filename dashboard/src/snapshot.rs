@@ -3,20 +3,12 @@
 use std::path::PathBuf;
 use std::sync::Arc;
 
-use tribo_diagnose::Diagnosis;
 use tribo_experiments::watch::{CampaignSnapshot, LoopTimes, Surrogate, TrialSnapshot};
-use tribo_experiments::{References, TrialLog};
+use tribo_experiments::{EstimatorName, References, TrialLog};
 
+use crate::diagnosis_snapshot::DiagnosisSnapshot;
 use crate::log_snapshot::LogSnapshot;
-
-/// A diagnosis with the name of its log.
-#[derive(Clone, Debug)]
-pub struct DiagnosisSnapshot {
-    /// The log.
-    pub log: String,
-    /// What was found.
-    pub diagnosis: Diagnosis,
-}
+use crate::wrench_snapshot::WrenchSnapshot;
 
 /// Everything there is to show. Parts that are not there yet are `None`.
 #[derive(Clone, Debug, Default)]
@@ -31,25 +23,38 @@ pub struct Snapshot {
     pub loop_times: Option<Arc<LoopTimes>>,
     /// A measured log.
     pub log: Option<Arc<LogSnapshot>>,
+    /// The wrench along it, by every estimator that was asked, or why that cannot be.
+    pub wrenches: Vec<(EstimatorName, Result<Arc<WrenchSnapshot>, String>)>,
     /// What it says about the model.
     pub diagnosis: Option<Arc<DiagnosisSnapshot>>,
     /// Another campaign to compare with.
     pub other: Option<Arc<CampaignSnapshot>>,
 }
 
+impl Snapshot {
+    /// The wrench along the log, by one estimator; none until it has been worked out.
+    pub fn wrench(&self, estimator: EstimatorName) -> Option<&Result<Arc<WrenchSnapshot>, String>> {
+        self.wrenches.iter().find(|(name, _)| *name == estimator).map(|(_, wrench)| wrench)
+    }
+}
+
 /// What work brings.
 #[derive(Debug)]
 pub enum Answer {
-    /// Reference costs of the campaign in this directory, and its log without compensation.
-    References(PathBuf, Result<(References, Arc<TrialLog<7>>), String>),
-    /// Its surrogate; none where there is too little to learn from.
-    Surrogate(PathBuf, Option<Arc<Surrogate>>),
+    /// Reference costs of the campaign in this directory.
+    References(PathBuf, Result<References, String>),
+    /// Its log without compensation.
+    Uncompensated(PathBuf, Result<Arc<TrialLog<7>>, String>),
+    /// Its surrogate, none where there is too little to learn from, and the time the fit took (s).
+    Surrogate(PathBuf, Option<Arc<Surrogate>>, f64),
     /// One of its trials.
     Trial(PathBuf, Result<Arc<TrialSnapshot>, String>),
     /// Loop time of a trial.
     LoopTimes(usize, Result<Arc<LoopTimes>, String>),
     /// A log.
     Log(Result<Arc<LogSnapshot>, String>),
+    /// The wrench along this log.
+    Wrench(Arc<LogSnapshot>, EstimatorName, Result<Arc<WrenchSnapshot>, String>),
     /// A diagnosis.
     Diagnosis(Result<Arc<DiagnosisSnapshot>, String>),
     /// A report has been written.

@@ -1,38 +1,39 @@
 //! Where snapshots come from: directories, logs, threads. The views never ask; they are handed a [`Snapshot`].
 
 use std::path::{Path, PathBuf};
-use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::Arc;
+use std::time::Instant;
 
-use tribo_diagnose::{DiagnoseSettings, diagnose};
 use tribo_experiments::journal::Clock;
-use tribo_experiments::watch::{CampaignWatch, Surrogate, TrialSnapshot, loop_times, write_report};
-use tribo_experiments::{TrialLog, TuneConfig, references, uncompensated_trial};
+use tribo_experiments::watch::{CampaignSnapshot, CampaignWatch, Surrogate, TrialSnapshot, loop_times, write_report};
+use tribo_experiments::{EstimatorName, TrialLog, TuneConfig, references, uncompensated_trial};
 
+use crate::diagnosis_snapshot::{DiagnosisSnapshot, Progress};
 use crate::jobs::Jobs;
 use crate::log_snapshot::{LogSnapshot, LogSource};
 use crate::runner::{End, Runner};
-use crate::snapshot::{Answer, DiagnosisSnapshot, Snapshot};
+use crate::snapshot::{Answer, Snapshot};
+use crate::wrench_snapshot::WrenchSnapshot;
 
 /// Time between two looks at the journal (s).
 const POLL_S: f64 = 0.25;
-/// Least time between two fits of the surrogate while trials run (s): watching must not slow them.
+/// Least time between two fits of the surrogate while trials run (s).
 const SURROGATE_S: f64 = 10.0;
+/// Part of one core's time that fits of the surrogate take at most while trials run: watching must not slow them.
+const SURROGATE_SHARE: f64 = 0.01;
 
-/// How far a diagnosis is.
-#[derive(Debug, Default)]
-pub struct Progress {
-    stage: Mutex<String>,
-    permille: AtomicU64,
-    cancelled: AtomicBool,
-}
+/// A journal that has not grown for so long (s) has nobody who writes it: a trial takes a second or two.
+const SILENCE_S: f64 = 15.0;
 
-impl Progress {
-    /// Stage and part, 0 to 1.
-    pub fn now(&self) -> (String, f32) {
-        let stage = self.stage.lock().unwrap_or_else(PoisonError::into_inner).clone();
-        (stage, self.permille.load(Ordering::Relaxed) as f32 / 1000.0)
-    }
+/// What the open view shows and somebody has to work out; nothing else is worked on.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Needs {
+    /// The belief about the cost.
+    pub surrogate: bool,
+    /// The trial that is looked at.
+    pub trial: bool,
+    /// The trial without compensation, beside it.
+    pub uncompensated: bool,
 }
 
 /// Opens, watches, runs.
@@ -46,12 +47,18 @@ pub struct Source {
     clock: Clock,
     selected: Option<usize>,
     uncompensated: Option<Arc<TrialLog<7>>>,
+    uncompensated_pending: bool,
+    /// Campaigns whose reference costs are being worked out.
+    without_references: Vec<PathBuf>,
     surrogate_of: usize,
-    surrogate_at_s: f64,
+    surrogate_due_s: f64,
     surrogate_pending: bool,
     trial_pending: Option<usize>,
+    estimating: Vec<EstimatorName>,
     diagnosing: Option<Arc<Progress>>,
     looked_at_s: f64,
+    /// When the journal was last seen to grow (s).
+    grown_at_s: f64,
     /// What is wrong, and what to do; shown until something else is opened.
     pub problem: Option<String>,
     /// The latest news.
@@ -70,12 +77,16 @@ impl Source {
             clock,
             selected: None,
             uncompensated: None,
+            uncompensated_pending: false,
+            without_references: Vec::new(),
             surrogate_of: 0,
-            surrogate_at_s: f64::NEG_INFINITY,
+            surrogate_due_s: f64::NEG_INFINITY,
             surrogate_pending: false,
             trial_pending: None,
+            estimating: Vec::new(),
             diagnosing: None,
             looked_at_s: f64::NEG_INFINITY,
+            grown_at_s: f64::NEG_INFINITY,
             problem: None,
             message: String::new(),
         }
@@ -110,7 +121,7 @@ impl Source {
             self.problem =
                 Some(format!("{path}: there is no such file or directory. Give a campaign directory or a robot log."));
         } else if path.join("campaign.yaml").exists() {
-            self.open_campaign(ctx, &path);
+            self.open_campaign(&path);
         } else {
             self.jobs.start(ctx, move || {
                 let answer = LogSnapshot::read(&source).map(Arc::new);
@@ -124,7 +135,7 @@ impl Source {
         }
     }
 
-    fn open_campaign(&mut self, ctx: &egui::Context, directory: &Path) {
+    fn open_campaign(&mut self, directory: &Path) {
         let watch = match CampaignWatch::open(directory) {
             Ok(watch) => watch,
             Err(error) => {
@@ -132,24 +143,21 @@ impl Source {
                 return;
             }
         };
-        let (tune, directory) = (Arc::clone(watch.tune()), directory.to_owned());
         self.snapshot = Snapshot {
             log: self.snapshot.log.take(),
+            wrenches: std::mem::take(&mut self.snapshot.wrenches),
             diagnosis: self.snapshot.diagnosis.take(),
             ..Snapshot::default()
         };
-        (self.watch, self.selected, self.uncompensated) = (Some(watch), None, None);
-        (self.surrogate_of, self.surrogate_at_s, self.trial_pending) = (0, f64::NEG_INFINITY, None);
-        (self.looked_at_s, self.surrogate_pending) = (f64::NEG_INFINITY, false);
+        (self.watch, self.selected, self.trial_pending) = (Some(watch), None, None);
+        (self.uncompensated, self.uncompensated_pending) = (None, false);
+        (self.surrogate_of, self.surrogate_due_s, self.surrogate_pending) = (0, f64::NEG_INFINITY, false);
+        (self.looked_at_s, self.grown_at_s) = (f64::NEG_INFINITY, f64::NEG_INFINITY);
         self.message = format!("watching {}", directory.display());
-        self.jobs.start(ctx, move || {
-            let known = references(&tune).and_then(|costs| Ok((costs, Arc::new(uncompensated_trial(&tune)?.log))));
-            Answer::References(directory, known.map_err(|error| error.to_string()))
-        });
     }
 
     /// Starts a campaign and watches it.
-    pub fn start(&mut self, ctx: &egui::Context, config: TuneConfig, directory: &Path) {
+    pub fn start(&mut self, config: TuneConfig, directory: &Path) {
         let tune = match config.validate() {
             Ok(tune) => tune,
             Err(error) => {
@@ -158,25 +166,32 @@ impl Source {
             }
         };
         match Runner::start(directory, tune, self.clock) {
-            Ok(runner) => self.watch_runner(ctx, runner),
+            Ok(runner) => self.watch_runner(runner),
             Err(error) => self.problem = Some(error.to_string()),
         }
     }
 
     /// Goes on with the campaign that is open.
-    pub fn resume(&mut self, ctx: &egui::Context) {
+    pub fn resume(&mut self) {
         let Some(campaign) = self.snapshot.campaign.clone() else { return };
         match Runner::resume(&campaign.directory, self.clock) {
-            Ok(runner) => self.watch_runner(ctx, runner),
+            Ok(runner) => self.watch_runner(runner),
             Err(error) => self.message = error.to_string(),
         }
     }
 
-    fn watch_runner(&mut self, ctx: &egui::Context, runner: Runner) {
+    fn watch_runner(&mut self, runner: Runner) {
         let directory = runner.directory.clone();
         self.runner = Some(runner);
         self.problem = None;
-        self.open_campaign(ctx, &directory);
+        self.open_campaign(&directory);
+    }
+
+    /// Whether somebody else runs the campaign that is open, as far as its journal tells at `now_s` (s).
+    pub fn runs_elsewhere(&self, now_s: f64) -> bool {
+        let here = self.runner.as_ref().map(|runner| &runner.directory);
+        let open = self.snapshot.campaign.as_ref().map(|campaign| &campaign.directory);
+        here != open && now_s - self.grown_at_s < SILENCE_S
     }
 
     /// Looks at one trial; `None` follows the best.
@@ -192,7 +207,6 @@ impl Source {
     /// Compares with the campaign in another directory.
     pub fn compare(&mut self, directory: &Path) -> Result<(), String> {
         let mut watch = CampaignWatch::open(directory).map_err(|error| error.to_string())?;
-        watch.set_references(references(watch.tune()).map_err(|error| error.to_string())?);
         self.snapshot.other = watch.poll().map_err(|error| error.to_string())?.map(Arc::new);
         self.other = Some(watch);
         Ok(())
@@ -208,29 +222,38 @@ impl Source {
         });
     }
 
+    /// Runs an estimator along the log, unless that has been done or is being done.
+    pub fn estimate(&mut self, ctx: &egui::Context, estimator: EstimatorName) {
+        let Some(log) = self.snapshot.log.clone() else { return };
+        if self.snapshot.wrench(estimator).is_some() || self.estimating.contains(&estimator) {
+            return;
+        }
+        self.estimating.push(estimator);
+        self.jobs.start(ctx, move || {
+            let wrench = WrenchSnapshot::of(&log, estimator).map(Arc::new);
+            Answer::Wrench(log, estimator, wrench)
+        });
+    }
+
     /// Asks what the model gets wrong about the log.
     pub fn diagnose(&mut self, ctx: &egui::Context) {
         let Some(log) = self.snapshot.log.clone() else { return };
         let progress = Arc::new(Progress::default());
         self.diagnosing = Some(Arc::clone(&progress));
-        self.jobs.start(ctx, move || {
-            let report = |stage: &str, part: f64| {
-                stage.clone_into(&mut progress.stage.lock().unwrap_or_else(PoisonError::into_inner));
-                progress.permille.store((1000.0 * part.clamp(0.0, 1.0)) as u64, Ordering::Relaxed);
-                !progress.cancelled.load(Ordering::Relaxed)
-            };
-            let name = log.source.path.display().to_string();
-            let settings = DiagnoseSettings { seed: 0, band_hz: None };
-            let found = diagnose(std::slice::from_ref(&log.log), &log.model.to_nominal(), &[], &settings, &report);
-            let snapshot = found.map(|diagnosis| Arc::new(DiagnosisSnapshot { log: name.clone(), diagnosis }));
-            Answer::Diagnosis(snapshot.map_err(|error| format!("{name}: {error}")))
-        });
+        self.jobs.start(ctx, move || Answer::Diagnosis(DiagnosisSnapshot::of(&log, &progress).map(Arc::new)));
+    }
+
+    /// Writes the diagnosis into a directory, as `tribo diagnose --report` does.
+    pub fn report_diagnosis(&mut self, ctx: &egui::Context, directory: &Path) {
+        let Some(diagnosis) = self.snapshot.diagnosis.clone() else { return };
+        let directory = directory.to_owned();
+        self.jobs.start(ctx, move || Answer::Report(diagnosis.write_report(&directory)));
     }
 
     /// Gives a diagnosis up.
     pub fn cancel_diagnosis(&mut self) {
         if let Some(progress) = &self.diagnosing {
-            progress.cancelled.store(true, Ordering::Relaxed);
+            progress.cancel();
         }
     }
 
@@ -243,10 +266,10 @@ impl Source {
         });
     }
 
-    /// Takes in what has happened; `now_s` is the time of the frame (s).
-    pub fn update(&mut self, ctx: &egui::Context, now_s: f64) {
+    /// Takes in what has happened and starts what the open view needs; `now_s` is the time of the frame (s).
+    pub fn update(&mut self, ctx: &egui::Context, now_s: f64, needs: Needs) {
         for answer in self.jobs.finished() {
-            self.take(answer);
+            self.take(answer, now_s);
         }
         if let Some(end) = self.runner.as_ref().and_then(Runner::end) {
             self.message = match end {
@@ -259,15 +282,24 @@ impl Source {
         }
         if now_s - self.looked_at_s >= POLL_S {
             self.looked_at_s = now_s;
-            self.look();
+            self.look(now_s);
         }
-        self.ask(ctx, now_s);
+        self.ask_references(ctx);
+        self.ask(ctx, now_s, needs);
     }
 
     /// A look at the journals.
-    fn look(&mut self) {
+    fn look(&mut self, now_s: f64) {
         match self.watch.as_mut().map(CampaignWatch::poll) {
-            Some(Ok(Some(campaign))) => self.snapshot.campaign = Some(Arc::new(campaign)),
+            Some(Ok(Some(campaign))) => {
+                let grown = |before: &Arc<CampaignSnapshot>| {
+                    (before.trials.len(), &before.running) != (campaign.trials.len(), &campaign.running)
+                };
+                if self.snapshot.campaign.as_ref().is_some_and(grown) {
+                    self.grown_at_s = now_s;
+                }
+                self.snapshot.campaign = Some(Arc::new(campaign));
+            }
             Some(Err(error)) => self.problem = Some(error.to_string()),
             Some(Ok(None)) | None => {}
         }
@@ -276,15 +308,47 @@ impl Source {
         }
     }
 
-    /// Starts the work that the snapshot still lacks.
-    fn ask(&mut self, ctx: &egui::Context, now_s: f64) {
+    /// Works out the reference costs of campaigns that have not left them in their directory: a running one leaves them there
+    /// before its first trial has finished.
+    fn ask_references(&mut self, ctx: &egui::Context) {
+        let shown = [self.snapshot.campaign.clone(), self.snapshot.other.clone()];
+        for campaign in shown.into_iter().flatten() {
+            let known = campaign.references.is_some() || self.without_references.contains(&campaign.directory);
+            if known || campaign.trials.is_empty() {
+                continue;
+            }
+            self.without_references.push(campaign.directory.clone());
+            self.jobs.start(ctx, move || {
+                let costs = references(&campaign.tune).map_err(|error| error.to_string());
+                Answer::References(campaign.directory.clone(), costs)
+            });
+        }
+    }
+
+    /// The trial that is looked at, whether it has been read or not.
+    pub fn wanted(&self) -> Option<usize> {
+        let best = || self.snapshot.campaign.as_ref()?.best().map(|best| best.trial.number);
+        self.selected.or_else(best)
+    }
+
+    /// Starts the work that the open view still lacks.
+    fn ask(&mut self, ctx: &egui::Context, now_s: f64, needs: Needs) {
         let Some(campaign) = self.snapshot.campaign.clone() else { return };
         let done = campaign.trials.len();
-        let wanted = self.selected.or_else(|| campaign.best().map(|best| best.trial.number));
+        if needs.uncompensated && self.uncompensated.is_none() && !self.uncompensated_pending && done > 0 {
+            self.uncompensated_pending = true;
+            let campaign = Arc::clone(&campaign);
+            self.jobs.start(ctx, move || {
+                let without = uncompensated_trial(&campaign.tune).map(|outcome| Arc::new(outcome.log));
+                Answer::Uncompensated(campaign.directory.clone(), without.map_err(|error| error.to_string()))
+            });
+        }
+        let wanted = self.wanted();
         let shown = self.snapshot.trial.as_ref().map(|trial| trial.watched.trial.number);
         let stale = self.uncompensated.is_some()
             && self.snapshot.trial.as_ref().is_some_and(|trial| trial.uncompensated.is_none());
-        if let Some(watched) = wanted.and_then(|number| campaign.trial(number))
+        if needs.trial
+            && let Some(watched) = wanted.and_then(|number| campaign.trial(number))
             && self.trial_pending != wanted
             && (shown != wanted || stale)
         {
@@ -296,33 +360,37 @@ impl Source {
                 Answer::Trial(directory, trial.map_err(|error| error.to_string()))
             });
         }
-        let due = campaign.is_complete() || now_s - self.surrogate_at_s >= SURROGATE_S;
-        if done > self.surrogate_of && due && !self.surrogate_pending {
-            (self.surrogate_of, self.surrogate_at_s, self.surrogate_pending) = (done, now_s, true);
+        let due = campaign.is_complete() || now_s >= self.surrogate_due_s;
+        if needs.surrogate && done > self.surrogate_of && due && !self.surrogate_pending {
+            (self.surrogate_of, self.surrogate_pending) = (done, true);
             self.jobs.start(ctx, move || {
+                let started = Instant::now();
                 // A kernel matrix beyond repair leaves the view without a belief.
                 let surrogate = Surrogate::of(&campaign).ok().flatten().map(Arc::new);
-                Answer::Surrogate(campaign.directory.clone(), surrogate)
+                Answer::Surrogate(campaign.directory.clone(), surrogate, started.elapsed().as_secs_f64())
             });
         }
     }
 
-    fn take(&mut self, answer: Answer) {
+    fn take(&mut self, answer: Answer, now_s: f64) {
         let directory = self.snapshot.campaign.as_ref().map(|campaign| campaign.directory.clone());
         let watched = |path: &PathBuf| directory.as_ref().is_none_or(|directory| directory == path);
         match answer {
-            Answer::References(path, known) if watched(&path) => match known {
-                Ok((costs, without)) => {
-                    if let Some(watch) = &mut self.watch {
-                        watch.set_references(costs);
-                    }
-                    self.uncompensated = Some(without);
-                    self.looked_at_s = f64::NEG_INFINITY;
+            Answer::References(path, Ok(costs)) => {
+                let watches = [&mut self.watch, &mut self.other].into_iter().flatten();
+                for watch in watches.filter(|watch| watch.directory() == path) {
+                    watch.set_references(costs);
                 }
-                Err(error) => self.problem = Some(error),
+                self.looked_at_s = f64::NEG_INFINITY;
+            }
+            Answer::References(_, Err(error)) => self.message = error,
+            Answer::Uncompensated(path, known) if watched(&path) => match known {
+                Ok(without) => self.uncompensated = Some(without),
+                Err(error) => self.message = error,
             },
-            Answer::Surrogate(path, surrogate) if watched(&path) => {
+            Answer::Surrogate(path, surrogate, spent_s) if watched(&path) => {
                 self.surrogate_pending = false;
+                self.surrogate_due_s = now_s + SURROGATE_S.max(spent_s / SURROGATE_SHARE);
                 self.snapshot.surrogate = surrogate;
             }
             Answer::Trial(path, trial) if watched(&path) => {
@@ -337,7 +405,7 @@ impl Source {
                 }
             }
             // Of a campaign that is no longer open.
-            Answer::References(..) | Answer::Surrogate(..) | Answer::Trial(..) => {}
+            Answer::Uncompensated(..) | Answer::Surrogate(..) | Answer::Trial(..) => {}
             Answer::LoopTimes(number, times) => {
                 let shown = self.snapshot.trial.as_ref().map(|trial| trial.watched.trial.number);
                 match times {
@@ -347,10 +415,18 @@ impl Source {
                 }
             }
             Answer::Log(Ok(log)) => {
-                self.message = format!("log {}", log.source.path.display());
+                self.message = format!("read {}", log.source.path.display());
                 (self.snapshot.log, self.snapshot.diagnosis) = (Some(log), None);
+                self.snapshot.wrenches.clear();
+                self.estimating.clear();
             }
             Answer::Log(Err(error)) => (self.problem, self.message) = (Some(error), String::new()),
+            Answer::Wrench(log, estimator, wrench) => {
+                if self.snapshot.log.as_ref().is_some_and(|shown| Arc::ptr_eq(shown, &log)) {
+                    self.estimating.retain(|name| *name != estimator);
+                    self.snapshot.wrenches.push((estimator, wrench));
+                }
+            }
             Answer::Diagnosis(found) => {
                 self.diagnosing = None;
                 match found {

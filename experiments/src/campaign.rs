@@ -154,10 +154,11 @@ impl Campaign {
         self.trials.iter().flatten().count()
     }
 
-    /// Runs what is left of the campaign, independent trials on the threads of the current rayon pool, and writes
-    /// `tuned.yaml`. The result does not depend on the number of threads.
+    /// Runs what is left of the campaign, independent trials on the threads of the current rayon pool; writes
+    /// `references.yaml` at the beginning and `tuned.yaml` at the end. The result does not depend on the number of threads.
     pub fn run(mut self, observer: &mut dyn CampaignObserver) -> Result<CampaignResult, CampaignError> {
         let references = references(&self.tune)?;
+        references.write(&self.directory)?;
         observer.references(&references);
         let strategy = self
             .tune

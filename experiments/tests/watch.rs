@@ -30,12 +30,12 @@ fn a_snapshot_is_the_campaign() {
     let dir = tempfile::tempdir().unwrap();
     let result = run(dir.path(), config(StrategyName::Random, 4));
     let mut watch = CampaignWatch::open(dir.path()).unwrap();
-    watch.set_references(references(watch.tune()).unwrap());
     let snapshot = watch.poll().unwrap().unwrap();
     assert!(watch.poll().unwrap().is_none(), "nothing has changed");
     let trials: Vec<_> = snapshot.trials.iter().map(|watched| watched.trial.clone()).collect();
     assert_eq!(trials, result.trials);
     assert_eq!(snapshot.references, Some(result.references));
+    assert_eq!(snapshot.references, Some(references(watch.tune()).unwrap()));
     assert_eq!(snapshot.best().map(|best| best.trial.number), result.best.map(|best| best.0));
     assert!(snapshot.is_complete() && !snapshot.torn && snapshot.running.is_empty());
 }

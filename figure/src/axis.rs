@@ -2,8 +2,9 @@
 
 use crate::number::fixed;
 
-/// Values that span more than this factor, all positive, get a logarithmic axis.
-pub(crate) const LOGARITHMIC_SPAN: f64 = 1e3;
+/// Values that span more than this factor, all positive, get a logarithmic axis: on a linear one, all that is common of a
+/// campaign with failed trials, whose penalty is 1000, would lie on the floor.
+pub(crate) const LOGARITHMIC_SPAN: f64 = 200.0;
 /// At most this many decades are shown; what is smaller lies on the edge of the plot.
 const MOST_DECADES: f64 = 8.0;
 
@@ -50,6 +51,18 @@ impl Axis {
     pub fn from_zero(high: f64, ticks: usize) -> Self {
         let high = if high.is_finite() && high > 0.0 { high } else { 1.0 };
         Self { low: 0.0, high: 1.04 * high, logarithmic: false, step: round_step(high / ticks.max(2) as f64) }
+    }
+
+    /// Length of a linear axis.
+    pub fn span(&self) -> f64 {
+        self.high - self.low
+    }
+
+    /// A linear axis of length `span` around the same middle, with about `ticks` ticks.
+    pub fn widened(&self, span: f64, ticks: usize) -> Self {
+        let middle = 0.5 * (self.low + self.high);
+        let (low, high) = (middle - 0.5 * span, middle + 0.5 * span);
+        Self { low, high, logarithmic: false, step: round_step(span / ticks.max(2) as f64) }
     }
 
     /// Where a finite value lies: 0 at the low end, 1 at the high end; clamped to them.

@@ -9,7 +9,7 @@ pub struct Scale {
     pub label: String,
     /// Names at 0, 1, 2 … in place of numbers.
     pub categories: Vec<String>,
-    /// Whether a logarithm is taken when all values are positive and span three decades.
+    /// Whether a logarithm is taken when all values are positive and span more than two decades.
     pub may_be_logarithmic: bool,
     /// Values the axis holds whatever the data are.
     pub holds: Vec<f64>,
@@ -189,12 +189,19 @@ pub struct Figure {
     pub y: Scale,
     /// What is drawn.
     pub layers: Vec<Layer>,
+    /// Whether one unit is as long on both axes: a drawing of something in space.
+    pub to_scale: bool,
 }
 
 impl Figure {
     /// An empty figure.
     pub fn new(title: impl Into<String>, x: Scale, y: Scale) -> Self {
-        Self { title: title.into(), x, y, layers: Vec::new() }
+        Self { title: title.into(), x, y, layers: Vec::new(), to_scale: false }
+    }
+
+    /// The same with units of one length on both axes.
+    pub fn to_scale(self) -> Self {
+        Self { to_scale: true, ..self }
     }
 
     /// The same with one more layer on top.
@@ -235,13 +242,13 @@ mod tests {
     }
 
     #[test]
-    fn only_three_positive_decades_are_logarithmic() {
+    fn only_wide_positive_ranges_are_logarithmic() {
         let figure = |y: Vec<f64>| {
             let x = (0..y.len()).map(|k| k as f64).collect();
             Figure::new("", Scale::of("x"), Scale::of("y").or_logarithmic()).with(Layer::line("", 0, x, y))
         };
-        assert!(figure(vec![1.0, 2000.0]).is_logarithmic());
-        assert!(!figure(vec![1.0, 900.0]).is_logarithmic() && !figure(vec![0.0, 2000.0]).is_logarithmic());
+        assert!(figure(vec![1.0, 300.0]).is_logarithmic());
+        assert!(!figure(vec![1.0, 150.0]).is_logarithmic() && !figure(vec![0.0, 2000.0]).is_logarithmic());
         assert!(!figure(vec![]).is_logarithmic() && !figure(vec![f64::NAN]).has_data());
     }
 }

@@ -4,6 +4,8 @@
 const BASE: usize = 32;
 /// Cells of a level that make one of the next.
 const FACTOR: usize = 8;
+/// Cells of a stretch whose ends may move by a cell.
+const PARTS: usize = 8;
 
 /// Least and greatest value over cells of growing size:
 ///
@@ -56,15 +58,32 @@ impl MinMaxPyramid {
             of_samples(&samples[from..to])
         } else {
             let ends = join(of_samples(&samples[from..first_cell * BASE]), of_samples(&samples[last_cell * BASE..to]));
-            join(ends, self.cells(first_cell, last_cell))
+            join(ends, self.cells(0, first_cell, last_cell))
         };
         (found[0] <= found[1]).then_some(found)
     }
 
-    /// Over cells `[from, to)` of level 0, climbing while whole cells of the level above fit.
-    fn cells(&self, mut from: usize, mut to: usize) -> [f32; 2] {
+    /// [`Self::extremes`] with both ends moved outwards by less than an eighth of the stretch, to ends of cells: for a
+    /// picture, where reading single samples of a long signal would take longer than all the rest. No sample is lost; short
+    /// stretches are exact.
+    pub fn extremes_about(&self, samples: &[f32], from: usize, to: usize) -> Option<[f32; 2]> {
+        let to = to.min(samples.len());
+        let length = to.saturating_sub(from);
+        if length < PARTS * BASE {
+            return self.extremes(samples, from, to);
+        }
+        let (mut level, mut cell) = (0, BASE);
+        while level + 1 < self.levels.len() && length >= PARTS * cell * FACTOR {
+            (level, cell) = (level + 1, cell * FACTOR);
+        }
+        let found = self.cells(level, from / cell, to.div_ceil(cell));
+        (found[0] <= found[1]).then_some(found)
+    }
+
+    /// Over cells `[from, to)` of a level, climbing while whole cells of the level above fit.
+    fn cells(&self, level: usize, mut from: usize, mut to: usize) -> [f32; 2] {
         let mut found = NOTHING;
-        for (k, level) in self.levels.iter().enumerate() {
+        for (k, level) in self.levels.iter().enumerate().skip(level) {
             let (up_from, up_to) = (from.div_ceil(FACTOR), to / FACTOR);
             if k + 1 == self.levels.len() || up_from >= up_to {
                 return join(found, of_cells(&level[from..to]));
@@ -105,6 +124,21 @@ mod tests {
                     samples[a..b.min(length)].iter().copied().filter(|value| !value.is_nan()).collect();
                 let expected = plain.iter().copied().reduce(f32::min).zip(plain.iter().copied().reduce(f32::max));
                 assert_eq!(pyramid.extremes(&samples, a, b), expected.map(|(low, high)| [low, high]), "{a}..{b}");
+            }
+        }
+    }
+
+    /// A stretch of any length holds all its samples, and less than an eighth more at either end.
+    #[test]
+    fn moved_ends_lose_nothing() {
+        let samples: Vec<f32> = (0..200_001).map(|k| k as f32).collect();
+        let pyramid = MinMaxPyramid::new(&samples);
+        for length in [1, 100, 256, 300, 2048, 5000, 17_000, 90_000, 200_001] {
+            for from in (0..=samples.len() - length).step_by(length.div_ceil(3)) {
+                let [low, high] = pyramid.extremes_about(&samples, from, from + length).expect("samples");
+                let (first, last, moved) = (from as f32, (from + length - 1) as f32, 0.125 * length as f32);
+                assert!(low <= first && first - low < moved, "{low} for {first}, length {length}");
+                assert!(high >= last && high - last < moved, "{high} for {last}, length {length}");
             }
         }
     }

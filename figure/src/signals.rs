@@ -78,16 +78,44 @@ impl Signals {
             return Columns { rows, pixels: None };
         }
         let first = (from_s / step).floor();
-        let mut from = at(first * step);
+        let (mut from, mut guess) = (at(first * step), 0);
         let pixels = (0..=width)
             .map(|k| {
-                let to = at((first + (k + 1) as f64) * step).max(from);
+                // At a steady rate the next column is as long as this one.
+                let to = self.row_from(guess, (first + (k + 1) as f64) * step).max(from);
+                guess = to + (to - from);
                 let column = ((first + k as f64 + 0.5) * step, from..to);
                 from = to;
                 column
             })
             .collect();
         Columns { rows, pixels: Some(pixels) }
+    }
+
+    /// The first row that is not before `time_s`, searched for outwards from a guess.
+    fn row_from(&self, guess: usize, time_s: f64) -> usize {
+        let (time, last) = (&self.time_s, self.time_s.len());
+        let (mut low, mut step) = (guess.min(last), 1);
+        let mut high = low;
+        while low > 0 && time[low - 1] >= time_s {
+            (high, low, step) = (low - 1, low.saturating_sub(step), 2 * step);
+        }
+        step = 1;
+        while high < last && time[high] < time_s {
+            (low, high, step) = (high + 1, (high + step).min(last), 2 * step);
+        }
+        low + time[low..high].partition_point(|t| *t < time_s)
+    }
+
+    /// The row whose time stamp is nearest to `time_s`; none without samples.
+    pub fn row_at(&self, time_s: f64) -> Option<usize> {
+        let after = self.time_s.partition_point(|t| *t < time_s);
+        let nearer = |a: usize, b: usize| (self.time_s[a] - time_s).abs() < (self.time_s[b] - time_s).abs();
+        match after {
+            0 => (!self.time_s.is_empty()).then_some(0),
+            after if after == self.time_s.len() || nearer(after - 1, after) => Some(after - 1),
+            after => Some(after),
+        }
     }
 
     /// Curve of a channel over these columns: every sample, or the least and the greatest of each column. NaN is a gap.
@@ -100,7 +128,7 @@ impl Signals {
         let mut curve = Vec::with_capacity(2 * pixels.len());
         let mut upwards = true;
         for (time_s, rows) in pixels {
-            match signal.pyramid.extremes(&signal.samples, rows.start, rows.end) {
+            match signal.pyramid.extremes_about(&signal.samples, rows.start, rows.end) {
                 Some([low, high]) => {
                     // Up in one column and down in the next: no line crosses a column twice.
                     let ends = if upwards { [low, high] } else { [high, low] };
@@ -111,6 +139,27 @@ impl Signals {
             }
         }
         curve
+    }
+
+    /// Middle (s), least and greatest value of each column, as a band without holes where the signal jumps from one column
+    /// to the next; NaN is a gap. None where every sample is drawn.
+    pub fn band(&self, channel: usize, columns: &Columns) -> Option<Vec<[f64; 3]>> {
+        let (signal, pixels) = (self.channels.get(channel)?, columns.pixels.as_ref()?);
+        let mut band: Vec<[f64; 3]> = Vec::with_capacity(pixels.len());
+        for (time_s, rows) in pixels {
+            let found = signal.pyramid.extremes_about(&signal.samples, rows.start, rows.end);
+            let [mut low, mut high] = found.map_or([f64::NAN; 2], |ends| ends.map(f64::from));
+            // Comparisons with a gap are false.
+            if let Some([_, low_before, high_before]) = band.last() {
+                if low > *high_before {
+                    low = *high_before;
+                } else if high < *low_before {
+                    high = *low_before;
+                }
+            }
+            band.push([*time_s, low, high]);
+        }
+        Some(band)
     }
 }
 
@@ -138,6 +187,36 @@ mod tests {
             let pixel = (range[1] - range[0]) / width as f64;
             assert!((peak[0] - 333.333).abs() <= pixel.max(1e-3), "{peak:?}");
         }
+    }
+
+    /// The search from a guess is the search from nowhere, whatever the guess and the time stamps.
+    #[test]
+    fn a_guess_does_not_matter() {
+        let time_s: Vec<f64> = (0..500).map(|k| f64::from(k) + if k % 90 < 40 { 0.0 } else { 37.5 }).collect();
+        let mut time_s = time_s;
+        time_s.sort_by(f64::total_cmp);
+        let signals = Signals::new(time_s.clone(), Vec::new());
+        for wanted in (-10..600).map(|k| 0.9 * f64::from(k)) {
+            let plain = time_s.partition_point(|t| *t < wanted);
+            for guess in [0, 1, plain.saturating_sub(1), plain, plain + 1, 250, 499, 500, 9000] {
+                assert_eq!(signals.row_from(guess, wanted), plain, "{wanted} from {guess}");
+            }
+            let row = signals.row_at(wanted).expect("a row");
+            assert!(time_s.iter().all(|t| (t - wanted).abs() >= (time_s[row] - wanted).abs()), "{wanted}");
+        }
+        assert_eq!(Signals::default().row_at(0.0), None);
+    }
+
+    /// A jump between two columns is drawn.
+    #[test]
+    fn a_band_has_no_holes() {
+        let time_s: Vec<f64> = (0..100_000).map(|k| f64::from(k) * 1e-3).collect();
+        let steps = (0..100_000).map(|k| if (k / 5000) % 2 == 0 { 0.0 } else { 10.0 }).collect();
+        let signals = Signals::new(time_s, vec![Signal::new("x", "x", steps)]);
+        let band = signals.band(0, &signals.columns([0.0, 100.0], 200)).expect("columns");
+        let inside: Vec<&[f64; 3]> = band.iter().filter(|column| column[1].is_finite()).collect();
+        assert!(inside.windows(2).all(|pair| pair[1][1] <= pair[0][2] && pair[0][1] <= pair[1][2]), "{inside:?}");
+        assert!(signals.band(0, &signals.columns([0.0, 0.1], 200)).is_none());
     }
 
     #[test]

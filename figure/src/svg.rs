@@ -33,6 +33,7 @@ pub fn svg(figure: &Figure) -> String {
     };
     let (legend, top) = legend(figure);
     let frame = Frame::new(&y_axis, top);
+    let (x_axis, y_axis) = if figure.to_scale { frame.to_scale(&x_axis, &y_axis) } else { (x_axis, y_axis) };
 
     let mut body = legend + &frame.axes(&x_axis, &y_axis, &figure.x, &figure.y.label);
     if !figure.has_data() {
@@ -170,6 +171,13 @@ impl Frame {
     fn new(y_axis: &Axis, top: f64) -> Self {
         let widest = y_axis.ticks().iter().map(|(_, label)| label.chars().count()).max().unwrap_or(1);
         Self { left: 34.0 + LETTER * widest as f64, right: SIZE[0] - RIGHT, top, bottom: SIZE[1] - BOTTOM }
+    }
+
+    /// The axes with the shorter one widened until one unit is as long on both.
+    fn to_scale(&self, x_axis: &Axis, y_axis: &Axis) -> (Axis, Axis) {
+        let (width, height) = (self.right - self.left, self.bottom - self.top);
+        let unit = (x_axis.span() / width).max(y_axis.span() / height);
+        (x_axis.widened(unit * width, 7), y_axis.widened(unit * height, 5))
     }
 
     fn x(&self, axis: &Axis, value: f64) -> f64 {

@@ -180,7 +180,11 @@ pub fn strangers(root: &Path) -> Vec<PathBuf> {
     let known = |path: &PathBuf| {
         let name = path.file_name().unwrap().to_string_lossy();
         let number = name.strip_suffix(".parquet").is_some_and(|number| number.parse::<usize>().is_ok());
-        number || matches!(&*name, "campaign.yaml" | "journal.log" | "tuned.yaml" | "report.html" | "trials")
+        number
+            || matches!(
+                &*name,
+                "campaign.yaml" | "journal.log" | "references.yaml" | "tuned.yaml" | "report.html" | "trials"
+            )
     };
     snapshot(root).into_keys().filter(|path| !known(path)).collect()
 }

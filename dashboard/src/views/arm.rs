@@ -2,7 +2,9 @@
 
 use egui::{Color32, Pos2, Rect, RichText, Sense, Shape, Stroke, Ui, pos2, vec2};
 use nalgebra::{SVector, Vector3};
-use tribo_figure::number::significant;
+use tribo_experiments::EstimatorName;
+use tribo_experiments::watch::arm_figures::{self, ARROW_M_PER_N};
+use tribo_figure::number::{fixed, significant};
 use tribo_robot::{Kinematics, presets};
 
 use crate::snapshot::Snapshot;
@@ -10,8 +12,6 @@ use crate::theme::ink;
 
 /// Radii of the capsules from link to link (m): base to flange.
 const RADII_M: [f64; 8] = [0.075, 0.07, 0.065, 0.06, 0.055, 0.05, 0.045, 0.04];
-/// Length of the arrow (m per N).
-const ARROW_M_PER_N: f64 = 0.02;
 
 /// The camera and the moment.
 #[derive(Debug)]
@@ -51,7 +51,7 @@ struct Motion<'a> {
 /// Configurations along the path that is drawn.
 const PATH_POINTS: usize = 200;
 
-fn motion(snapshot: &Snapshot) -> Option<Motion<'_>> {
+fn motion(snapshot: &Snapshot, estimator: EstimatorName) -> Option<Motion<'_>> {
     if let Some(trial) = &snapshot.trial {
         let log = &trial.log;
         let span_s = [*log.time_s.first()?, *log.time_s.last()?];
@@ -67,20 +67,17 @@ fn motion(snapshot: &Snapshot) -> Option<Motion<'_>> {
     let q = |row: usize| SVector::from_fn(|j, _| log.log.q_rad[j][row]);
     let at = move |time_s: f64| {
         let row = log.log.time_s.partition_point(|t| *t < time_s).min(log.log.rows() - 1);
-        let component = |k: usize| {
-            log.wrench.channels().get(3 * k).and_then(|channel| channel.samples().get(row)).map(|h| f64::from(*h))
-        };
-        let wrench: [f64; 6] = std::array::from_fn(|k| component(k).unwrap_or(f64::NAN));
-        Some(Moment { q: q(row), wrench: wrench.iter().all(|h| h.is_finite()).then_some(wrench) })
+        let wrench = snapshot.wrench(estimator).and_then(|wrench| wrench.as_ref().ok()?.at(row));
+        Some(Moment { q: q(row), wrench })
     };
     let path = (0..log.log.rows()).step_by((log.log.rows() / PATH_POINTS).max(1)).map(q).collect();
     Some(Motion { name: "log".to_owned(), span_s: log.signals.span_s(), at: Box::new(at), path })
 }
 
 impl ArmView {
-    /// The view; `now_s` is the time of the frame (s).
-    pub fn ui(&mut self, ui: &mut Ui, snapshot: &Snapshot, now_s: f64) {
-        let Some(motion) = motion(snapshot) else {
+    /// The view; the wrench along a log is that of `estimator`; `now_s` is the time of the frame (s).
+    pub fn ui(&mut self, ui: &mut Ui, snapshot: &Snapshot, estimator: EstimatorName, now_s: f64) {
+        let Some(motion) = motion(snapshot, estimator) else {
             super::empty(
                 ui,
                 "Nothing moves",
@@ -125,7 +122,7 @@ impl ArmView {
     }
 
     fn figures(&self, ui: &mut Ui, moment: &Moment) {
-        let q: Vec<String> = moment.q.iter().map(|q| significant(*q, 3)).collect();
+        let q: Vec<String> = moment.q.iter().map(|q| fixed(*q, 3)).collect();
         ui.label(format!("q [rad]: {}", q.join(", ")));
         if let Some(h) = moment.wrench {
             let part = |k: usize| h[k..k + 3].iter().map(|h| significant(*h, 3)).collect::<Vec<_>>().join(", ");
@@ -159,9 +156,7 @@ impl ArmView {
         // The links, back to front, then the path of the flange.
         let arm = presets::panda();
         let at = Kinematics::at(&arm, &moment.q);
-        let mut points = vec![Vector3::zeros()];
-        points.extend(at.origins);
-        points.push(at.flange_origin);
+        let points = arm_figures::skeleton(&moment.q);
         let mut capsules: Vec<(f64, usize)> = (0..points.len() - 1)
             .filter(|k| (points[k + 1] - points[*k]).norm() > 1e-6)
             .map(|k| (camera.project(&((points[k] + points[k + 1]) * 0.5)).1, k))

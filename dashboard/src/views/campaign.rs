@@ -2,7 +2,7 @@
 
 use egui::{ComboBox, ProgressBar, RichText, ScrollArea, Ui};
 use tribo_experiments::watch::{CampaignSnapshot, campaign_figures, headline, surrogate_figures};
-use tribo_figure::number::significant;
+use tribo_figure::number::{fixed, significant};
 
 use super::memo::{Memo, address};
 use crate::layout::Layout;
@@ -88,10 +88,12 @@ impl CampaignView {
                 if ui.button("Stop").clicked() {
                     runner.stop();
                 }
+            } else if !campaign.is_complete() && source.runs_elsewhere(ui.input(|input| input.time)) {
+                ui.label("running, started outside this window");
             } else if !campaign.is_complete()
                 && ui.button("Resume").on_hover_text("Run the remaining trials here").clicked()
             {
-                source.resume(ui.ctx());
+                source.resume();
             }
             if ui.button("Write report").on_hover_text("report.html in the campaign's directory").clicked() {
                 source.report(ui.ctx());
@@ -168,14 +170,17 @@ impl CampaignView {
 fn failures(ui: &mut Ui, campaign: &CampaignSnapshot, look_at: &mut Option<usize>) {
     let dark = ui.visuals().dark_mode;
     ui.horizontal_wrapped(|ui| {
+        // A trial and its reason stay on one line.
+        ui.style_mut().wrap_mode = Some(egui::TextWrapMode::Extend);
         ui.label(RichText::new("Failed:").strong().color(theme::bad(dark)));
         for watched in campaign.failed().take(12) {
             let reason = watched.trial.aborted.map_or(String::new(), |reason| reason.to_string());
-            let at = watched.aborted_at_s.map_or(String::new(), |at_s| format!(" at {at_s:.1} s"));
+            let at = watched.aborted_at_s.map_or(String::new(), |at_s| format!(" at {} s", fixed(at_s, 1)));
             let link = ui.link(format!("trial {}: {reason}{at}", watched.trial.number));
-            if link.on_hover_text("Look at this trial").clicked() {
+            if link.on_hover_text("Look at this trial; before 0 s the arm runs in").clicked() {
                 *look_at = Some(watched.trial.number);
             }
+            ui.add_space(8.0);
         }
         let more = campaign.failed().count().saturating_sub(12);
         if more > 0 {

@@ -1,5 +1,7 @@
 //! What the model gets wrong about a log, and why it says so.
 
+use std::path::Path;
+
 use egui::{CollapsingHeader, Grid, ProgressBar, RichText, ScrollArea, Ui};
 use tribo_diagnose::report::number::{
     fixed, percent_with_interval, probability, quantity_and_unit, significant, with_interval,
@@ -9,8 +11,8 @@ use tribo_diagnose::{Diagnosis, Finding, Verdict};
 use tribo_figure::Figure;
 
 use super::memo::{Memo, address};
+use crate::diagnosis_snapshot::DiagnosisSnapshot;
 use crate::plot::{Look, grid};
-use crate::snapshot::DiagnosisSnapshot;
 use crate::source::Source;
 use crate::theme;
 
@@ -24,8 +26,8 @@ pub struct DiagnosisView {
 }
 
 impl DiagnosisView {
-    /// The view.
-    pub fn ui(&mut self, ui: &mut Ui, source: &mut Source) {
+    /// The view; reports go to the directory `exports`.
+    pub fn ui(&mut self, ui: &mut Ui, source: &mut Source, exports: &Path) {
         if let Some(progress) = source.diagnosing() {
             let (stage, part) = progress.now();
             ui.add_space(60.0);
@@ -59,10 +61,15 @@ impl DiagnosisView {
             });
             return;
         };
-        ScrollArea::vertical().auto_shrink(false).show(ui, |ui| self.diagnosis(ui, &snapshot));
+        let mut write = false;
+        ScrollArea::vertical().auto_shrink(false).show(ui, |ui| write = self.diagnosis(ui, &snapshot));
+        if write {
+            source.report_diagnosis(ui.ctx(), exports);
+        }
     }
 
-    fn diagnosis(&mut self, ui: &mut Ui, snapshot: &std::sync::Arc<DiagnosisSnapshot>) {
+    /// The whole diagnosis; true if a report is to be written.
+    fn diagnosis(&mut self, ui: &mut Ui, snapshot: &std::sync::Arc<DiagnosisSnapshot>) -> bool {
         let (diagnosis, dark) = (&snapshot.diagnosis, ui.visuals().dark_mode);
         let colour = match diagnosis.verdict {
             Verdict::NothingMissing | Verdict::Named => theme::good(dark),
@@ -74,11 +81,13 @@ impl DiagnosisView {
             if diagnosis.bursts == 1 { "one burst".to_owned() } else { format!("{} bursts", diagnosis.bursts) };
         ui.weak(format!(
             "{}; {} samples in {}, torques up to {} Hz; brackets are 95 % intervals",
-            snapshot.log,
+            snapshot.log.display(),
             diagnosis.samples,
             bursts,
             significant(diagnosis.band_hz, 3)
         ));
+        let hint = "One HTML file, as `tribo diagnose --report` writes it";
+        let write = ui.button("Write report").on_hover_text(hint).clicked();
         ui.add_space(8.0);
         self.findings(ui, snapshot);
         ui.add_space(8.0);
@@ -103,6 +112,7 @@ impl DiagnosisView {
                 ui.label(format!("• {line}"));
             }
         });
+        write
     }
 
     fn findings(&mut self, ui: &mut Ui, snapshot: &std::sync::Arc<DiagnosisSnapshot>) {

@@ -15,6 +15,7 @@ const STRATEGIES: Choices = &[
     ("grey_box", "least squares on past logs, then local search"),
     ("bo", "Bayesian optimisation grown from zero compensation"),
     ("paper", "the route of roveda2022"),
+    ("iterative_learning", "the fixed-gain baseline of roveda2022"),
     ("random", "baseline: uniform random search"),
     ("sobol", "baseline: Sobol sequence"),
     ("gaz", "baseline: constants published by Gaz et al. 2019"),
@@ -104,7 +105,7 @@ impl StartView {
             if ui.button(RichText::new("Start").size(16.0)).clicked() {
                 match self.config() {
                     Ok(config) => {
-                        source.start(ui.ctx(), config, Path::new(self.directory.trim()));
+                        source.start(config, Path::new(self.directory.trim()));
                         self.directory = next_directory(&self.campaigns);
                         started = true;
                     }
@@ -161,4 +162,27 @@ fn next_directory(campaigns: &Path) -> String {
     let entries = std::fs::read_dir(campaigns).into_iter().flatten().flatten();
     let last = entries.filter_map(|entry| entry.file_name().to_str()?.parse::<u32>().ok()).max();
     campaigns.join(format!("{:04}", last.map_or(1, |last| last + 1))).display().to_string()
+}
+
+#[cfg(test)]
+mod tests {
+    use tribo_experiments::EstimatorName;
+    use tribo_experiments::strategy::StrategyName;
+
+    use super::*;
+
+    /// What is offered exists, and what exists is offered.
+    #[test]
+    fn the_form_knows_every_name() {
+        let strategies: Vec<StrategyName> =
+            STRATEGIES.iter().map(|(name, _)| named(name).expect("a strategy")).collect();
+        for name in ["zero", "gaz", "random", "sobol", "paper", "bo", "iterative_learning", "grey_box"] {
+            assert!(strategies.contains(&named(name).expect("a strategy")), "{name}");
+        }
+        let estimators: Vec<&str> = ESTIMATORS.iter().map(|(name, _)| *name).collect();
+        assert_eq!(estimators, EstimatorName::ALL.map(EstimatorName::as_str));
+        for (name, _) in TRUTHS {
+            let _: tribo_experiments::scenario::TruthName = named(name).expect("a truth");
+        }
+    }
 }

@@ -24,8 +24,8 @@ impl TrialView {
     pub fn step(&mut self, source: &mut Source, by: i64) {
         let Some(campaign) = source.snapshot().campaign.clone() else { return };
         let numbers: Vec<usize> = campaign.trials.iter().map(|watched| watched.trial.number).collect();
-        let shown = source.snapshot().trial.as_ref().map(|trial| trial.watched.trial.number);
-        let at = numbers.iter().position(|number| Some(*number) == shown).unwrap_or(0) as i64;
+        let wanted = source.wanted();
+        let at = numbers.iter().position(|number| Some(*number) == wanted).unwrap_or(0) as i64;
         let next = (at + by).clamp(0, numbers.len() as i64 - 1);
         source.select(numbers.get(next.max(0) as usize).copied());
     }
@@ -77,12 +77,8 @@ impl TrialView {
         }
         let key = (vec![address(Some(&trial))], vec![part, joint]);
         let figures = self.figures.get(key, || match part {
-            0 => (0..6).map(|component| trial_figures::wrench(&trial, component)).collect(),
-            1 => vec![
-                trial_figures::tracking(&trial),
-                trial_figures::error(&trial, false),
-                trial_figures::error(&trial, true),
-            ],
+            0 => trial_figures::wrenches(&trial),
+            1 => trial_figures::tracked(&trial),
             2 => vec![trial_figures::torque_terms(&trial, joint)],
             _ => vec![trial_figures::friction(&trial, joint)],
         });

@@ -5,6 +5,7 @@ mod error;
 mod friction_section;
 mod model;
 mod model_file;
+mod references_file;
 mod trajectory_file;
 mod tuned_file;
 mod yaml;

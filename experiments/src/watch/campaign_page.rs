@@ -5,16 +5,16 @@ use std::sync::Arc;
 
 use tribo_figure::Figure;
 use tribo_figure::escape::{escape, escape_sentence};
-use tribo_figure::number::{quantity_and_unit, significant};
+use tribo_figure::number::{fixed, quantity_and_unit, significant};
 use tribo_figure::page::{self, figures, section, table};
 use tribo_logs::write_atomic;
 
 use super::{
-    CampaignSnapshot, CampaignWatch, LoopTimes, Surrogate, TrialSnapshot, WatchedTrial, campaign_figures, loop_times,
-    surrogate_figures, trial_figures,
+    CampaignSnapshot, CampaignWatch, LoopTimes, Surrogate, TrialSnapshot, WatchedTrial, arm_figures, campaign_figures,
+    loop_times, surrogate_figures, trial_figures,
 };
 use crate::files::FileError;
-use crate::{CampaignError, references, uncompensated_trial};
+use crate::{CampaignError, References, references, uncompensated_trial};
 
 /// Slices of the belief in the report: the most relevant parameters.
 const SLICES: usize = 4;
@@ -23,7 +23,9 @@ const SLICES: usize = 4;
 /// which is read from a clock, equal campaigns have equal reports, wherever they live.
 pub fn write_report(directory: &Path, out: Option<&Path>, loop_time: bool) -> Result<PathBuf, CampaignError> {
     let mut watch = CampaignWatch::open(directory)?;
-    watch.set_references(references(watch.tune())?);
+    if References::read(directory).is_none() {
+        watch.set_references(references(watch.tune())?);
+    }
     let snapshot = watch.poll()?;
     let campaign = snapshot
         .ok_or_else(|| FileError::Campaign { path: directory.to_owned(), message: "has no journal yet".to_owned() })?;
@@ -157,7 +159,7 @@ fn failures(campaign: &CampaignSnapshot) -> String {
         return String::new();
     }
     let rows = failed.iter().map(|watched| {
-        let at = watched.aborted_at_s.map_or("–".to_owned(), |at_s| format!("{at_s:.2}"));
+        let at = watched.aborted_at_s.map_or("–".to_owned(), |at_s| fixed(at_s, 2));
         let reason = watched.trial.aborted.map_or(String::new(), |reason| reason.to_string());
         [watched.trial.number.to_string(), reason, at, significant(watched.trial.cost.penalty, 3)]
     });
@@ -190,7 +192,15 @@ fn search(campaign: &CampaignSnapshot, surrogate: Option<&Surrogate>) -> String 
 }
 
 fn best_trial(best: &TrialSnapshot, times: Option<&LoopTimes>) -> String {
-    let mut body = figures(&trial_figures::all(best));
+    let drawn = [
+        ("Wrench", trial_figures::wrenches(best)),
+        ("Tracking", trial_figures::tracked(best)),
+        ("Arm", arm_figures::arm(best)),
+        ("Torque by term", (0..7).map(|joint| trial_figures::torque_terms(best, joint)).collect()),
+        ("Friction against velocity", (0..7).map(|joint| trial_figures::friction(best, joint)).collect()),
+    ];
+    let part = |(heading, drawn): (&str, Vec<Figure>)| format!("<h3>{heading}</h3>\n{}", figures(&drawn));
+    let mut body: String = drawn.into_iter().map(part).collect();
     if let Some(times) = times {
         let at = |p: f64| times.quantile(p).map_or("–".to_owned(), |us| significant(us, 3));
         body += &format!(

@@ -3,6 +3,8 @@
 use std::path::PathBuf;
 use std::sync::Arc;
 
+use tribo_figure::number::fixed;
+
 use crate::strategy::FinishedTrial;
 use crate::{References, ValidTune};
 
@@ -16,11 +18,11 @@ pub struct WatchedTrial {
 }
 
 impl WatchedTrial {
-    /// `failed at 3.2 s: tool error`, or `complete`.
+    /// `failed at 3.20 s: tool error`, or `complete`; times before 0 are those of the run-in.
     pub fn state(&self) -> String {
         match (self.trial.aborted, self.aborted_at_s) {
             (None, _) => "complete".to_owned(),
-            (Some(reason), Some(at_s)) => format!("failed at {at_s:.2} s: {reason}"),
+            (Some(reason), Some(at_s)) => format!("failed at {} s: {reason}", fixed(at_s, 2)),
             (Some(reason), None) => format!("failed: {reason}"),
         }
     }

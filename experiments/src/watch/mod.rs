@@ -2,13 +2,15 @@
 //!
 //! ```text
 //! campaign.yaml + journal.log → CampaignWatch → CampaignSnapshot → campaign_figures ┐
-//! trials/NNNN.parquet         → TrialSnapshot → trial_figures                       ├→ campaign_page, window
+//! trials/NNNN.parquet         → TrialSnapshot → trial_figures, arm_figures          ├→ campaign_page, window
 //! trials                      → Surrogate     → surrogate_figures                   ┘
 //! ```
 //!
 //! Watching reads and never locks or writes: a campaign that is watched leaves the same bits. Everything that is not on
-//! the disk (reference costs, the run without compensation) follows from the settings and is computed anew.
+//! the disk (the run without compensation, and of older campaigns the reference costs) follows from the settings and is
+//! computed anew.
 
+pub mod arm_figures;
 pub mod campaign_figures;
 mod campaign_page;
 mod campaign_snapshot;

@@ -141,11 +141,12 @@ pub fn loop_time(times: &LoopTimes) -> Figure {
     figure.with(Layer::bars("", 0, middles, bins, width))
 }
 
-/// All figures of a trial, in the order of the view: wrench, tracking, torques, friction.
-pub fn all(trial: &TrialSnapshot) -> Vec<Figure> {
-    let mut figures: Vec<Figure> = (0..6).map(|component| wrench(trial, component)).collect();
-    figures.extend([tracking(trial), error(trial, false), error(trial, true)]);
-    figures.extend((0..7).map(|joint| torque_terms(trial, joint)));
-    figures.extend((0..7).map(|joint| friction(trial, joint)));
-    figures
+/// All six components of the wrench.
+pub fn wrenches(trial: &TrialSnapshot) -> Vec<Figure> {
+    (0..6).map(|component| wrench(trial, component)).collect()
+}
+
+/// Position and errors of the flange.
+pub fn tracked(trial: &TrialSnapshot) -> Vec<Figure> {
+    vec![tracking(trial), error(trial, false), error(trial, true)]
 }

@@ -48,7 +48,12 @@ impl CampaignWatch {
         &self.tune
     }
 
-    /// Makes reference costs part of all snapshots to come.
+    /// The directory.
+    pub fn directory(&self) -> &Path {
+        &self.directory
+    }
+
+    /// Makes reference costs part of all snapshots to come; those that the campaign has left are found without.
     pub fn set_references(&mut self, references: References) {
         (self.references, self.seen) = (Some(references), false);
     }
@@ -57,6 +62,11 @@ impl CampaignWatch {
     pub fn poll(&mut self) -> Result<Option<CampaignSnapshot>, CampaignError> {
         let news = self.tail.poll()?;
         let torn = self.tail.torn_bytes() > 0;
+        if self.references.is_none()
+            && let Some(left) = References::read(&self.directory)
+        {
+            self.set_references(left);
+        }
         if self.seen && news == News::None && torn == self.torn {
             return Ok(None);
         }
