@@ -1,6 +1,9 @@
 //! Processor time of fitting the joint-deformation regression (n = 960, d = 6, six outputs) and its error on a circle.
 //!
 //! `cargo run --release -p tribo-bayesopt --example gp_fit`
+//!
+//! Compare processor times of one thread, measured side by side: another process on the core doubles a wall time.
+//! scikit-learn finds ln p = −990.992 1526.298 1062.246 −27.419 −29.272 −1107.746 from σ_f² = ℓ = 1, σ_n² = 0.1 in the same box.
 
 #[path = "../tests/common/deformation.rs"]
 mod deformation;

@@ -240,6 +240,10 @@ fn logs() {
         ("estimate good.csv --out nowhere/z.parquet", &["nowhere: no such file or directory"]),
         ("estimate good.csv --out good.csv/z.parquet", &["good.csv"]),
         ("estimate good.csv --model good.csv", &["good.csv:"]),
+        (
+            "estimate good.csv --residual double_encoder",
+            &["good.csv: missing columns theta_0 to theta_6", "double_encoder"],
+        ),
         ("convert good.csv z.mcap", &["z.mcap: unknown ending; allowed: .csv, .csv.gz, .parquet"]),
         ("convert good.csv nowhere/z.csv", &["nowhere: no such file or directory"]),
         ("convert good.csv /proc/z.csv", &["/proc: cannot create a file in this directory"]),

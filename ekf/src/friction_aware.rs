@@ -1,7 +1,7 @@
 //! The wrench filter that knows what it does not know about friction.
 
 use nalgebra::SVector;
-use tribo_friction::FrictionBand;
+use tribo_friction::{FrictionBand, RestMemory};
 use tribo_robot::{ControlTerms, EstimatorInput, SensorFrame, WrenchEstimate, WrenchEstimator};
 
 use crate::{WrenchEkf, WrenchEkfSettings, wrench_from_torque};
@@ -15,7 +15,8 @@ use crate::{WrenchEkf, WrenchEkfSettings, wrench_from_torque};
 ///
 /// Known friction enters the filter as an input; what of it is not known, the filter itself cannot see: it takes an error
 /// of the compensator for a wrench. At speed the band is closed and adds its noise; where a joint stands, its friction may
-/// be anything between the bounds and the covariance widens along that joint's column of W. σ_f² passes the filter's own
+/// be anything between the bounds and the covariance widens along that joint's column of W, the more, the more friction
+/// it came to rest with ([`RestMemory`]). σ_f² passes the filter's own
 /// delay, since the wrench does. P_hh allows for a wrench that walks at any moment, and is wide for one that rests: c, from a
 /// calibration without contact, says what its errors really are there; 1 is the filter's own word.
 ///
@@ -27,6 +28,7 @@ pub struct FrictionAwareEkf<const N: usize> {
     band: FrictionBand<N>,
     /// c².
     filter_part: f64,
+    rest: RestMemory<N>,
     left_nm2: SVector<f64, N>,
     estimate: WrenchEstimate,
 }
@@ -41,6 +43,7 @@ impl<const N: usize> FrictionAwareEkf<N> {
             ekf: WrenchEkf::new(settings),
             band,
             filter_part,
+            rest: RestMemory::default(),
             left_nm2: SVector::zeros(),
             estimate: WrenchEstimate::none_yet(),
         }
@@ -50,16 +53,13 @@ impl<const N: usize> FrictionAwareEkf<N> {
     pub fn ekf(&self) -> &WrenchEkf {
         &self.ekf
     }
-
-    fn left_nm2(&self, qd: &SVector<f64, N>, belief_nm: &SVector<f64, N>) -> SVector<f64, N> {
-        SVector::from_fn(|j, _| self.band.joints()[j].mean_square_left_nm2(qd[j], belief_nm[j]))
-    }
 }
 
 impl<const N: usize> WrenchEstimator<N> for FrictionAwareEkf<N> {
     fn reset(&mut self, frame: &SensorFrame<N>, terms: &ControlTerms<N>) {
         self.ekf.reset(frame, terms);
-        self.left_nm2 = self.left_nm2(&frame.qd, &SVector::zeros());
+        self.rest = RestMemory::default();
+        self.left_nm2 = self.rest.mean_square_left_nm2(&self.band, &frame.qd, &SVector::zeros());
         self.estimate = WrenchEstimate::none_yet();
     }
 
@@ -70,7 +70,8 @@ impl<const N: usize> WrenchEstimator<N> for FrictionAwareEkf<N> {
             return self.estimate.held(fault);
         }
         let share = 1.0 - (-input.dt_s / WrenchEstimator::<N>::delay_s(&self.ekf)).exp();
-        let left_nm2 = self.left_nm2(&input.frame.qd, input.tau_friction);
+        self.rest.note(&self.band, &input.frame.qd, input.tau_friction);
+        let left_nm2 = self.rest.mean_square_left_nm2(&self.band, &input.frame.qd, input.tau_friction);
         self.left_nm2 += (left_nm2 - self.left_nm2) * share;
         estimate.covariance *= self.filter_part;
         // The filter has factored the same matrix.

@@ -30,6 +30,7 @@ mod effects;
 pub mod identify;
 pub mod law;
 mod model;
+mod rest;
 pub mod thermal;
 
 pub use band::{BandError, FrictionBand, JointBand};
@@ -37,3 +38,4 @@ pub use compensator::{Bristles, Compensation, Compensator, CompensatorInput, Vel
 pub use effects::{JointEffects, MAX_RIPPLES, Ripple};
 pub use law::{JointFriction, SetValued};
 pub use model::FrictionModel;
+pub use rest::RestMemory;

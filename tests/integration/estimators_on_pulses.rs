@@ -83,7 +83,7 @@ fn the_band_sees_through_friction_that_is_not_compensated() {
         let observer = watch("momentum", &no_friction(), moving, momentum());
         assert!(band.force_n < force_bar_n && band.moment_nm < moment_bar_nm, "{band:?}");
         assert!(band.force_n < 0.75 * observer.force_n && band.moment_nm < 0.75 * observer.moment_nm, "{observer:?}");
-        // The observer's covariance is a mean square over stiction of any size, and pushes leave much of it: 91 % standing.
+        // The observer remembers that joints which slid without compensation stand with much friction; 91 % without.
         assert!(band.covered > 0.95 && observer.covered > 0.89, "{band:?} {observer:?}");
     }
 }

@@ -1,9 +1,11 @@
 //! Cholesky factor with a jitter that is reported.
 
 use faer::dyn_stack::{MemBuffer, MemStack};
-use faer::linalg::cholesky::llt::{factor, inverse};
+use faer::linalg::cholesky::llt::factor;
+use faer::linalg::matmul::triangular::{BlockStructure, matmul};
+use faer::linalg::triangular_inverse::invert_lower_triangular;
 use faer::linalg::triangular_solve::{solve_lower_triangular_in_place, solve_upper_triangular_in_place};
-use faer::{Mat, MatMut, Par};
+use faer::{Accum, Mat, MatMut, Par};
 
 use crate::BayesoptError;
 
@@ -28,17 +30,32 @@ impl Cholesky {
     /// # Errors
     /// `NonPositivePivot` when the largest jitter does not help.
     pub fn new(matrix: &Mat<f64>) -> Result<Self, BayesoptError> {
-        let n = matrix.nrows();
-        let mean_diagonal = (0..n).map(|i| matrix[(i, i)]).sum::<f64>() / n.max(1) as f64;
+        let mut cholesky = Self::unfilled(matrix.nrows());
+        cholesky.refactor(|lower| lower.copy_from_triangular_lower(matrix))?;
+        Ok(cholesky)
+    }
+
+    /// Room for a factor of n rows; [`Self::refactor`] fills it.
+    pub(super) fn unfilled(n: usize) -> Self {
+        Self { lower: Mat::zeros(n, n), jitter: 0.0 }
+    }
+
+    /// Factorises what `fill` writes, in the room of the old factor; `fill` is asked again where jitter is needed.
+    ///
+    /// # Errors
+    /// As [`Self::new`]; the factor is then void.
+    pub(super) fn refactor(&mut self, mut fill: impl FnMut(&mut Mat<f64>)) -> Result<(), BayesoptError> {
+        let n = self.lower.nrows();
         let mut relative = 0.0;
         loop {
-            let jitter = relative * mean_diagonal;
-            let mut lower = matrix.clone();
+            fill(&mut self.lower);
+            let mean_diagonal = (0..n).map(|i| self.lower[(i, i)]).sum::<f64>() / n.max(1) as f64;
+            self.jitter = relative * mean_diagonal;
             for i in 0..n {
-                lower[(i, i)] += jitter;
+                self.lower[(i, i)] += self.jitter;
             }
-            match factorise(&mut lower) {
-                Ok(()) => return Ok(Self { lower, jitter }),
+            match factorise(&mut self.lower) {
+                Ok(()) => return Ok(()),
                 Err(index) if relative >= LAST_JITTER => return Err(BayesoptError::NonPositivePivot { index }),
                 Err(_) => relative = if relative == 0.0 { FIRST_JITTER } else { relative * 100.0 },
             }
@@ -80,13 +97,12 @@ impl Cholesky {
         column.col(0).iter().copied().collect()
     }
 
-    /// Lower triangle of `(L Lᵀ)⁻¹`, n × n.
-    pub fn inverse_lower(&self) -> Mat<f64> {
-        let n = self.lower.nrows();
-        let mut out = Mat::zeros(n, n);
-        let mut memory = MemBuffer::new(inverse::inverse_scratch::<f64>(n, Par::Seq));
-        inverse::inverse(out.as_mut(), self.lower.as_ref(), Par::Seq, MemStack::new(&mut memory));
-        out
+    /// Lower triangles of `L⁻¹` and of `(L Lᵀ)⁻¹ = L⁻ᵀ L⁻¹`, n × n; what lies above them is left as it was.
+    pub(super) fn invert(&self, inverse_factor: &mut Mat<f64>, inverse: &mut Mat<f64>) {
+        invert_lower_triangular(inverse_factor.as_mut(), self.lower.as_ref(), Par::Seq);
+        let (upper, lower) = (BlockStructure::TriangularUpper, BlockStructure::TriangularLower);
+        let factor = inverse_factor.as_ref();
+        matmul(inverse.as_mut(), lower, Accum::Replace, factor.transpose(), upper, factor, lower, 1.0, Par::Seq);
     }
 }
 
@@ -120,7 +136,8 @@ mod tests {
         assert!((cholesky.log_determinant() - 8.0_f64.ln()).abs() < 1e-15);
         let x = cholesky.solve(&[8.0, 7.0]);
         assert!((x[0] - 1.25).abs() < 1e-15 && (x[1] - 1.5).abs() < 1e-15, "{x:?}");
-        let inverse = cholesky.inverse_lower();
+        let (mut of_factor, mut inverse) = (Mat::zeros(2, 2), Mat::zeros(2, 2));
+        cholesky.invert(&mut of_factor, &mut inverse);
         for (at, want) in [((0, 0), 0.375), ((1, 0), -0.25), ((1, 1), 0.5)] {
             assert!((inverse[at] - want).abs() < 1e-15);
         }

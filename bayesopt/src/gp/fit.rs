@@ -9,7 +9,7 @@ use super::prior::HyperPrior;
 use crate::BayesoptError;
 use crate::kernel::KernelFamily;
 use crate::random::{Purpose, stream};
-use crate::search::{Bounds, Descent, DescentEnd, minimise};
+use crate::search::{Bounds, Curvature, Descent, DescentEnd, Minimum, minimise_with};
 
 /// What is fitted and how hard.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
@@ -61,13 +61,14 @@ const NOISE_RANGE: [f64; 2] = [1e-6, 1.0];
 pub fn fit(settings: &FitSettings, points: &[Vec<f64>], targets: &[f64], seed: u64) -> Result<Fit, BayesoptError> {
     let model = settings.likelihood(points, targets)?;
     let starts = (0..settings.starts.max(1)).map(|start| start_point(&model, start, seed)).collect();
-    ascend(settings, &model, starts)
+    Ok(ascend(settings, &model, starts, &Curvature::default())?.0)
 }
 
-/// [`fit`] of a large set, in two steps: all starts on `coarse` samples spread evenly over the set, then one ascent on all of it
-/// from what they found.
+/// [`fit`] of a large set, in two steps: all starts on `coarse` samples spread evenly over the set, then one ascent on all
+/// of it from what they found.
 ///
-/// An evaluation costs n³, so the starts are nearly free and the last ascent begins near its end. Where the maximum of
+/// An evaluation costs n³, so the starts are nearly free and the last ascent begins near its end, with the curvature that
+/// the first has learnt. Where the maximum of
 /// the subset lies in another basin than that of the whole, the result is a local maximum that [`fit`] might better.
 ///
 /// # Errors
@@ -86,9 +87,11 @@ pub fn fit_coarse_to_fine(
     let chosen = || (0..coarse).map(|k| k * n / coarse);
     let few: Vec<Vec<f64>> = chosen().map(|k| points[k].clone()).collect();
     let few_targets: Vec<f64> = chosen().map(|k| targets[k]).collect();
-    let first = fit(settings, &few, &few_targets, seed)?;
+    let model = settings.likelihood(&few, &few_targets)?;
+    let starts = (0..settings.starts.max(1)).map(|start| start_point(&model, start, seed)).collect();
+    let (first, curvature) = ascend(settings, &model, starts, &Curvature::default())?;
     let model = settings.likelihood(points, targets)?;
-    let second = ascend(settings, &model, vec![first.hyper.to_log(settings.lengthscales)])?;
+    let (second, _) = ascend(settings, &model, vec![first.hyper.to_log(settings.lengthscales)], &curvature)?;
     Ok(Fit { evaluations: first.evaluations + second.evaluations, ..second })
 }
 
@@ -106,18 +109,23 @@ impl FitSettings {
     }
 }
 
-/// The best of the ascents from `starts`.
-fn ascend(settings: &FitSettings, model: &MarginalLikelihood<'_>, starts: Vec<Vec<f64>>) -> Result<Fit, BayesoptError> {
+/// The best of the ascents from `starts`, all of which begin with `curvature`, and the curvature that it ended with.
+fn ascend(
+    settings: &FitSettings,
+    model: &MarginalLikelihood<'_>,
+    starts: Vec<Vec<f64>>,
+    curvature: &Curvature,
+) -> Result<(Fit, Curvature), BayesoptError> {
     let points = model.points;
     let count = model.parameter_count();
     let bounds = hyper_bounds(count);
     let scale = 1.0 / points.len() as f64;
 
     // The objective per sample, so that one tolerance fits all sizes; a failed factorisation is a wall.
-    let mut evaluations = 0;
+    let (mut evaluations, mut work) = (0, model.workspace());
     let mut objective = |theta: &[f64], gradient: &mut [f64]| {
         evaluations += 1;
-        match model.log_posterior(theta) {
+        match model.log_posterior_in(theta, &mut work) {
             Ok(at) => {
                 for (g, ascent) in gradient.iter_mut().zip(&at.gradient) {
                     *g = -ascent * scale;
@@ -134,21 +142,22 @@ fn ascend(settings: &FitSettings, model: &MarginalLikelihood<'_>, starts: Vec<Ve
         ..Descent::default()
     };
 
-    let mut best: Option<crate::search::Minimum> = None;
+    let mut best: Option<(Minimum, Curvature)> = None;
     for start in &starts {
-        let found = minimise(&mut objective, start, &bounds, &descent);
-        if found.value.is_finite() && best.as_ref().is_none_or(|b| found.value < b.value) {
-            best = Some(found);
+        let mut learnt = curvature.clone();
+        let found = minimise_with(&mut objective, start, &bounds, &descent, &mut learnt);
+        if found.value.is_finite() && best.as_ref().is_none_or(|(b, _)| found.value < b.value) {
+            best = Some((found, learnt));
         }
     }
     // No start could be evaluated: report the pivot that stopped the first one.
-    let Some(best) = best else {
+    let Some((best, learnt)) = best else {
         let first = starts.first().map(|start| model.evaluate(start));
         return Err(first.and_then(Result::err).unwrap_or(BayesoptError::NonPositivePivot { index: 0 }));
     };
     let log_marginal_likelihood = model.evaluate(&best.point)?.value;
     let hyper = HyperParameters::from_log(&best.point, model.dimension());
-    Ok(Fit { hyper, log_marginal_likelihood, end: best.end, evaluations })
+    Ok((Fit { hyper, log_marginal_likelihood, end: best.end, evaluations }, learnt))
 }
 
 fn hyper_bounds(count: usize) -> Bounds {

@@ -1,10 +1,8 @@
 //! Log marginal likelihood and its gradient.
 
-use faer::Mat;
-
-use super::cholesky::Cholesky;
 use super::hyper::{HyperParameters, Lengthscales};
 use super::prior::HyperPrior;
+use super::workspace::Workspace;
 use crate::BayesoptError;
 use crate::kernel::KernelFamily;
 
@@ -57,63 +55,30 @@ impl MarginalLikelihood<'_> {
     /// # Errors
     /// `NonPositivePivot`.
     pub fn evaluate(&self, theta: &[f64]) -> Result<Evaluation, BayesoptError> {
+        self.evaluate_in(theta, &mut self.workspace())
+    }
+
+    /// The same in the matrices of an earlier evaluation.
+    ///
+    /// # Errors
+    /// `NonPositivePivot`.
+    pub(super) fn evaluate_in(&self, theta: &[f64], work: &mut Workspace) -> Result<Evaluation, BayesoptError> {
         let (n, dimension) = (self.points.len(), self.dimension());
         let hyper = HyperParameters::from_log(theta, dimension);
-        let signal = hyper.signal_variance;
-
-        // Covariance of the targets and the slopes dρ/dr², lower triangle, from scaled inputs z = x/ℓ.
-        // Rows are padded to whole lanes of four, so that the gradient's inner loop is one of vectors.
-        let stride = dimension.next_multiple_of(LANES);
-        let mut scaled = vec![0.0; n * stride];
-        for (row, x) in scaled.chunks_exact_mut(stride).zip(self.points) {
-            row.iter_mut().zip(x.iter().zip(&hyper.lengthscales)).for_each(|(z, (x, l))| *z = x / l);
+        let (signal, noise) = (hyper.signal_variance, hyper.noise_variance);
+        work.scale(self.points, &hyper.lengthscales);
+        work.factor(self.family, signal, noise)?;
+        let alpha = work.cholesky.solve(self.targets);
+        let mut gradient = work.traces(&alpha, signal, noise);
+        if self.lengthscales == Lengthscales::Isotropic {
+            let sum = gradient[..dimension].iter().sum();
+            gradient.splice(..dimension, [sum]);
         }
-        let row = |i: usize| &scaled[i * stride..(i + 1) * stride];
-        let mut covariance = Mat::zeros(n, n);
-        let mut slopes = Mat::zeros(n, n);
-        for j in 0..n {
-            let (column, slope_column) = (covariance.col_as_slice_mut(j), slopes.col_as_slice_mut(j));
-            let at = row(j);
-            column[j] = signal + hyper.noise_variance;
-            for i in j + 1..n {
-                let (rho, slope) =
-                    self.family.correlation_and_slope(squared_distance(&row(i)[..dimension], &at[..dimension]));
-                column[i] = signal * rho;
-                slope_column[i] = slope;
-            }
-        }
-        let cholesky = Cholesky::new(&covariance)?;
-        let alpha = cholesky.solve(self.targets);
-        let inverse = cholesky.inverse_lower();
-
-        // Traces over the lower triangle; off-diagonal pairs count twice, which cancels the ½.
-        let mut lengthscale_gradient = vec![0.0; stride];
-        let (mut signal_gradient, mut noise_gradient) = (0.0, 0.0);
-        for j in 0..n {
-            let (covariance, inverse) = (covariance.col_as_slice(j), inverse.col_as_slice(j));
-            let (slopes, at) = (slopes.col_as_slice(j), row(j));
-            let weight = alpha[j] * alpha[j] - inverse[j];
-            signal_gradient += 0.5 * weight * signal;
-            noise_gradient += 0.5 * weight * hyper.noise_variance;
-            for i in j + 1..n {
-                let weight = alpha[i] * alpha[j] - inverse[i];
-                signal_gradient += weight * covariance[i];
-                let factor = -2.0 * signal * slopes[i] * weight;
-                add_lanes(&mut lengthscale_gradient, row(i), at, factor);
-            }
-        }
-        lengthscale_gradient.truncate(dimension);
-        let mut gradient = match self.lengthscales {
-            Lengthscales::Ard => lengthscale_gradient,
-            Lengthscales::Isotropic => vec![lengthscale_gradient.iter().sum()],
-        };
-        gradient.push(signal_gradient);
-        gradient.push(noise_gradient);
 
         let fit: f64 = self.targets.iter().zip(&alpha).map(|(y, a)| y * a).sum();
         let normaliser = n as f64 * (2.0 * std::f64::consts::PI).ln();
-        let value = -0.5 * (fit + cholesky.log_determinant() + normaliser);
-        Ok(Evaluation { value, gradient, jitter: cholesky.jitter() })
+        let value = -0.5 * (fit + work.cholesky.log_determinant() + normaliser);
+        Ok(Evaluation { value, gradient, jitter: work.cholesky.jitter() })
     }
 
     /// `ln p(y|θ) + ln p(θ)`, the objective of MAP; equal to the likelihood under the flat prior.
@@ -121,7 +86,15 @@ impl MarginalLikelihood<'_> {
     /// # Errors
     /// `NonPositivePivot`.
     pub fn log_posterior(&self, theta: &[f64]) -> Result<Evaluation, BayesoptError> {
-        let mut evaluation = self.evaluate(theta)?;
+        self.log_posterior_in(theta, &mut self.workspace())
+    }
+
+    /// The same in the matrices of an earlier evaluation.
+    ///
+    /// # Errors
+    /// `NonPositivePivot`.
+    pub(super) fn log_posterior_in(&self, theta: &[f64], work: &mut Workspace) -> Result<Evaluation, BayesoptError> {
+        let mut evaluation = self.evaluate_in(theta, work)?;
         for (i, prior) in self.priors().into_iter().enumerate() {
             if let Some(prior) = prior {
                 let (log_density, slope) = prior.log_density(theta[i]);
@@ -132,6 +105,11 @@ impl MarginalLikelihood<'_> {
         Ok(evaluation)
     }
 
+    /// Room for the evaluations of one ascent.
+    pub(super) fn workspace(&self) -> Workspace {
+        Workspace::new(self.points.len(), self.dimension())
+    }
+
     /// The prior of each entry of θ.
     pub(super) fn priors(&self) -> Vec<Option<super::prior::LogNormal>> {
         let count = self.parameter_count();
@@ -140,23 +118,6 @@ impl MarginalLikelihood<'_> {
         priors[count - 1] = self.prior.noise();
         priors
     }
-}
-
-/// Numbers that one vector instruction takes, or two.
-const LANES: usize = 4;
-
-/// `g_c += factor (a_c − b_c)²`, whole lanes.
-#[inline]
-fn add_lanes(g: &mut [f64], a: &[f64], b: &[f64], factor: f64) {
-    for ((g, a), b) in g.chunks_exact_mut(LANES).zip(a.chunks_exact(LANES)).zip(b.chunks_exact(LANES)) {
-        for c in 0..LANES {
-            g[c] += factor * (a[c] - b[c]) * (a[c] - b[c]);
-        }
-    }
-}
-
-fn squared_distance(a: &[f64], b: &[f64]) -> f64 {
-    a.iter().zip(b).map(|(a, b)| (a - b) * (a - b)).sum()
 }
 
 #[cfg(test)]

@@ -6,6 +6,7 @@ mod hyper;
 mod inducing;
 mod likelihood;
 mod prior;
+mod workspace;
 
 pub use cholesky::Cholesky;
 pub use fit::{FEWEST_SAMPLES, Fit, FitSettings, fit, fit_coarse_to_fine};

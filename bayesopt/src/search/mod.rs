@@ -4,4 +4,4 @@ mod maximise;
 mod projected_lbfgs;
 
 pub use maximise::{Maximum, SearchSettings, maximise_acquisition};
-pub use projected_lbfgs::{Bounds, Descent, DescentEnd, Minimum, minimise};
+pub use projected_lbfgs::{Bounds, Curvature, Descent, DescentEnd, Minimum, minimise, minimise_with};

@@ -91,11 +91,23 @@ const BACKTRACKS: usize = 25;
 /// which know no bounds and end in an error at the first non-finite value — here that is a rejected step.
 /// `function(x, gradient)` writes the gradient and returns the value.
 pub fn minimise(
-    mut function: impl FnMut(&[f64], &mut [f64]) -> f64,
+    function: impl FnMut(&[f64], &mut [f64]) -> f64,
     start: &[f64],
     bounds: &Bounds,
     descent: &Descent,
 ) -> Minimum {
+    minimise_with(function, start, bounds, descent, &mut Curvature::default())
+}
+
+/// [`minimise`] that begins with the curvature of an earlier descent on a similar function, and leaves its own.
+pub fn minimise_with(
+    mut function: impl FnMut(&[f64], &mut [f64]) -> f64,
+    start: &[f64],
+    bounds: &Bounds,
+    descent: &Descent,
+    curvature: &mut Curvature,
+) -> Minimum {
+    let pairs = &mut curvature.pairs;
     let dimension = start.len();
     let mut x = start.to_vec();
     bounds.project(&mut x);
@@ -104,7 +116,6 @@ pub fn minimise(
     if !value.is_finite() {
         return Minimum { point: x, value, end: DescentEnd::NotFinite };
     }
-    let mut pairs: VecDeque<Pair> = VecDeque::with_capacity(descent.memory);
 
     for _ in 0..descent.iterations {
         // Coordinates held by a bound leave the problem.
@@ -115,7 +126,7 @@ pub fn minimise(
         }
 
         // Quasi-Newton direction, or steepest descent where it does not descend.
-        let mut direction = two_loop(&pairs, &steepest, &free);
+        let mut direction = two_loop(pairs, &steepest, &free);
         if pairs.is_empty() || dot(&direction, &steepest) <= 0.0 {
             pairs.clear();
             let length = dot(&steepest, &steepest).sqrt();
@@ -136,7 +147,7 @@ pub fn minimise(
         let s: Vec<f64> = step.x.iter().zip(&x).map(|(a, b)| a - b).collect();
         let y: Vec<f64> = step.gradient.iter().zip(&gradient).map(|(a, b)| a - b).collect();
         if dot(&s, &y) > 1e-12 * dot(&y, &y) {
-            if pairs.len() == descent.memory {
+            while pairs.len() >= descent.memory.max(1) {
                 pairs.pop_front();
             }
             pairs.push_back(Pair { s, y });
@@ -149,6 +160,13 @@ pub fn minimise(
     Minimum { point: x, value, end: DescentEnd::BudgetSpent }
 }
 
+/// What a descent has learnt of the second derivatives: its last steps and the changes of the gradient along them.
+#[derive(Debug, Clone, Default)]
+pub struct Curvature {
+    pairs: VecDeque<Pair>,
+}
+
+#[derive(Debug, Clone)]
 struct Pair {
     s: Vec<f64>,
     y: Vec<f64>,

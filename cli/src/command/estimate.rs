@@ -1,6 +1,6 @@
 //! `tribo estimate`.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use serde_json::{Map, Value, json};
 use tribo_diagnose::{
@@ -45,9 +45,19 @@ pub fn run(arguments: &Estimate, common: &Common) -> anyhow::Result<()> {
         let message = format!("--block-s is {}; allowed: greater than 0", arguments.block_s);
         return Err(BadInput(message).into());
     }
-    let wants = |name: &str| arguments.residual == "all" || arguments.residual == name;
+    let everything = arguments.residual == "all";
+    let wants = |name: &str| everything || arguments.residual == name;
     let torque = wants("torque").then(|| torque_residual(arguments, &log, &model, &believed)).transpose()?;
     let free = arguments.free.as_deref().map(|path| FreeLog::read(path, &believed)).transpose()?;
+    let one_encoder = wants(EstimatorName::DoubleEncoder.as_str())
+        .then(|| [Some((&arguments.log, &log)), free.as_ref().map(|free| (&free.path, &free.log))])
+        .and_then(|logs| logs.into_iter().flatten().find(|(_, log)| log.theta_rad.is_none()))
+        .map(|(path, _)| format!("{}: missing columns theta_0 to theta_6, which double_encoder needs", path.display()));
+    match &one_encoder {
+        Some(message) if !everything => return Err(BadInput(message.clone()).into()),
+        Some(message) if !common.quiet => eprintln!("tribo: {message}; it is left out"),
+        _ => {}
+    }
     let band = free.as_ref().map_or_else(|| believed_band(&believed.friction), |free| free.band);
     let watch = |name: EstimatorName, noise_factor: f64, log: &RobotLog| {
         let settings = WrenchEkfSettings::default();
@@ -58,7 +68,7 @@ pub fn run(arguments: &Estimate, common: &Common) -> anyhow::Result<()> {
     let wrenches = EstimatorName::ALL
         .into_iter()
         .filter(|name| wants(name.as_str()))
-        .filter(|name| *name != EstimatorName::DoubleEncoder || log.theta_rad.is_some() || arguments.residual != "all")
+        .filter(|name| *name != EstimatorName::DoubleEncoder || one_encoder.is_none())
         .map(|name| {
             let calibration = free
                 .as_ref()
@@ -98,6 +108,7 @@ struct Estimated {
 
 /// A log of strokes that nobody touches, and the friction band that it shows.
 struct FreeLog {
+    path: PathBuf,
     log: RobotLog,
     band: FrictionBand<7>,
 }
@@ -108,7 +119,7 @@ impl FreeLog {
         let bad = |error: &dyn std::fmt::Display| BadInput(format!("{}: {error}", path.display()));
         let fits = identify_band(&log, &believed.arm, OBSERVER_GAIN_RAD_S).map_err(|error| bad(&error))?;
         let band = FrictionBand::new(fits.map(|fit| fit.band)).map_err(|error| bad(&error))?;
-        Ok(Self { log, band })
+        Ok(Self { path: path.to_owned(), log, band })
     }
 }
 

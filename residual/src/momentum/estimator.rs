@@ -6,7 +6,7 @@ use tribo_robot::{ControlTerms, EstimateFault, EstimatorInput, SensorFrame, Wren
 use super::{MomentumObserver, OBSERVER_GAIN_RAD_S};
 use crate::BandOf;
 use crate::damped_wrench::{damped_wrench, weighted_inverse};
-use tribo_friction::FrictionBand;
+use tribo_friction::{FrictionBand, RestMemory};
 
 /// Settings of [`MomentumEstimator`].
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -48,13 +48,14 @@ impl<const N: usize> MomentumSettings<N> {
 /// ```text
 /// ĥ = P J R⁻¹ r,   P = (J R⁻¹ Jᵀ + D⁻²)⁻¹,   cov(ĥ) = P       J as late as r
 /// R = a/(2 − a) diag(σ_τ²) + K² M diag(σ_v²) M + diag(σ_f²),   a = 1 − exp(−K dt)
-/// σ_f² = m² + w²/2 + noise²         m, w: middle and half-width of the band less the belief, or of what is left
+/// σ_f² of RestMemory for a band about the friction
+/// σ_f² = m² + w²/2 + noise²  for one about the remainder: middle and half-width of what is left
 /// ```
 ///
 /// r is taken from the torque less the friction believed. White torque noise is averaged by the observer, velocity noise
 /// passes as a high-passed momentum (the bound for noise faster than K is used), and friction is slower than 1/K and
-/// passes as it is. It is taken to be nearer to the ends of its band than to the middle (arcsine law), as pushes leave a
-/// joint that sticks. That is a *bias* for as long as the joint sticks, not noise: the covariance is right over poses and
+/// passes as it is. In a joint that sticks it is what the joint came to rest with, or what pushes have made of it since
+/// ([`RestMemory`]). That is a *bias* for as long as the joint sticks, not noise: the covariance is right over poses and
 /// directions, not along one standstill.
 /// D = diag(moment damping, force damping) is the standard deviation of a prior around zero; towards a singular pose P
 /// tends to D² along the lost direction.
@@ -73,6 +74,7 @@ impl<const N: usize> MomentumSettings<N> {
 pub struct MomentumEstimator<const N: usize> {
     settings: MomentumSettings<N>,
     observer: MomentumObserver<N>,
+    rest: RestMemory<N>,
     estimate: WrenchEstimate,
 }
 
@@ -80,7 +82,7 @@ impl<const N: usize> MomentumEstimator<N> {
     /// An estimator that knows nothing yet; [`WrenchEstimator::reset`] places it.
     pub fn new(settings: MomentumSettings<N>) -> Self {
         let observer = MomentumObserver::new(settings.gain_rad_s);
-        Self { settings, observer, estimate: WrenchEstimate::none_yet() }
+        Self { settings, observer, rest: RestMemory::default(), estimate: WrenchEstimate::none_yet() }
     }
 
     /// The settings.
@@ -120,16 +122,28 @@ impl<const N: usize> MomentumEstimator<N> {
         let a = self.observer.share(dt_s);
         let momentum = terms.mass_matrix * SMatrix::from_diagonal(&(s.velocity_sd_rad_s * s.gain_rad_s));
         let mut r = momentum * momentum.transpose();
-        let [lower, upper] = s.band_of.left_nm(&s.friction, qd, belief);
-        let noise = s.friction.noise_variance_nm2(qd);
+        let left = match s.band_of {
+            BandOf::Friction => self.rest.mean_square_left_nm2(&s.friction, qd, belief),
+            BandOf::Remainder => self.remainder_nm2(qd, belief),
+        };
         for j in 0..N {
-            let (middle, half_width) = (0.5 * (lower[j] + upper[j]), 0.5 * (upper[j] - lower[j]));
-            let friction = middle * middle + 0.5 * half_width * half_width + noise[j];
             // A joint of unlimited friction says nothing.
-            let friction = if friction.is_finite() { friction } else { UNKNOWN_NM2 };
+            let friction = if left[j].is_finite() { left[j] } else { UNKNOWN_NM2 };
             r[(j, j)] += friction + s.torque_sd_nm[j].powi(2) * a / (2.0 - a);
         }
         r
+    }
+
+    /// Mean square of what is left (Nm²), nearer to the ends of its bounds than to the middle (arcsine law).
+    #[inline]
+    fn remainder_nm2(&self, qd: &SVector<f64, N>, belief: &SVector<f64, N>) -> SVector<f64, N> {
+        let s = &self.settings;
+        let [lower, upper] = s.band_of.left_nm(&s.friction, qd, belief);
+        let noise = s.friction.noise_variance_nm2(qd);
+        SVector::from_fn(|j, _| {
+            let (middle, half_width) = (0.5 * (lower[j] + upper[j]), 0.5 * (upper[j] - lower[j]));
+            middle * middle + 0.5 * half_width * half_width + noise[j]
+        })
     }
 }
 
@@ -139,6 +153,7 @@ const UNKNOWN_NM2: f64 = 1e9;
 impl<const N: usize> WrenchEstimator<N> for MomentumEstimator<N> {
     fn reset(&mut self, frame: &SensorFrame<N>, terms: &ControlTerms<N>) {
         self.observer.start(frame, terms);
+        self.rest = RestMemory::default();
         self.estimate = WrenchEstimate::none_yet();
     }
 
@@ -147,7 +162,8 @@ impl<const N: usize> WrenchEstimator<N> for MomentumEstimator<N> {
         if let Err(fault) = input.check() {
             return self.estimate.held(fault);
         }
-        let before = self.observer;
+        let before = (self.observer, self.rest);
+        self.rest.note(&self.settings.friction, &input.frame.qd, input.tau_friction);
         self.observer.step(input.frame, input.terms, &(input.tau_motor - input.tau_friction), input.dt_s);
         let r = self.residual_covariance(input.terms, &input.frame.qd, input.tau_friction, input.dt_s);
         let s = &self.settings;
@@ -159,7 +175,7 @@ impl<const N: usize> WrenchEstimator<N> for MomentumEstimator<N> {
                 self.estimate
             }
             None => {
-                self.observer = before;
+                (self.observer, self.rest) = before;
                 self.estimate.held(EstimateFault::NotPositiveDefinite)
             }
         }
