@@ -13,7 +13,9 @@ use crate::held_out::{BlockGram, TimeBlocks, gain_of_pairs, gain_with_interval, 
 use crate::next_experiment::next_experiment;
 use crate::noise_level::rms;
 use crate::plots;
-use crate::pruning::{drop_chance, drop_lonely_pushes, drop_small, drop_worthless, prefer_likelier, yield_to_unknown};
+use crate::pruning::{
+    drop_chance, drop_lonely_pushes, drop_small, drop_worthless, prefer_likelier, prefer_names, yield_to_unknown,
+};
 use crate::remarks::{assumptions_of, misfits, notes_of, rejected};
 use crate::ripple::RippleLine;
 use crate::scene::{Column, Scene, subtracted};
@@ -52,12 +54,12 @@ pub(crate) fn conclude<const N: usize>(
     validate: &[(String, RobotLog)],
     step: &dyn Fn(&str, f64) -> Result<(), DiagnoseError>,
 ) -> Result<Diagnosis, DiagnoseError> {
-    prefer_likelier(search);
-    drop_lonely_pushes(search);
-    drop_chance(search, evaluated.chance);
-    drop_small(search);
-    drop_worthless(search);
-    yield_to_unknown(search);
+    prune(search, evaluated.chance);
+    step("names", 0.87)?;
+    if !search.fill_with_names(&|| step("names", 0.87).is_ok()) {
+        return Err(DiagnoseError::Cancelled);
+    }
+    prune(search, evaluated.chance);
     let selected = describe(search, evaluated.chance, step)?;
     let system = &*search.system;
     let scene = system.scene;
@@ -169,6 +171,23 @@ pub(crate) fn conclude<const N: usize>(
         samples: scene.time_s.len(),
         bursts: scene.bursts.len(),
     })
+}
+
+/// Keeps what has enough evidence, torque and gain, in the likelier of two stories.
+fn prune<const N: usize>(search: &mut Search<'_, '_, N>, chance: &Chance) {
+    prefer_likelier(search);
+    drop_lonely_pushes(search);
+    loop {
+        let before = search.selected.clone();
+        drop_chance(search, chance);
+        drop_small(search);
+        drop_worthless(search);
+        prefer_names(search);
+        yield_to_unknown(search);
+        if search.selected == before {
+            return;
+        }
+    }
 }
 
 /// RMS (Nm) of a residual where the joint moves: where it turns back, a slow log catches the jump of dry friction or not.

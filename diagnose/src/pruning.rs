@@ -8,7 +8,7 @@ use crate::held_out::{BlockGram, BlockSquares, TimeBlocks, held_out_squares};
 use crate::noise_level::rms;
 use crate::rivals::RIVAL_EVIDENCE;
 use crate::scene::Column;
-use crate::search::Search;
+use crate::search::{LEAST_EVIDENCE, Search};
 use crate::significance::Chance;
 
 /// Largest family-wise probability of chance for a finding.
@@ -135,6 +135,44 @@ pub(crate) fn drop_worthless<const N: usize>(search: &mut Search<'_, '_, N>) {
             None => return,
         }
     }
+}
+
+/// A nameless cause must foretell unseen blocks better than every name: where named causes of the joint do as well in its
+/// place, the one of most evidence stands. Nameless families bend to anything, and short logs let them.
+pub(crate) fn prefer_names<const N: usize>(search: &mut Search<'_, '_, N>) {
+    for place in 0..search.selected.len() {
+        let group = search.selected[place];
+        let (CauseLabel::Unknown, Location::Joint(joint)) = search.place(group) else { continue };
+        let others = search.others(group);
+        let left = unseen_square(search, &search.selected, joint);
+        let named = (0..search.system.groups.len())
+            .filter(|rival| {
+                let (label, location) = search.place(*rival);
+                location == Location::Joint(joint) && label != CauseLabel::Unknown
+            })
+            .filter(|rival| !others.iter().any(|other| search.place(*other) == search.place(*rival)))
+            .filter_map(|rival| Some((rival, search.evidence_given(&others, rival)?.0)))
+            .filter(|(rival, evidence)| {
+                let company: Vec<usize> = others.iter().copied().chain([*rival]).collect();
+                *evidence > LEAST_EVIDENCE && unseen_square(search, &company, joint) <= left
+            })
+            .max_by(|a, b| a.1.total_cmp(&b.1));
+        if let Some((rival, _)) = named {
+            search.selected[place] = search.refined(rival, &others);
+        }
+    }
+}
+
+/// Residual square of a joint (Nm²) on blocks that the coefficients of these groups have not seen.
+fn unseen_square<const N: usize>(search: &Search<'_, '_, N>, groups: &[usize], joint: usize) -> f64 {
+    let system = &*search.system;
+    let blocks = TimeBlocks::of(system, groups);
+    let columns = system.columns_of(groups);
+    let plain: Vec<Column<N>> = groups.iter().flat_map(|group| plain_columns(search, *group)).collect();
+    let gram = BlockGram::of(system, &columns, None, &blocks);
+    let everything: Vec<usize> = (0..columns.len()).collect();
+    let squares = held_out_squares(&system.scene.residual_nm, &plain, &gram, &blocks, &everything);
+    squares.iter().map(|block| block[joint]).sum()
 }
 
 /// Drops pushes that one joint alone tells of: a wrench on the tool loads several, a jump of dry friction one.

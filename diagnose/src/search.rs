@@ -53,6 +53,8 @@ pub(crate) struct Search<'s, 'a, const N: usize> {
     pub causes: usize,
     /// Whether to ask again what the nameless members are worth, which takes most of the time; a first colour does without.
     pub thorough: bool,
+    /// Whether causes without a name may be added.
+    pub nameless: bool,
 }
 
 impl<'s, 'a, const N: usize> Search<'s, 'a, N> {
@@ -62,7 +64,7 @@ impl<'s, 'a, const N: usize> Search<'s, 'a, N> {
             system.groups.iter().map(|group| (group.candidate.label(), group.candidate.location())).collect();
         distinct.sort_unstable();
         distinct.dedup();
-        Self { system, selected: Vec::new(), inflation, causes: distinct.len().max(1), thorough: true }
+        Self { system, selected: Vec::new(), inflation, causes: distinct.len().max(1), thorough: true, nameless: true }
     }
 
     /// Price of a group.
@@ -147,6 +149,13 @@ impl<'s, 'a, const N: usize> Search<'s, 'a, N> {
         true
     }
 
+    /// Adds what has a name and is worth it once the nameless has been pruned, which may have stood in its way; `go_on`
+    /// false stops it.
+    pub fn fill_with_names(&mut self, go_on: &dyn Fn() -> bool) -> bool {
+        self.nameless = false;
+        self.add(&mut Vec::new(), go_on)
+    }
+
     /// Additions until none is worth it; `go_on` false stops it.
     fn add(&mut self, fruitless: &mut Vec<(CauseLabel, Location)>, go_on: &dyn Fn() -> bool) -> bool {
         let most_fruitless = if self.thorough { MOST_FRUITLESS } else { 1 };
@@ -161,7 +170,12 @@ impl<'s, 'a, const N: usize> Search<'s, 'a, N> {
             let group = self.refined(group, &self.selected.clone());
             let before = (self.selected.clone(), self.total(&self.selected));
             self.selected.push(group);
+            // Swaps ask member by member, and now and then lose what the whole had.
+            let plain = (self.selected.clone(), self.total(&self.selected));
             self.improve();
+            if self.total(&self.selected) < plain.1 {
+                self.selected = plain.0;
+            }
             if self.total(&self.selected) <= before.1 {
                 // The addition was undone, or bought nothing: more of the same would go round in circles.
                 self.selected = before.0;
@@ -199,6 +213,7 @@ impl<'s, 'a, const N: usize> Search<'s, 'a, N> {
         (0..self.system.groups.len())
             .into_par_iter()
             .filter(|group| !selected.contains(group) && !taken.contains(&self.place(*group)))
+            .filter(|group| self.nameless || self.place(*group).0 != CauseLabel::Unknown)
             .filter_map(|group| self.evidence(given, group).map(|(evidence, _)| (group, evidence)))
             .reduce_with(|a, b| if (b.1, a.0) > (a.1, b.0) { b } else { a })
     }
