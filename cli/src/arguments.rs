@@ -214,7 +214,8 @@ pub struct Diagnose {
     /// The logs of one session: canonical CSV (.gz), Parquet, or the text directory of the public Panda data set.
     #[arg(required = true, value_name = "LOG")]
     pub logs: Vec<PathBuf>,
-    /// Model that the logs are held against (YAML, schema tribo.model/1) [default: the bare Panda without friction].
+    /// Model that the logs are held against (YAML, schema tribo.model/1) [default: the bare Panda without friction; rotors
+    /// without inertia where link-side torque was logged too].
     #[arg(long, value_name = "FILE")]
     pub model: Option<PathBuf>,
     /// Side of the gears on which tau_J was measured, when no --model says it.

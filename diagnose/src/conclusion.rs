@@ -54,12 +54,14 @@ pub(crate) fn conclude<const N: usize>(
     validate: &[(String, RobotLog)],
     step: &dyn Fn(&str, f64) -> Result<(), DiagnoseError>,
 ) -> Result<Diagnosis, DiagnoseError> {
+    let nameless = search.selected.iter().any(|group| search.place(*group).0 == CauseLabel::Unknown);
     prune(search, evaluated.chance);
-    step("names", 0.87)?;
-    if !search.fill_with_names(&|| step("names", 0.87).is_ok()) {
-        return Err(DiagnoseError::Cancelled);
+    if nameless {
+        if !search.fill_with_names(&|| step("names", 0.87).is_ok()) {
+            return Err(DiagnoseError::Cancelled);
+        }
+        prune(search, evaluated.chance);
     }
-    prune(search, evaluated.chance);
     let selected = describe(search, evaluated.chance, step)?;
     let system = &*search.system;
     let scene = system.scene;

@@ -7,6 +7,7 @@ use crate::cause::Candidate;
 use crate::deflection::DeflectionFinding;
 use crate::diagnosis::{CauseLabel, CrossJointPattern, Location, Plot, Series};
 use crate::evidence::solve_truncated;
+use crate::report::cause_at;
 use crate::ripple::RippleLine;
 use crate::scene::{Column, FineColumn, Scene};
 
@@ -14,6 +15,8 @@ use crate::scene::{Column, FineColumn, Scene};
 const MOST_POINTS: usize = 1500;
 /// Bins of a mean curve.
 const BINS: usize = 40;
+/// Way after a reversal that presliding is drawn over (rad): some distances of any bristle.
+const PRESLIDING_WAY_RAD: f64 = 0.03;
 /// Fewest samples of a bin.
 const LEAST_IN_BIN: usize = 3;
 
@@ -28,6 +31,7 @@ fn abscissa(label: CauseLabel) -> (&'static str, &'static str) {
         | CauseLabel::Stribeck
         | CauseLabel::CoulombAsymmetry
         | CauseLabel::TorqueOffset => ("velocity", "qd [rad/s]"),
+        CauseLabel::Presliding => ("the way since it turned back", "way since it turned back [rad]"),
         _ => ("time", "time [s]"),
     }
 }
@@ -54,20 +58,38 @@ pub(crate) fn of_member<const N: usize>(
         Location::Joint(joint) => joint,
         _ => (0..N).max_by(|a, b| square(&torque(*a)).total_cmp(&square(&torque(*b)))).unwrap_or(0),
     };
-    let fit = torque(joint);
-    let partial: Vec<f64> = residual_after[joint].iter().zip(&fit).map(|(r, x)| r + x).collect();
+    let mut fit = torque(joint);
+    let mut partial: Vec<f64> = residual_after[joint].iter().zip(&fit).map(|(r, x)| r + x).collect();
     let (name, x_label) = abscissa(candidate.label());
-    let x = natural_abscissa(scene, name, joint);
+    let mut x = natural_abscissa(scene, name, joint);
+    let mut y_label = "torque that the other findings leave [Nm]";
+    if candidate.label() == CauseLabel::Presliding {
+        // Both ways alike: along the motion, and only as far as bristles bend.
+        let near: Vec<usize> = (0..x.len()).filter(|k| x[*k] < PRESLIDING_WAY_RAD).collect();
+        let along = |y: &[f64]| near.iter().map(|k| y[*k] * scene.qd[joint][*k].signum()).collect();
+        (fit, partial) = (along(&fit), along(&partial));
+        x = near.iter().map(|k| x[*k]).collect();
+        y_label = "torque along the motion that the other findings leave [Nm]";
+    }
+    let measured = cloud("measured − model", &x, &partial);
+    // Against time there is nothing to average: the fit itself, joined where the log has no gap.
+    let curves = if name == "time" {
+        vec![Series { joined: scene.bursts.len() == 1, ..cloud("fit", &x, &fit) }]
+    } else {
+        vec![mean_curve("mean", &x, &partial), mean_curve("fit", &x, &fit)]
+    };
+    let what = cause_at(candidate.label(), candidate.location());
     vec![Plot {
-        title: format!("{} at {}: torque of joint {joint} against {name}", candidate.label(), candidate.location()),
+        title: format!("{}: torque of joint {joint} against {name}", capital(&what)),
         x_label: x_label.to_owned(),
-        y_label: "torque that the other findings leave [Nm]".to_owned(),
-        series: vec![
-            cloud("measured − model", &x, &partial),
-            mean_curve("mean", &x, &partial),
-            mean_curve("fit", &x, &fit),
-        ],
+        y_label: y_label.to_owned(),
+        series: [vec![measured], curves].concat(),
     }]
+}
+
+fn capital(text: &str) -> String {
+    let mut letters = text.chars();
+    letters.next().map_or_else(String::new, |first| first.to_uppercase().chain(letters).collect())
 }
 
 fn natural_abscissa<const N: usize>(scene: &Scene<N>, name: &str, joint: usize) -> Vec<f64> {
@@ -77,8 +99,25 @@ fn natural_abscissa<const N: usize>(scene: &Scene<N>, name: &str, joint: usize) 
         "position" => scene.q[joint].clone(),
         "load" => filtered(scene.joint_column(joint, |at| at.link_nm[joint])),
         "acceleration" => filtered(scene.joint_column(joint, |at| at.qdd[joint])),
+        "the way since it turned back" => way_since_reversal(scene, joint),
         _ => scene.time_s.clone(),
     }
+}
+
+/// Way of a joint (rad) since its velocity last changed sign, or since its burst began.
+fn way_since_reversal<const N: usize>(scene: &Scene<N>, joint: usize) -> Vec<f64> {
+    let (q, qd) = (&scene.q[joint], &scene.qd[joint]);
+    let mut way = Vec::with_capacity(q.len());
+    for burst in &scene.bursts {
+        let mut turned_at = q.get(burst.out.start).copied().unwrap_or_default();
+        for k in burst.out.clone() {
+            if k > burst.out.start && qd[k] * qd[k - 1] < 0.0 {
+                turned_at = q[k];
+            }
+            way.push((q[k] - turned_at).abs());
+        }
+    }
+    way
 }
 
 fn cloud(name: &str, x: &[f64], y: &[f64]) -> Series {
@@ -108,12 +147,14 @@ pub(crate) fn of_ripple<const N: usize>(scene: &Scene<N>, line: &RippleLine) -> 
     let j = line.joint;
     let turn = 2.0 * std::f64::consts::PI;
     let x: Vec<f64> = scene.samples.iter().map(|at| (line.cycles_per_rev * at.q[j]).rem_euclid(turn)).collect();
-    let y: Vec<f64> = scene.samples.iter().map(|at| at.measured_nm[j] - at.model_nm[j]).collect();
+    let mut y: Vec<f64> = scene.samples.iter().map(|at| at.measured_nm[j] - at.model_nm[j]).collect();
+    let mean_nm = y.iter().sum::<f64>() / y.len().max(1) as f64;
+    y.iter_mut().for_each(|y| *y -= mean_nm);
     let fit: Vec<f64> = x.iter().map(|x| line.sine_nm * x.sin() + line.cosine_nm * x.cos()).collect();
     vec![Plot {
-        title: format!("torque_ripple at joint {j}: {:.1} cycles per revolution, folded", line.cycles_per_rev),
+        title: format!("Torque ripple (joint {j}): {:.1} cycles per revolution, folded", line.cycles_per_rev),
         x_label: "phase of the cycle [rad]".to_owned(),
-        y_label: "measured − model, unfiltered, mean [Nm]".to_owned(),
+        y_label: "measured − model less its mean, unfiltered [Nm]".to_owned(),
         series: vec![mean_curve("mean", &x, &y), mean_curve("fit", &x, &fit)],
     }]
 }
@@ -123,7 +164,7 @@ pub(crate) fn of_deflection(found: &DeflectionFinding) -> Vec<Plot> {
     let [load, deflection, fit] = &found.cloud;
     let milli = |x: &[f64]| x.iter().map(|x| 1e3 * x).collect::<Vec<f64>>();
     vec![Plot {
-        title: format!("{} at joint {}: theta − q against the load", found.label, found.joint),
+        title: format!("{}: theta − q against the load", capital(&cause_at(found.label, Location::Joint(found.joint)))),
         x_label: "link torque [Nm]".to_owned(),
         y_label: "theta − q [mrad]".to_owned(),
         series: vec![cloud("measured", load, &milli(deflection)), mean_curve("fit", load, &milli(fit))],
@@ -139,7 +180,7 @@ pub(crate) fn overview<const N: usize>(scene: &Scene<N>, residual: &[Vec<f64>; N
         {
             let x = natural_abscissa(scene, name, j);
             plots.push(Plot {
-                title: format!("joint {j}: residual against {name}"),
+                title: format!("Joint {j}: residual against {name}"),
                 x_label: x_label.to_owned(),
                 y_label: "measured − model [Nm]".to_owned(),
                 series: vec![cloud("residual", &x, &residual[j]), mean_curve("mean", &x, &residual[j])],
@@ -172,7 +213,7 @@ fn spectrum<const N: usize>(scene: &Scene<N>, residual: &[f64], joint: usize) ->
         amplitude.push(2.0 * re.hypot(im) / n.max(1.0));
     }
     Plot {
-        title: format!("joint {joint}: spectrum of the residual"),
+        title: format!("Joint {joint}: spectrum of the residual"),
         x_label: "frequency [Hz]".to_owned(),
         y_label: "amplitude [Nm]".to_owned(),
         series: vec![Series { name: "residual".to_owned(), x: frequency, y: amplitude, joined: true }],

@@ -118,12 +118,13 @@ pub(crate) fn drop_worthless<const N: usize>(search: &mut Search<'_, '_, N>) {
                     .filter_map(|column| column.rows[j].as_ref())
                     .any(|x| x[range.clone()].iter().any(|x| *x != 0.0))
             };
+            let of_any = if search.place(group).0 == CauseLabel::Unknown { LEAST_GAIN_OF_NAMELESS } else { 0.0 };
             let best = (0..N)
                 .filter_map(|j| {
                     let touched: Vec<usize> = (0..blocks.ranges.len()).filter(|block| acts(*block, j)).collect();
                     let sum = |squares: &BlockSquares<N>| touched.iter().map(|block| squares[*block][j]).sum::<f64>();
                     let gain = 1.0 - (sum(&after) / sum(&without).max(1e-300)).sqrt();
-                    (!touched.is_empty()).then_some(gain / asked[j])
+                    (!touched.is_empty()).then_some(gain / asked[j].max(of_any))
                 })
                 .fold(f64::NEG_INFINITY, f64::max);
             if best < 1.0 && worst.is_none_or(|(_, gain)| best < gain) {
@@ -208,6 +209,8 @@ const CONVINCING: f64 = 1500.0;
 
 /// Held-out gain on its best joint that a finding must have.
 const LEAST_GAIN: f64 = 0.015;
+/// The same of a cause without a name, which has to tell the user something.
+const LEAST_GAIN_OF_NAMELESS: f64 = 0.05;
 /// Residual left over sensor noise beyond which a joint keeps secrets from every cause considered.
 const SECRETIVE: f64 = 3.0;
 /// Held-out gain that a finding must have on such a joint.

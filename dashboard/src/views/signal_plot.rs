@@ -110,6 +110,13 @@ pub fn signal_plot(ui: &mut Ui, label: &str, curves: &[Curve<'_>], height: f32) 
                 position;
             Some(read_out(label, curves, at.x))
         });
+    // A constant has no range of its own: the width of its own line would become one.
+    let plot = match extremes(curves) {
+        Some([low, high]) if high - low <= FLAT * high.abs().max(1.0) => {
+            plot.include_y(low - 1.0).include_y(high + 1.0)
+        }
+        _ => plot,
+    };
     let shown = plot.show(ui, |plot| {
         let bounds = plot.plot_bounds();
         // In the first frame there are no bounds yet.
@@ -132,6 +139,21 @@ pub fn signal_plot(ui: &mut Ui, label: &str, curves: &[Curve<'_>], height: f32) 
     if let Some(format) = save {
         request(ui.ctx(), figure(label, curves, shown.inner, width), format);
     }
+}
+
+/// Range over which a curve counts as constant, relative to its value or 1.
+const FLAT: f64 = 1e-9;
+
+/// Smallest and largest value of all curves.
+fn extremes(curves: &[Curve<'_>]) -> Option<[f64; 2]> {
+    let values = curves.iter().flat_map(|Curve { of: (signals, channel), .. }| {
+        let whole = signals.columns(signals.span_s(), 1);
+        signals.curve(*channel, &whole).into_iter().map(|[_, y]| y).filter(|y| y.is_finite())
+    });
+    values.fold(None, |range, y| {
+        let [low, high] = range.unwrap_or([y, y]);
+        Some([f64::min(low, y), f64::max(high, y)])
+    })
 }
 
 /// What every curve of a plot shows at a moment.

@@ -8,15 +8,22 @@ use tribo_logs::{RobotLog, read_log};
 use crate::arguments::{Common, Diagnose};
 use crate::failure::BadInput;
 
-/// The model file, or the bare Panda without friction, raw and validated.
-pub fn model(arguments: &Diagnose) -> anyhow::Result<(ModelFile, Model<7>)> {
-    let document = match &arguments.model {
-        Some(path) => YamlDocument::read(path)?,
-        None => {
-            let text = format!("schema: tribo.model/1\nrobot: panda\ntorque_side: {}\n", arguments.torque_side);
-            YamlDocument::embedded("the bare Panda", &text)
-        }
-    };
+/// The model file, raw and validated; `None` where none was given.
+pub fn model(arguments: &Diagnose) -> anyhow::Result<Option<(ModelFile, Model<7>)>> {
+    arguments.model.as_deref().map(|path| validated(&YamlDocument::read(path)?)).transpose()
+}
+
+/// What logs without a model are held against: the bare Panda without friction, or gears that weigh nothing where both of
+/// their sides were measured, which is not a Panda.
+pub fn bare_model(arguments: &Diagnose, logs: &[RobotLog]) -> anyhow::Result<(ModelFile, Model<7>)> {
+    let mut text = format!("schema: tribo.model/1\nrobot: panda\ntorque_side: {}\n", arguments.torque_side);
+    if logs.iter().all(|log| log.tau_link_nm.is_some()) {
+        text.push_str("rotor_inertia_kg_m2: [0, 0, 0, 0, 0, 0, 0]\n");
+    }
+    validated(&YamlDocument::embedded("the bare Panda", &text))
+}
+
+fn validated(document: &YamlDocument) -> anyhow::Result<(ModelFile, Model<7>)> {
     let file: ModelFile = document.parse()?;
     let model = file.validate().map_err(|error| document.explain(error))?;
     Ok((file, model))

@@ -32,7 +32,7 @@ struct Extras {
 
 /// Reads everything, checks every name, diagnoses, writes, prints; in that order, so that nothing is done by halves.
 pub fn run(arguments: &Diagnose, common: &Common) -> anyhow::Result<()> {
-    let (model_file, model) = input::model(arguments)?;
+    let given = input::model(arguments)?;
     let outputs = Outputs::checked(arguments)?;
     input::check_logs_differ(arguments)?;
     let logs = input::logs(&arguments.logs, common)?;
@@ -47,6 +47,7 @@ pub fn run(arguments: &Diagnose, common: &Common) -> anyhow::Result<()> {
     let pool = rayon::ThreadPoolBuilder::new().num_threads(common.threads).build().context("starting the threads")?;
     let settings = DiagnoseSettings { seed: arguments.seed, band_hz: arguments.band_hz };
     let session: Vec<_> = logs.into_iter().map(|(_, log)| log).collect();
+    let (model_file, model) = given.map_or_else(|| input::bare_model(arguments, &session), Ok)?;
     let result = pool.install(|| {
         diagnose(&session, &model.to_nominal(), &validate, &settings, &|stage, part| progress.stage(stage, part))
     });
