@@ -69,7 +69,7 @@ pub(crate) fn of_member<const N: usize>(
         let along = |y: &[f64]| near.iter().map(|k| y[*k] * scene.qd[joint][*k].signum()).collect();
         (fit, partial) = (along(&fit), along(&partial));
         x = near.iter().map(|k| x[*k]).collect();
-        y_label = "torque along the motion that the other findings leave [Nm]";
+        y_label = "torque along the motion [Nm]";
     }
     let measured = cloud("measured − model", &x, &partial);
     // Against time there is nothing to average: the fit itself, joined where the log has no gap.
@@ -154,7 +154,7 @@ pub(crate) fn of_ripple<const N: usize>(scene: &Scene<N>, line: &RippleLine) -> 
     vec![Plot {
         title: format!("Torque ripple (joint {j}): {:.1} cycles per revolution, folded", line.cycles_per_rev),
         x_label: "phase of the cycle [rad]".to_owned(),
-        y_label: "measured − model less its mean, unfiltered [Nm]".to_owned(),
+        y_label: "measured − model, less its mean [Nm]".to_owned(),
         series: vec![mean_curve("mean", &x, &y), mean_curve("fit", &x, &fit)],
     }]
 }

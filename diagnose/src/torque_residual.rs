@@ -47,7 +47,9 @@ pub enum ResidualError {
     #[error("average_samples: 0 is outside [1, inf)")]
     NothingAveraged,
     /// No stretch without a gap is long enough for the filter.
-    #[error("the longest of {bursts} bursts lasts {longest_burst_s:.3} s, a band of {band_hz} Hz needs {need_s:.3} s")]
+    #[error(
+        "the longest of {bursts} bursts lasts {longest_burst_s:.3} s, a band of {band_hz:.1} Hz needs {need_s:.3} s"
+    )]
     TooShort {
         /// Duration of the longest burst (s).
         longest_burst_s: f64,
