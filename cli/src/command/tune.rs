@@ -36,12 +36,17 @@ pub fn run(arguments: &Tune, common: &Common) -> anyhow::Result<()> {
     let tune = campaign.tune().clone();
     // The window watches through the journal, from this thread, as windows must; closing it does not stop the campaign.
     let result = std::thread::scope(|scope| {
-        let running = scope.spawn(|| pool.install(|| campaign.run(&mut progress)));
+        let running = scope.spawn(|| {
+            let result = pool.install(|| campaign.run(&mut progress));
+            // The report does not wait for somebody to close the window.
+            let report = result.is_ok().then(|| write_report(&directory, None, false));
+            (result, report)
+        });
         let window = if arguments.dashboard { super::dashboard::watch(&directory) } else { Ok(()) };
         (running.join(), window)
     });
     let (result, window) = result;
-    let result = result.map_err(|_| anyhow::anyhow!("the campaign's thread panicked"))?;
+    let (result, report) = result.map_err(|_| anyhow::anyhow!("the campaign's thread panicked"))?;
     progress.finish();
     if let Err(error) = window {
         eprintln!("tribo: {error}");
@@ -61,7 +66,7 @@ pub fn run(arguments: &Tune, common: &Common) -> anyhow::Result<()> {
     }
     let judged = pool.install(|| against_ekf(&tune, &result))?;
     let wall_s = started.elapsed().as_secs_f64();
-    let report = write_report(&directory, None, false)?;
+    let report = report.context("the campaign ended without a report")??;
     if common.json {
         print_json(&result.to_json(judged, wall_s));
     } else if !common.quiet {
