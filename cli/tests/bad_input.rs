@@ -236,7 +236,7 @@ fn logs() {
         ("estimate nan.csv", &["nan.csv:5: column q_1: `NaN` is not a finite decimal number"]),
         ("estimate cut.csv", &["cut.csv:", "cells, the header has 22"]),
         ("estimate back.csv", &["back.csv:9: column time: 0.002 s does not exceed the stamp before, 0.006 s"]),
-        ("estimate short.csv", &["short.csv: the longest of 1 bursts lasts 0.039 s, a band of 10 Hz needs"]),
+        ("estimate short.csv", &["short.csv: the longest of 1 bursts lasts 0.039 s, a band of 10.0 Hz needs"]),
         ("estimate good.csv --out nowhere/z.parquet", &["nowhere: no such file or directory"]),
         ("estimate good.csv --out good.csv/z.parquet", &["good.csv"]),
         ("estimate good.csv --model good.csv", &["good.csv:"]),

@@ -184,7 +184,7 @@ fn averaging_keeps_the_answer_and_lowers_the_rate() {
 fn each_way_to_fail_is_named_with_its_numbers() {
     let (panda, settings) = (presets::panda(), ResidualSettings::default());
     let short = TorqueResidual::of_log(&log_at(regular(350), &[]), &panda, &settings).unwrap_err();
-    assert_eq!(short.to_string(), "the longest of 1 bursts lasts 0.349 s, a band of 10 Hz needs 0.400 s");
+    assert_eq!(short.to_string(), "the longest of 1 bursts lasts 0.349 s, a band of 10.0 Hz needs 0.400 s");
 
     let log = log_at(regular(3_000), &[]);
     let arm = Arm::<6> {
