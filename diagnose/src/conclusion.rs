@@ -9,7 +9,7 @@ use crate::diagnosis::{CauseLabel, Diagnosis, Finding, JointMisfit, Location, Ve
 use crate::engine::DiagnoseError;
 use crate::evidence::joint_fit;
 use crate::finding::{Fitted, deflection_finding, describe, finding_of, ripple_finding, squares};
-use crate::held_out::{BlockGram, TimeBlocks, gain_of_pairs, gain_with_interval, held_out_squares, plain_squares};
+use crate::held_out::{HeldOut, gain_of_pairs, gain_with_interval, plain_squares};
 use crate::next_experiment::next_experiment;
 use crate::noise_level::rms;
 use crate::plots;
@@ -18,7 +18,7 @@ use crate::pruning::{
 };
 use crate::remarks::{assumptions_of, misfits, notes_of, rejected};
 use crate::ripple::RippleLine;
-use crate::scene::{Column, Scene, subtracted};
+use crate::scene::{Scene, subtracted};
 use crate::search::Search;
 use crate::significance::Chance;
 use crate::validation::validated;
@@ -68,19 +68,17 @@ pub(crate) fn conclude<const N: usize>(
 
     // Held-out squares with all findings, and without each.
     step("held-out gain", 0.93)?;
-    let blocks = TimeBlocks::of(system, &search.selected);
     let groups: Vec<usize> = selected.iter().map(|s| s.group).collect();
     let columns = system.columns_of(&groups);
     let coefficients = joint_fit(system, &columns).coefficients;
-    let plain: Vec<Column<N>> = selected.iter().flat_map(|s| s.plain.iter().cloned()).collect();
-    let gram = BlockGram::of(system, &columns, None, &blocks);
-    let everything: Vec<usize> = (0..columns.len()).collect();
-    let before = plain_squares(evaluated.original, &blocks);
-    let after = held_out_squares(&scene.residual_nm, &plain, &gram, &blocks, &everything);
+    let plain = selected.iter().flat_map(|s| s.plain.iter().cloned()).collect();
+    let held_out = HeldOut::with_plain(system, &groups, plain);
+    let before = plain_squares(evaluated.original, &held_out.blocks);
+    let after = held_out.squares(&scene.residual_nm);
     let all_joints: Vec<usize> = (0..N).collect();
     let (mut gain_heldout, mut gain_heldout_ci95) = gain_with_interval(&before, &after, &all_joints, evaluated.seed);
 
-    let residual_after = subtracted(&scene.residual_nm, &plain, &coefficients);
+    let residual_after = subtracted(&scene.residual_nm, &held_out.plain, &coefficients);
     let mut findings = Vec::new();
     let mut first = 0;
     for member in &selected {
@@ -91,12 +89,12 @@ pub(crate) fn conclude<const N: usize>(
             member,
             &own,
             &coefficients,
-            &Fitted { gram: &gram, plain: &plain, blocks: &blocks, after: &after, residual_after: &residual_after },
+            &Fitted { held_out: &held_out, after: &after, residual_after: &residual_after },
             evaluated.seed,
         ));
     }
     for line in evaluated.lines {
-        findings.push(ripple_finding(scene, line, evaluated, &after, &blocks));
+        findings.push(ripple_finding(scene, line, evaluated, &after, &held_out.blocks));
     }
     let torque_findings = findings.len();
     for deflection in evaluated.deflections {

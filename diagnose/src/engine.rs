@@ -11,7 +11,6 @@ use crate::deflection::deflections;
 use crate::diagnosis::Diagnosis;
 use crate::evidence::joint_fit;
 use crate::noise_level::rms;
-use crate::pruning::plain_columns;
 use crate::ripple::{RippleLine, ripples};
 use crate::scene::{Column, Scene, subtracted};
 use crate::search::Search;
@@ -194,7 +193,7 @@ const UNTOUCHED: f64 = 0.9;
 /// What the selection leaves of the residual (Nm), unwhitened.
 fn residual_after<const N: usize>(search: &Search<'_, '_, N>) -> [Vec<f64>; N] {
     let coefficients = joint_fit(search.system, &search.system.columns_of(&search.selected)).coefficients;
-    let plain: Vec<Column<N>> = search.selected.iter().flat_map(|group| plain_columns(search, *group)).collect();
+    let plain: Vec<Column<N>> = search.selected.iter().flat_map(|group| search.system.plain_columns(*group)).collect();
     subtracted(&search.system.scene.residual_nm, &plain, &coefficients)
 }
 

@@ -6,12 +6,11 @@ use crate::diagnosis::{Alternative, CauseLabel, Finding, Location, Parameter};
 use crate::engine::{DiagnoseError, ripple_effect};
 use crate::evidence::joint_fit;
 use crate::held_out::{
-    BlockGram, BlockSquares, TimeBlocks, gain_of_pairs, gain_with_interval, held_out_squares, interval, plain_squares,
-    resampled,
+    BlockGram, BlockSquares, HeldOut, TimeBlocks, gain_of_pairs, gain_with_interval, interval, plain_squares, resampled,
 };
 use crate::parameters::parameters_of;
 use crate::plots;
-use crate::pruning::{LARGEST_P, plain_columns, torque_rms};
+use crate::pruning::{LARGEST_P, torque_rms};
 use crate::ripple::RippleLine;
 use crate::rivals::rivals;
 use crate::scene::{Column, Scene};
@@ -44,7 +43,7 @@ pub(crate) fn describe<const N: usize>(
         step("rivals", 0.88)?;
         let evidence = search.member_evidence(group);
         let alternatives = rivals(search, group, evidence);
-        let plain = plain_columns(search, group);
+        let plain = search.system.plain_columns(group);
         let candidate = search.system.groups[group].candidate.clone();
         let shape = search.system.groups[group].shape.clone();
         let slope = candidate.profile().map(|_| {
@@ -70,9 +69,7 @@ pub(crate) fn describe<const N: usize>(
 
 /// What the fit of all findings has left behind.
 pub(crate) struct Fitted<'f, const N: usize> {
-    pub gram: &'f BlockGram,
-    pub plain: &'f [Column<N>],
-    pub blocks: &'f TimeBlocks,
+    pub held_out: &'f HeldOut<N>,
     pub after: &'f BlockSquares<N>,
     pub residual_after: &'f [Vec<f64>; N],
 }
@@ -93,8 +90,7 @@ pub(crate) fn finding_of<const N: usize>(
     let effect = candidate.effect(scene, &group.shape, own_coefficients);
 
     // Gain of this finding, given the others, on the joints it acts on.
-    let keep: Vec<usize> = (0..coefficients.len()).filter(|c| !own.contains(c)).collect();
-    let without = held_out_squares(&scene.residual_nm, fitted.plain, fitted.gram, fitted.blocks, &keep);
+    let without = fitted.held_out.squares_without(&scene.residual_nm, own.clone());
     let affected: Vec<usize> = (0..N).filter(|j| member.plain.iter().any(|column| column.rows[*j].is_some())).collect();
     let (held_out_gain, held_out_gain_ci95) = gain_with_interval(&without, fitted.after, &affected, seed);
 
@@ -104,8 +100,9 @@ pub(crate) fn finding_of<const N: usize>(
         let columns = system.columns_of(&search.selected);
         let base = columns.len();
         // Without a refined shape the products are those of the held-out fit.
-        let with_slope = slope.as_ref().map(|slope| BlockGram::of(system, &columns, Some(slope), fitted.blocks));
-        let gram = with_slope.as_ref().unwrap_or(fitted.gram);
+        let with_slope =
+            slope.as_ref().map(|slope| BlockGram::of(system, &columns, Some(slope), &fitted.held_out.blocks));
+        let gram = with_slope.as_ref().unwrap_or(&fitted.held_out.gram);
         let kept: Vec<usize> = (0..base + usize::from(slope.is_some())).collect();
         let draws = resampled(gram.blocks(), seed, |weights| {
             let fit = gram.fit(weights, &kept);

@@ -162,39 +162,60 @@ impl BlockGram {
 /// Squared residuals on blocks that the fit has not seen: `[block][joint]`, per (sub)set of columns.
 pub(crate) type BlockSquares<const N: usize> = Vec<[f64; N]>;
 
-/// Cross-validated squares of `residual − fitted`: the coefficients of each fold come from the other folds' blocks.
-///
-/// `keep` are the columns of `gram` that are fitted; `plain` the same columns unwhitened, all of them.
-pub(crate) fn held_out_squares<const N: usize>(
-    residual: &[Vec<f64>; N],
-    plain: &[Column<N>],
-    gram: &BlockGram,
-    blocks: &TimeBlocks,
-    keep: &[usize],
-) -> BlockSquares<N> {
-    let count = blocks.ranges.len();
-    let folds = FOLDS.min(count.max(1));
-    let mut squares = vec![[0.0; N]; count];
-    for fold in 0..folds {
-        let weights: Vec<f64> = (0..count).map(|block| if block % folds == fold { 0.0 } else { 1.0 }).collect();
-        let coefficients = if keep.is_empty() || folds < 2 { vec![0.0; keep.len()] } else { gram.fit(&weights, keep) };
-        for block in (fold..count).step_by(folds) {
-            for j in 0..N {
-                squares[block][j] = blocks.ranges[block]
-                    .clone()
-                    .map(|k| {
+/// The columns of some causes, whitened block by block and plain: what they foretell where their coefficients have not
+/// looked.
+pub(crate) struct HeldOut<const N: usize> {
+    pub blocks: TimeBlocks,
+    pub gram: BlockGram,
+    /// The columns unwhitened, in the order of the causes.
+    pub plain: Vec<Column<N>>,
+}
+
+impl<const N: usize> HeldOut<N> {
+    /// Of these groups of a system.
+    pub fn of(system: &System<'_, N>, groups: &[usize]) -> Self {
+        let plain = groups.iter().flat_map(|group| system.plain_columns(*group)).collect();
+        Self::with_plain(system, groups, plain)
+    }
+
+    /// The same where the plain columns are at hand.
+    pub fn with_plain(system: &System<'_, N>, groups: &[usize], plain: Vec<Column<N>>) -> Self {
+        let blocks = TimeBlocks::of(system, groups);
+        let gram = BlockGram::of(system, &system.columns_of(groups), None, &blocks);
+        Self { blocks, gram, plain }
+    }
+
+    /// Cross-validated squares of `residual − fitted` with all columns.
+    pub fn squares(&self, residual: &[Vec<f64>; N]) -> BlockSquares<N> {
+        self.squares_without(residual, 0..0)
+    }
+
+    /// The same without some of the columns: the coefficients of each fold come from the other folds' blocks.
+    pub fn squares_without(&self, residual: &[Vec<f64>; N], left_out: Range<usize>) -> BlockSquares<N> {
+        let keep: Vec<usize> = (0..self.plain.len()).filter(|c| !left_out.contains(c)).collect();
+        let count = self.blocks.ranges.len();
+        let folds = FOLDS.min(count.max(1));
+        let mut squares = vec![[0.0; N]; count];
+        for fold in 0..folds {
+            let weights: Vec<f64> = (0..count).map(|block| if block % folds == fold { 0.0 } else { 1.0 }).collect();
+            let coefficients =
+                if keep.is_empty() || folds < 2 { vec![0.0; keep.len()] } else { self.gram.fit(&weights, &keep) };
+            for block in (fold..count).step_by(folds) {
+                for j in 0..N {
+                    let of_sample = |k: usize| {
                         let fitted: f64 = keep
                             .iter()
                             .zip(&coefficients)
-                            .filter_map(|(c, coefficient)| Some(plain[*c].rows[j].as_ref()?[k] * coefficient))
+                            .filter_map(|(c, coefficient)| Some(self.plain[*c].rows[j].as_ref()?[k] * coefficient))
                             .sum();
                         (residual[j][k] - fitted).powi(2)
-                    })
-                    .sum();
+                    };
+                    squares[block][j] = self.blocks.ranges[block].clone().map(of_sample).sum();
+                }
             }
         }
+        squares
     }
-    squares
 }
 
 /// Squares of the residual itself.

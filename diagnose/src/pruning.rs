@@ -4,7 +4,7 @@ use crate::confusable::same_by_physics;
 use crate::contact_window::residual;
 use crate::diagnosis::{CauseLabel, Location};
 use crate::evidence::{inner, joint_fit};
-use crate::held_out::{BlockGram, BlockSquares, TimeBlocks, held_out_squares};
+use crate::held_out::{BlockSquares, HeldOut};
 use crate::noise_level::rms;
 use crate::rivals::RIVAL_EVIDENCE;
 use crate::scene::Column;
@@ -36,17 +36,25 @@ pub(crate) fn prefer_likelier<const N: usize>(search: &mut Search<'_, '_, N>) {
         };
         let others = search.others(group);
         let evidence = search.member_evidence(group);
-        let likelier = (0..search.system.groups.len())
-            .filter(|rival| alike(*rival))
-            .filter(|rival| !others.iter().any(|other| search.place(*other) == search.place(*rival)))
-            .filter_map(|rival| Some((rival, search.evidence_given(&others, rival)?.0)))
-            .max_by(|a, b| a.1.total_cmp(&b.1));
+        let likelier = standing_in(search, &others, alike).max_by(|a, b| a.1.total_cmp(&b.1));
         if let Some((rival, value)) = likelier
             && value > evidence - RIVAL_EVIDENCE
         {
             search.selected[place] = rival;
         }
     }
+}
+
+/// Groups that might take a place beside the `others`, with their evidence there.
+fn standing_in<'s, const N: usize>(
+    search: &'s Search<'_, '_, N>,
+    others: &'s [usize],
+    eligible: impl Fn(usize) -> bool + 's,
+) -> impl Iterator<Item = (usize, f64)> + 's {
+    (0..search.system.groups.len())
+        .filter(move |rival| eligible(*rival))
+        .filter(|rival| !others.iter().any(|other| search.place(*other) == search.place(*rival)))
+        .filter_map(|rival| Some((rival, search.evidence_given(others, rival)?.0)))
 }
 
 /// Drops what chance may explain.
@@ -67,7 +75,7 @@ pub(crate) fn drop_small<const N: usize>(search: &mut Search<'_, '_, N>) {
     let mut first = 0;
     let mut kept = Vec::new();
     for &group in &search.selected {
-        let plain = plain_columns(search, group);
+        let plain = search.system.plain_columns(group);
         let own = &coefficients[first..first + plain.len()];
         first += plain.len();
         let matters = (0..N).any(|j| {
@@ -85,13 +93,9 @@ pub(crate) fn drop_small<const N: usize>(search: &mut Search<'_, '_, N>) {
 pub(crate) fn drop_worthless<const N: usize>(search: &mut Search<'_, '_, N>) {
     loop {
         let system = &*search.system;
-        let blocks = TimeBlocks::of(system, &search.selected);
-        let columns = system.columns_of(&search.selected);
-        let plain: Vec<Column<N>> = search.selected.iter().flat_map(|group| plain_columns(search, *group)).collect();
-        let gram = BlockGram::of(system, &columns, None, &blocks);
-        let everything: Vec<usize> = (0..columns.len()).collect();
+        let held_out = HeldOut::of(system, &search.selected);
         let residual = &system.scene.residual_nm;
-        let after = held_out_squares(residual, &plain, &gram, &blocks, &everything);
+        let after = held_out.squares(residual);
         let rows = system.scene.time_s.len().max(1) as f64;
         // What is left of a joint that has other secrets is structure too: a little of it goes with anything.
         let asked: [f64; N] = std::array::from_fn(|j| {
@@ -109,11 +113,10 @@ pub(crate) fn drop_worthless<const N: usize>(search: &mut Search<'_, '_, N>) {
         for &group in &search.selected {
             let own = first..first + system.groups[group].columns.len();
             first = own.end;
-            let keep: Vec<usize> = everything.iter().copied().filter(|c| !own.contains(c)).collect();
-            let without = held_out_squares(residual, &plain, &gram, &blocks, &keep);
+            let without = held_out.squares_without(residual, own.clone());
             let acts = |block: usize, j: usize| {
-                let range = blocks.ranges[block].clone();
-                plain[own.clone()]
+                let range = held_out.blocks.ranges[block].clone();
+                held_out.plain[own.clone()]
                     .iter()
                     .filter_map(|column| column.rows[j].as_ref())
                     .any(|x| x[range.clone()].iter().any(|x| *x != 0.0))
@@ -121,7 +124,8 @@ pub(crate) fn drop_worthless<const N: usize>(search: &mut Search<'_, '_, N>) {
             let of_any = if search.place(group).0 == CauseLabel::Unknown { LEAST_GAIN_OF_NAMELESS } else { 0.0 };
             let best = (0..N)
                 .filter_map(|j| {
-                    let touched: Vec<usize> = (0..blocks.ranges.len()).filter(|block| acts(*block, j)).collect();
+                    let touched: Vec<usize> =
+                        (0..held_out.blocks.ranges.len()).filter(|block| acts(*block, j)).collect();
                     let sum = |squares: &BlockSquares<N>| touched.iter().map(|block| squares[*block][j]).sum::<f64>();
                     let gain = 1.0 - (sum(&after) / sum(&without).max(1e-300)).sqrt();
                     (!touched.is_empty()).then_some(gain / asked[j].max(of_any))
@@ -146,13 +150,11 @@ pub(crate) fn prefer_names<const N: usize>(search: &mut Search<'_, '_, N>) {
         let (CauseLabel::Unknown, Location::Joint(joint)) = search.place(group) else { continue };
         let others = search.others(group);
         let left = unseen_square(search, &search.selected, joint);
-        let named = (0..search.system.groups.len())
-            .filter(|rival| {
-                let (label, location) = search.place(*rival);
-                location == Location::Joint(joint) && label != CauseLabel::Unknown
-            })
-            .filter(|rival| !others.iter().any(|other| search.place(*other) == search.place(*rival)))
-            .filter_map(|rival| Some((rival, search.evidence_given(&others, rival)?.0)))
+        let names_of_joint = |rival: usize| {
+            let (label, location) = search.place(rival);
+            location == Location::Joint(joint) && label != CauseLabel::Unknown
+        };
+        let named = standing_in(search, &others, names_of_joint)
             .filter(|(rival, evidence)| {
                 let company: Vec<usize> = others.iter().copied().chain([*rival]).collect();
                 *evidence > LEAST_EVIDENCE && unseen_square(search, &company, joint) <= left
@@ -166,13 +168,7 @@ pub(crate) fn prefer_names<const N: usize>(search: &mut Search<'_, '_, N>) {
 
 /// Residual square of a joint (Nm²) on blocks that the coefficients of these groups have not seen.
 fn unseen_square<const N: usize>(search: &Search<'_, '_, N>, groups: &[usize], joint: usize) -> f64 {
-    let system = &*search.system;
-    let blocks = TimeBlocks::of(system, groups);
-    let columns = system.columns_of(groups);
-    let plain: Vec<Column<N>> = groups.iter().flat_map(|group| plain_columns(search, *group)).collect();
-    let gram = BlockGram::of(system, &columns, None, &blocks);
-    let everything: Vec<usize> = (0..columns.len()).collect();
-    let squares = held_out_squares(&system.scene.residual_nm, &plain, &gram, &blocks, &everything);
+    let squares = HeldOut::of(search.system, groups).squares(&search.system.scene.residual_nm);
     squares.iter().map(|block| block[joint]).sum()
 }
 
@@ -234,12 +230,6 @@ pub(crate) fn yield_to_unknown<const N: usize>(search: &mut Search<'_, '_, N>) {
                 .iter()
                 .any(|(_, other, place, evidence)| *other == CauseLabel::Unknown && place == location && evidence > own)
     });
-}
-
-pub(crate) fn plain_columns<const N: usize>(search: &Search<'_, '_, N>, group: usize) -> Vec<Column<N>> {
-    let scene = search.system.scene;
-    let group = &search.system.groups[group];
-    group.candidate.filtered(scene, &group.shape)
 }
 
 pub(crate) fn torque_rms<const N: usize>(plain: &[Column<N>], coefficients: &[f64], joint: usize) -> f64 {

@@ -283,6 +283,12 @@ impl<'a, const N: usize> System<'a, N> {
     pub fn columns_of(&self, groups: &[usize]) -> Vec<usize> {
         groups.iter().flat_map(|g| self.groups[*g].columns.clone()).collect()
     }
+
+    /// The columns of a group as filtered torques, before whitening.
+    pub fn plain_columns(&self, group: usize) -> Vec<Column<N>> {
+        let group = &self.groups[group];
+        group.candidate.filtered(self.scene, &group.shape)
+    }
 }
 
 /// Empties the columns of a group that are nothing but rounding: scaled to unit length they would be noise.
