@@ -7,14 +7,16 @@ use crate::LogWrench;
 pub struct Calibration {
     /// Wrench that was reported although there was none, force then moment [N, Nm]: a payload that nobody entered, mostly.
     pub tare: [f64; 6],
-    /// Factor on the stated noise with which the 95 % interval holds what was reported.
+    /// Factor on the stated noise with which the 95 % intervals hold what was reported, all axes together.
     pub noise_factor: f64,
+    /// Factor on the interval of each axis with which it does so on its own, force then moment.
+    pub axis_factor: [f64; 6],
 }
 
 /// Nobody's calibration.
 impl Default for Calibration {
     fn default() -> Self {
-        Self { tare: [0.0; 6], noise_factor: 1.0 }
+        Self { tare: [0.0; 6], noise_factor: 1.0, axis_factor: [1.0; 6] }
     }
 }
 
@@ -24,10 +26,17 @@ const FACTORS: [f64; 2] = [0.02, 20.0];
 const BISECTIONS: usize = 8;
 /// Share of samples and axes that the interval is to hold.
 const COVERAGE: f64 = 0.95;
+/// Time between two samples that know nothing of each other (s).
+const INDEPENDENT_EVERY_S: f64 = 0.5;
 
 impl Calibration {
-    /// The calibration of an estimator that `run` takes over the contact-free stretch with a given noise factor: the tare is
-    /// the mean wrench, the noise that of the narrowest 95 % intervals which hold 95 % of what is left.
+    /// The calibration of an estimator that `run` takes over the contact-free stretch with a given noise factor.
+    ///
+    /// The tare is the mean wrench. The noise factor is that of the narrowest 95 % intervals which hold 95 % of what is left, and
+    /// moves only what is noise in them: the doubt about friction at rest stays. What one factor leaves uneven between the
+    /// axes, the axis factors even out: each is a quantile of error over half-width as of a split-conformal interval,
+    /// 0.95 (1 + 1/n) for n samples that know nothing of each other. Friction forgets in half a second, so n is twice
+    /// the seconds of the stretch.
     ///
     /// The arm must move in it: what a standing joint shows is one value of its stiction.
     ///
@@ -35,23 +44,37 @@ impl Calibration {
     /// Those of `run`.
     pub fn of_free_stretch<E>(run: impl Fn(f64) -> Result<LogWrench, E>) -> Result<Self, E> {
         let tare = run(1.0)?.mean();
-        let holds = |factor: f64| {
+        let tared = |factor: f64| {
             let mut log = run(factor)?;
             log.tare(&tare);
-            Ok::<bool, E>(log.share_inside(&[0.0; 6]) >= COVERAGE)
+            Ok::<LogWrench, E>(log)
         };
+        let done = |noise_factor: f64, log: &LogWrench| {
+            let share = (COVERAGE * (1.0 + INDEPENDENT_EVERY_S / log.duration_s())).min(1.0);
+            let axis_factor = log.half_widths_from_zero(share).map(|factor| factor.clamp(FACTORS[0], FACTORS[1]));
+            Self { tare, noise_factor, axis_factor }
+        };
+        let holds = |log: &LogWrench| log.share_inside(&[0.0; 6]) >= COVERAGE;
         let [mut low, mut high] = FACTORS.map(f64::ln);
-        if holds(low.exp())? {
-            return Ok(Self { tare, noise_factor: low.exp() });
+        let mut log = tared(low.exp())?;
+        if holds(&log) {
+            return Ok(done(low.exp(), &log));
         }
         for _ in 0..BISECTIONS {
             let middle = 0.5 * (low + high);
-            if holds(middle.exp())? {
+            log = tared(middle.exp())?;
+            if holds(&log) {
                 high = middle;
             } else {
                 low = middle;
             }
         }
-        Ok(Self { tare, noise_factor: high.exp() })
+        Ok(done(high.exp(), &tared(high.exp())?))
+    }
+
+    /// Takes the tare off a wrench and widens its intervals.
+    pub fn apply(&self, log: &mut LogWrench) {
+        log.tare(&self.tare);
+        log.widen(&self.axis_factor);
     }
 }

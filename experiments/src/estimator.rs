@@ -128,14 +128,14 @@ impl AnyEstimator {
             EstimatorName::Thermal => Self::thermal(friction, 1.0)?,
             EstimatorName::DoubleEncoder => {
                 let motors = momentum(band, BandOf::Remainder);
-                Self::FrictionLeft(Box::new(FrictionLeft::new(motors, double_encoder(arm)?)))
+                Self::FrictionLeft(Box::new(FrictionLeft::new(motors, double_encoder(arm, 1.0)?)))
             }
         })
     }
 
     /// The estimator with its confidence, for joints whose friction is believed to be `friction` and lies in `band`;
-    /// `noise_factor` multiplies the noise of the band and, of the filter, its own deviation: 1 where no
-    /// [`crate::Calibration`] says better.
+    /// `noise_factor` multiplies the noise of the band, of the filter its own deviation, of the two encoders all there is: 1
+    /// where no [`crate::Calibration`] says better.
     ///
     /// # Errors
     /// A friction that the thermal estimator cannot have.
@@ -156,7 +156,7 @@ impl AnyEstimator {
                 Self::Qp(Box::new(QpEstimator::new(QpSettings { prior, ..QpSettings::new(band) })))
             }
             EstimatorName::Thermal => Self::thermal(friction, noise_factor)?,
-            EstimatorName::DoubleEncoder => Self::DoubleEncoder(Box::new(double_encoder(arm)?)),
+            EstimatorName::DoubleEncoder => Self::DoubleEncoder(Box::new(double_encoder(arm, noise_factor)?)),
         })
     }
 
@@ -180,8 +180,8 @@ impl AnyEstimator {
         match self {
             Self::Ekf(_) | Self::FrictionAwareEkf(_) => wrench_from_torque(terms),
             Self::Momentum(momentum) => momentum.wrench_from_torque(terms, qd, belief, PERIOD_S),
-            Self::Qp(qp) => qp.wrench_from_torque(terms, qd),
-            Self::Thermal(thermal) => thermal.wrench_from_torque(terms, qd, PERIOD_S),
+            Self::Qp(qp) => qp.wrench_from_torque(terms, qd, PERIOD_S),
+            Self::Thermal(thermal) => thermal.wrench_from_torque(terms, qd, belief, PERIOD_S),
             Self::FrictionLeft(left) => left.motors().wrench_from_torque(terms, qd, belief, PERIOD_S),
             // Friction is on the other side of the gears.
             Self::DoubleEncoder(_) => Some(SMatrix::zeros()),
@@ -195,10 +195,14 @@ fn momentum(band: FrictionBand<7>, band_of: BandOf) -> MomentumEstimator<7> {
     MomentumEstimator::new(MomentumSettings { velocity_sd_rad_s, ..settings })
 }
 
-/// Two encoders on springs that nobody has calibrated: the assumed stiffness, to 2 %.
-fn double_encoder(arm: &Arm<7>) -> Result<DoubleEncoderEstimator<7>, CalibrationError> {
-    let settings = DoubleEncoderSettings::default().validate()?;
-    let model = DoubleEncoderModel::nominal(arm, PANDA_JOINT_STIFFNESS_NM_PER_RAD, STIFFNESS_PART, settings);
+/// Two encoders on springs that nobody has calibrated: the assumed stiffness, to 2 %; all noise multiplied.
+fn double_encoder(arm: &Arm<7>, noise_factor: f64) -> Result<DoubleEncoderEstimator<7>, CalibrationError> {
+    let mut settings = DoubleEncoderSettings::default();
+    settings.encoder_sd_rad *= noise_factor;
+    settings.velocity_sd_rad_s *= noise_factor;
+    let stiffness_part = STIFFNESS_PART * noise_factor;
+    let model =
+        DoubleEncoderModel::nominal(arm, PANDA_JOINT_STIFFNESS_NM_PER_RAD, stiffness_part, settings.validate()?);
     Ok(DoubleEncoderEstimator::new(Arc::new(model)))
 }
 

@@ -198,6 +198,36 @@ impl LogWrench {
         estimates.for_each(|wrench| wrench.iter_mut().zip(tare).for_each(|(value, tare)| *value -= tare));
     }
 
+    /// Multiplies standard deviations and the distance of both ends of the intervals, axis by axis (force then moment).
+    pub fn widen(&mut self, factors: &[f64; 6]) {
+        for (k, wrench) in self.wrench.iter().enumerate() {
+            for (i, factor) in factors.iter().enumerate() {
+                self.sd[k][i] *= factor;
+                for end in &mut self.limits95[k] {
+                    end[i] = wrench[i] + (end[i] - wrench[i]) * factor;
+                }
+            }
+        }
+    }
+
+    /// How many half-widths of its interval off zero the estimate is at most in this share of the settled samples, axis by
+    /// axis; the half-width is that on the side of zero.
+    pub fn half_widths_from_zero(&self, share: f64) -> [f64; 6] {
+        std::array::from_fn(|i| {
+            let settled = (0..self.wrench.len()).filter(|&k| self.wrench[k][i].is_finite());
+            let mut ratios: Vec<f64> = settled
+                .map(|k| {
+                    let (value, [lower, upper]) = (self.wrench[k][i], self.limits95[k]);
+                    value.abs() / if value > 0.0 { value - lower[i] } else { upper[i] - value }
+                })
+                .filter(|ratio| ratio.is_finite())
+                .collect();
+            ratios.sort_by(f64::total_cmp);
+            let rank = (share * ratios.len() as f64).ceil() as usize;
+            ratios.get(rank.saturating_sub(1)).copied().unwrap_or(1.0)
+        })
+    }
+
     /// Share of settled samples and axes whose 95 % interval holds `wrench`.
     pub fn share_inside(&self, wrench: &[f64; 6]) -> f64 {
         let settled = self.limits95.iter().filter(|limits| limits[0][0].is_finite());
@@ -207,6 +237,11 @@ impl LogWrench {
             all += 6;
         }
         inside as f64 / all.max(1) as f64
+    }
+
+    /// Time from the first sample to the last (s); zero without samples.
+    pub fn duration_s(&self) -> f64 {
+        self.time_s.last().zip(self.time_s.first()).map_or(0.0, |(last, first)| last - first)
     }
 
     /// Mean wrench of the settled samples, force then moment.

@@ -58,7 +58,7 @@ fn stacked(a: &ForceProblem<7, 6>, b: &ForceProblem<7, 6>) -> ForceProblem<14, 6
         jacobian: SMatrix::from_fn(|r, c| if c < 7 { a.jacobian[(r, c)] } else { -b.jacobian[(r, c - 7)] }),
         lower: join(&a.lower, &b.lower),
         upper: join(&a.upper, &b.upper),
-        variance: join(&a.variance, &b.variance),
+        covariance: SMatrix::from_diagonal(&join(&a.covariance.diagonal(), &b.covariance.diagonal())),
     }
 }
 

@@ -39,16 +39,18 @@ fn ekf() -> WrenchEkf {
     WrenchEkf::new(WrenchEkfSettings::default())
 }
 
-fn momentum() -> MomentumEstimator<7> {
-    let band = FrictionBand::new([JointBand::frictionless(0.05); 7]).expect("a valid band");
-    MomentumEstimator::new(MomentumSettings::new(band))
+fn band(coulomb_nm: f64, viscous_nm_s: f64) -> FrictionBand<7> {
+    FrictionBand::new([JointBand::coulomb_viscous(coulomb_nm, viscous_nm_s, 3e-3, 0.05); 7]).expect("a valid band")
+}
+
+fn momentum(coulomb_nm: f64, viscous_nm_s: f64) -> MomentumEstimator<7> {
+    MomentumEstimator::new(MomentumSettings::new(band(coulomb_nm, viscous_nm_s)))
 }
 
 fn qp(coulomb_nm: f64, viscous_nm_s: f64) -> QpEstimator<7> {
-    let band =
-        FrictionBand::new([JointBand::coulomb_viscous(coulomb_nm, viscous_nm_s, 3e-3, 0.05); 7]).expect("a valid band");
     // A prior far wider than the wrenches of the suite, so that what it pulls is not seen.
-    QpEstimator::new(QpSettings { prior: diagonal_prior(100.0, 20.0), ..QpSettings::new(band) })
+    let settings = QpSettings::new(band(coulomb_nm, viscous_nm_s));
+    QpEstimator::new(QpSettings { prior: diagonal_prior(100.0, 20.0), ..settings })
 }
 
 fn thermal(friction: FrictionModel<7>) -> ThermalEstimator<7> {
@@ -103,7 +105,7 @@ macro_rules! conforms {
 }
 
 conforms!(ekf_conforms, ekf(), ekf());
-conforms!(momentum_conforms, momentum(), momentum());
+conforms!(momentum_conforms, momentum(0.0, 0.0), momentum(COULOMB_NM, VISCOUS_NM_S));
 conforms!(double_encoder_conforms, double_encoder(), double_encoder());
 conforms!(qp_conforms, qp(0.0, 0.0), qp(COULOMB_NM, VISCOUS_NM_S));
 conforms!(thermal_conforms, thermal(no_friction()), thermal(friction()));
@@ -199,14 +201,14 @@ fn survives_bad_samples<E: WrenchEstimator<7>>(make: impl Fn() -> E) {
         s.frame.theta.iter_mut().for_each(|theta| theta.fill(f64::MAX));
     };
     let spoil: [fn(&mut Sample); 2] = [|s| s.terms.mass_matrix[(0, 0)] = f64::NAN, overflow];
-    for spoil in spoil {
+    for (which, spoil) in spoil.into_iter().enumerate() {
         let mut estimator = make();
         estimator.reset(&good[0].frame, &good[0].terms);
         for (k, sample) in good[1..].iter().enumerate() {
             if k % 100 == 0 {
                 let mut bad = sample.clone();
                 spoil(&mut bad);
-                assert!(estimator.step(&bad.input()).fault.is_some());
+                assert!(estimator.step(&bad.input()).fault.is_some(), "spoiled by {which}");
             }
             assert_eq!(estimator.step(&sample.input()), undisturbed[k]);
         }

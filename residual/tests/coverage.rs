@@ -42,7 +42,7 @@ fn coverage(sticking: f64, seed: u64) -> Coverage {
             [lower[j], upper[j]] = band.limits_nm(speed);
             torque[j] += stream.range(lower[j], upper[j]) + 0.1 * stream.normal();
         }
-        let problem = ForceProblem { torque, jacobian, lower, upper, variance: SVector::repeat(0.01) };
+        let problem = ForceProblem { torque, jacobian, lower, upper, covariance: SMatrix::identity() * 0.01 };
         let estimate = solver.estimate(&problem).expect("a solvable programme");
         square += (estimate.force - wrench).fixed_rows::<3>(3).norm_squared() / (3 * DRAWS) as f64;
         for axis in 0..6 {

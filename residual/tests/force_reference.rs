@@ -74,7 +74,7 @@ fn zero_width_is_the_gaussian_posterior() {
     for k in 0..50 {
         let mut problem = instance(k);
         problem.upper = problem.lower;
-        let weight = SMatrix::<f64, 7, 7>::from_diagonal(&problem.variance.map(f64::recip));
+        let weight = problem.covariance.try_inverse().unwrap();
         let prior = ForcePrior { mean: Vector6::new(1.0, -2.0, 3.0, 0.05, 0.02, -0.01), ..prior() };
         let prior_information = prior.covariance.try_inverse().unwrap();
         let information = problem.jacobian * weight * problem.jacobian.transpose() + prior_information;
@@ -116,7 +116,7 @@ fn one_joint_has_the_limits_of_its_band() {
         jacobian: SMatrix::<f64, 1, 1>::new(1.0),
         lower: SVector::<f64, 1>::new(-2.0),
         upper: SVector::<f64, 1>::new(1.0),
-        variance: SVector::<f64, 1>::new(0.04),
+        covariance: SMatrix::<f64, 1, 1>::new(0.04),
     };
     solver.estimate(&problem).unwrap();
     let upper = solver.limit(&SVector::<f64, 1>::new(1.0), LAMBDA).unwrap();
@@ -147,7 +147,7 @@ fn stacked_arms_are_one_problem() {
         jacobian,
         lower: stack(&a.lower, &b.lower),
         upper: stack(&a.upper, &b.upper),
-        variance: stack(&a.variance, &b.variance),
+        covariance: SMatrix::from_diagonal(&stack(&a.covariance.diagonal(), &b.covariance.diagonal())),
     };
     let (mut one, mut two) = (ForceSolver::<7, 6>::new(prior()), ForceSolver::<14, 6>::new(prior()));
     let (alone, together) = (one.estimate(&a).unwrap(), two.estimate(&both).unwrap());

@@ -76,7 +76,7 @@ pub fn run(arguments: &Estimate, common: &Common) -> anyhow::Result<()> {
                 .transpose()?;
             let used = calibration.unwrap_or_default();
             let mut wrench = watch(name, used.noise_factor, &log)?;
-            wrench.tare(&used.tare);
+            used.apply(&mut wrench);
             Ok(Estimated { name, calibration, summary: wrench.summary(), wrench })
         })
         .collect::<Result<Vec<Estimated>, EstimatorError>>()?;
@@ -234,7 +234,7 @@ fn show_wrenches(wrenches: &[Estimated], out: Option<&Path>) {
     print(rows);
     for Estimated { name, calibration, summary, .. } in wrenches {
         let name = name.as_str();
-        if let Some(Calibration { tare: [fx, fy, fz, mx, my, mz], noise_factor }) = calibration {
+        if let Some(Calibration { tare: [fx, fy, fz, mx, my, mz], noise_factor, .. }) = calibration {
             print(format_args!(
                 "{name}: noise × {noise_factor:.2}, tare ({fx:.2}, {fy:.2}, {fz:.2}) N, ({mx:.3}, {my:.3}, {mz:.3}) Nm from the contact-free log"
             ));
@@ -271,9 +271,10 @@ fn show_wrenches(wrenches: &[Estimated], out: Option<&Path>) {
 fn document(log: &LogSummary, torque: Option<&FrictionReport>, wrenches: &[Estimated]) -> Value {
     let entries = wrenches.iter().map(|estimated| {
         let mut entry = estimated.summary.to_json();
-        entry["calibration"] = estimated
-            .calibration
-            .map_or(Value::Null, |found| json!({"noise_factor": found.noise_factor, "tare": found.tare}));
+        entry["calibration"] = estimated.calibration.map_or(
+            Value::Null,
+            |found| json!({"noise_factor": found.noise_factor, "axis_factor": found.axis_factor, "tare": found.tare}),
+        );
         (estimated.name.as_str().to_owned(), entry)
     });
     let estimators: Map<String, Value> = entries.collect();

@@ -121,7 +121,7 @@ impl PushedTool {
                             estimator,
                             calibration.noise_factor,
                         )?;
-                        log.tare(&calibration.tare);
+                        calibration.apply(&mut log);
                         done();
                         Ok(log)
                     })
@@ -168,15 +168,14 @@ impl Stretch {
         estimator: EstimatorName,
         noise_factor: f64,
     ) -> Result<LogWrench, ExperimentError> {
-        let none = FrictionModel::none();
-        let friction = if self.case.compensated { truth_of(self.case).friction } else { none };
-        let band = believed_band(&truth_of(self.case).friction);
+        let known = truth_of(self.case).friction;
+        let compensated = if self.case.compensated { known } else { FrictionModel::none() };
+        let band = believed_band(&known);
         let settings = WrenchEkfSettings::default();
-        let estimator =
-            AnyEstimator::with_confidence(estimator, settings, &trial.model, &friction, &band, noise_factor)?;
+        let estimator = AnyEstimator::with_confidence(estimator, settings, &trial.model, &known, &band, noise_factor)?;
         let mut log = LogWrench { stated_delay_s: estimator.delay_s(), ..LogWrench::default() };
         let mut reference = Vec::new();
-        run_trial_observed(trial, &friction, estimator, noise_seed(self.seed, 0), |record, _| {
+        run_trial_observed(trial, &compensated, estimator, noise_seed(self.seed, 0), |record, _| {
             let time_s = record.frame.time_s;
             if time_s >= trial.reference.pre_roll_s() {
                 log.push(time_s, &record.estimate);

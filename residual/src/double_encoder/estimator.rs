@@ -159,15 +159,13 @@ impl<const N: usize> DoubleEncoderEstimator<N> {
     #[inline]
     fn residual_covariance(&self, links: &ControlTerms<N>, dt_s: f64) -> SMatrix<f64, N, N> {
         let (settings, observer) = (&self.model.settings, &self.state.observer);
-        let share = observer.share(dt_s);
-        let momentum = links.mass_matrix * (settings.velocity_sd_rad_s * observer.gain_rad_s());
-        let mut r = momentum * momentum.transpose();
-        for j in 0..N {
+        let torque_sd_nm = SVector::from_fn(|j, _| {
             let stiffness = self.model.curves[j].stiffness_nm_per_rad(self.state.slow_deflection[j]);
-            let white = 2.0 * (stiffness * settings.encoder_sd_rad).powi(2);
-            r[(j, j)] += white * share / (2.0 - share) + self.state.variance[j];
-        }
-        r
+            std::f64::consts::SQRT_2 * stiffness * settings.encoder_sd_rad
+        });
+        let velocity_sd_rad_s = SVector::repeat(settings.velocity_sd_rad_s);
+        let noise = observer.noise_covariance_nm2(&links.mass_matrix, &torque_sd_nm, &velocity_sd_rad_s, dt_s);
+        noise + SMatrix::from_diagonal(&self.state.variance)
     }
 
     /// The terms of the links alone, without gravity: that is in the deflection of the free arm.

@@ -3,10 +3,10 @@
 use nalgebra::{SMatrix, SVector};
 use tribo_robot::{ControlTerms, EstimateFault, EstimatorInput, SensorFrame, Wrench, WrenchEstimate, WrenchEstimator};
 
-use super::{MomentumObserver, OBSERVER_GAIN_RAD_S};
+use super::{MomentumObserver, OBSERVER_GAIN_RAD_S, PANDA_TORQUE_SD_NM, PANDA_VELOCITY_SD_RAD_S};
 use crate::BandOf;
 use crate::damped_wrench::{damped_wrench, weighted_inverse};
-use tribo_friction::{FrictionBand, RestMemory};
+use tribo_friction::{FrictionBand, RemainingFriction, RestMemory};
 
 /// Settings of [`MomentumEstimator`].
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -33,8 +33,8 @@ impl<const N: usize> MomentumSettings<N> {
     pub fn new(friction: FrictionBand<N>) -> Self {
         Self {
             gain_rad_s: OBSERVER_GAIN_RAD_S,
-            torque_sd_nm: SVector::repeat(0.05),
-            velocity_sd_rad_s: SVector::repeat(3e-3),
+            torque_sd_nm: SVector::repeat(PANDA_TORQUE_SD_NM),
+            velocity_sd_rad_s: SVector::repeat(PANDA_VELOCITY_SD_RAD_S),
             friction,
             band_of: BandOf::Friction,
             force_damping_n: 500.0,
@@ -46,17 +46,16 @@ impl<const N: usize> MomentumSettings<N> {
 /// Weighted, damped inverse of Jᵀ on the observer's residual r:
 ///
 /// ```text
-/// ĥ = P J R⁻¹ r,   P = (J R⁻¹ Jᵀ + D⁻²)⁻¹,   cov(ĥ) = P       J as late as r
+/// ĥ = P J R⁻¹ (r − f̄),   P = (J R⁻¹ Jᵀ + D⁻²)⁻¹,   cov(ĥ) = P       J and f̄ as late as r
 /// R = a/(2 − a) diag(σ_τ²) + K² M diag(σ_v²) M + diag(σ_f²),   a = 1 − exp(−K dt)
-/// σ_f² of RestMemory for a band about the friction
-/// σ_f² = m² + w²/2 + noise²  for one about the remainder: middle and half-width of what is left
+/// f̄, σ_f² of RestMemory             for a band about the friction
+/// f̄ = 0, σ_f² = m² + w²/2 + noise²  for one about the remainder: middle and half-width of what is left
 /// ```
 ///
-/// r is taken from the torque less the friction believed. White torque noise is averaged by the observer, velocity noise
-/// passes as a high-passed momentum (the bound for noise faster than K is used), and friction is slower than 1/K and
-/// passes as it is. In a joint that sticks it is what the joint came to rest with, or what pushes have made of it since
-/// ([`RestMemory`]). That is a *bias* for as long as the joint sticks, not noise: the covariance is right over poses and
-/// directions, not along one standstill.
+/// r is taken from the torque less the friction believed, f̄ is what the band expects beyond that belief. Friction is slower than
+/// 1/K and passes the observer as it is. In a joint that sticks it is what the joint came to rest with, or what pushes have
+/// made of it since ([`RestMemory`]). The error of that is a *bias* for as long as the joint sticks, not noise: the
+/// covariance is right over poses and directions, not along one standstill.
 /// D = diag(moment damping, force damping) is the standard deviation of a prior around zero; towards a singular pose P
 /// tends to D² along the lost direction.
 ///
@@ -75,6 +74,8 @@ pub struct MomentumEstimator<const N: usize> {
     settings: MomentumSettings<N>,
     observer: MomentumObserver<N>,
     rest: RestMemory<N>,
+    /// f̄ as late as the residual (Nm).
+    expected_nm: SVector<f64, N>,
     estimate: WrenchEstimate,
 }
 
@@ -82,7 +83,8 @@ impl<const N: usize> MomentumEstimator<N> {
     /// An estimator that knows nothing yet; [`WrenchEstimator::reset`] places it.
     pub fn new(settings: MomentumSettings<N>) -> Self {
         let observer = MomentumObserver::new(settings.gain_rad_s);
-        Self { settings, observer, rest: RestMemory::default(), estimate: WrenchEstimate::none_yet() }
+        let (rest, expected_nm) = (RestMemory::default(), SVector::zeros());
+        Self { settings, observer, rest, expected_nm, estimate: WrenchEstimate::none_yet() }
     }
 
     /// The settings.
@@ -104,7 +106,7 @@ impl<const N: usize> MomentumEstimator<N> {
         belief: &SVector<f64, N>,
         dt_s: f64,
     ) -> Option<SMatrix<f64, 6, N>> {
-        let r = self.residual_covariance(terms, qd, belief, dt_s);
+        let r = self.residual_covariance(terms, &self.remaining(qd, belief), dt_s);
         let damping = [self.settings.moment_damping_nm, self.settings.force_damping_n];
         weighted_inverse(&terms.jacobian, &r, damping).map(|(inverse, _)| inverse)
     }
@@ -114,36 +116,31 @@ impl<const N: usize> MomentumEstimator<N> {
     fn residual_covariance(
         &self,
         terms: &ControlTerms<N>,
-        qd: &SVector<f64, N>,
-        belief: &SVector<f64, N>,
+        remaining: &RemainingFriction<N>,
         dt_s: f64,
     ) -> SMatrix<f64, N, N> {
         let s = &self.settings;
-        let a = self.observer.share(dt_s);
-        let momentum = terms.mass_matrix * SMatrix::from_diagonal(&(s.velocity_sd_rad_s * s.gain_rad_s));
-        let mut r = momentum * momentum.transpose();
-        let left = match s.band_of {
-            BandOf::Friction => self.rest.mean_square_left_nm2(&s.friction, qd, belief),
-            BandOf::Remainder => self.remainder_nm2(qd, belief),
-        };
-        for j in 0..N {
-            // A joint of unlimited friction says nothing.
-            let friction = if left[j].is_finite() { left[j] } else { UNKNOWN_NM2 };
-            r[(j, j)] += friction + s.torque_sd_nm[j].powi(2) * a / (2.0 - a);
-        }
-        r
+        let (torque_sd, velocity_sd) = (&s.torque_sd_nm, &s.velocity_sd_rad_s);
+        let sensors = self.observer.noise_covariance_nm2(&terms.mass_matrix, torque_sd, velocity_sd, dt_s);
+        sensors + SMatrix::from_diagonal(&remaining.variance_nm2)
     }
 
-    /// Mean square of what is left (Nm²), nearer to the ends of its bounds than to the middle (arcsine law).
+    /// f̄ (Nm) and σ_f² (Nm²) at qd (rad/s).
     #[inline]
-    fn remainder_nm2(&self, qd: &SVector<f64, N>, belief: &SVector<f64, N>) -> SVector<f64, N> {
+    fn remaining(&self, qd: &SVector<f64, N>, belief: &SVector<f64, N>) -> RemainingFriction<N> {
         let s = &self.settings;
+        if s.band_of == BandOf::Friction {
+            return self.rest.remaining(&s.friction, qd, belief);
+        }
         let [lower, upper] = s.band_of.left_nm(&s.friction, qd, belief);
         let noise = s.friction.noise_variance_nm2(qd);
-        SVector::from_fn(|j, _| {
+        let spread = SVector::<f64, N>::from_fn(|j, _| {
             let (middle, half_width) = (0.5 * (lower[j] + upper[j]), 0.5 * (upper[j] - lower[j]));
-            middle * middle + 0.5 * half_width * half_width + noise[j]
-        })
+            middle * middle + 0.5 * half_width * half_width
+        });
+        // A joint of unlimited friction says nothing.
+        let variance_nm2 = (spread + noise).map(|variance| if variance.is_finite() { variance } else { UNKNOWN_NM2 });
+        RemainingFriction { variance_nm2, ..RemainingFriction::none() }
     }
 }
 
@@ -154,6 +151,8 @@ impl<const N: usize> WrenchEstimator<N> for MomentumEstimator<N> {
     fn reset(&mut self, frame: &SensorFrame<N>, terms: &ControlTerms<N>) {
         self.observer.start(frame, terms);
         self.rest = RestMemory::default();
+        // The residual starts at zero whatever the friction: so does what is expected in it.
+        self.expected_nm = SVector::zeros();
         self.estimate = WrenchEstimate::none_yet();
     }
 
@@ -162,20 +161,23 @@ impl<const N: usize> WrenchEstimator<N> for MomentumEstimator<N> {
         if let Err(fault) = input.check() {
             return self.estimate.held(fault);
         }
-        let before = (self.observer, self.rest);
-        self.rest.note(&self.settings.friction, &input.frame.qd, input.tau_friction);
-        self.observer.step(input.frame, input.terms, &(input.tau_motor - input.tau_friction), input.dt_s);
-        let r = self.residual_covariance(input.terms, &input.frame.qd, input.tau_friction, input.dt_s);
+        let before = (self.observer, self.rest, self.expected_nm);
+        let (qd, belief) = (&input.frame.qd, input.tau_friction);
+        self.rest.note(&self.settings.friction, qd, belief, input.dt_s);
+        self.observer.step(input.frame, input.terms, &(input.tau_motor - belief), input.dt_s);
+        let remaining = self.remaining(qd, belief);
+        self.expected_nm += (remaining.mean_nm - self.expected_nm) * self.observer.share(input.dt_s);
+        let r = self.residual_covariance(input.terms, &remaining, input.dt_s);
         let s = &self.settings;
-        let (jacobian, residual) = (self.observer.lagged_jacobian(), self.observer.residual_nm());
-        match damped_wrench(jacobian, &r, residual, [s.moment_damping_nm, s.force_damping_n]) {
+        let (jacobian, residual) = (self.observer.lagged_jacobian(), self.observer.residual_nm() - self.expected_nm);
+        match damped_wrench(jacobian, &r, &residual, [s.moment_damping_nm, s.force_damping_n]) {
             Some((h, covariance)) => {
                 let wrench_base = Wrench::from_vector(&h);
                 self.estimate = WrenchEstimate { wrench_base, covariance, limits95: None, nis: None, fault: None };
                 self.estimate
             }
             None => {
-                (self.observer, self.rest) = before;
+                (self.observer, self.rest, self.expected_nm) = before;
                 self.estimate.held(EstimateFault::NotPositiveDefinite)
             }
         }

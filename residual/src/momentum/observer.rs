@@ -77,6 +77,31 @@ impl<const N: usize> MomentumObserver<N> {
         -(-self.gain_rad_s * dt_s).exp_m1()
     }
 
+    /// Covariance of r (Nm²) by white noise of τ (Nm, per sample) and by the noise of q̇ (rad/s):
+    ///
+    /// ```text
+    /// a/(2 − a) diag(σ_τ²) + K² M diag(σ_v²) M,   a = 1 − exp(−K dt)
+    /// ```
+    ///
+    /// The observer averages the first; the second passes as a high-passed momentum, for which the bound for noise faster
+    /// than K stands.
+    #[inline]
+    pub fn noise_covariance_nm2(
+        &self,
+        mass_matrix: &SMatrix<f64, N, N>,
+        torque_sd_nm: &SVector<f64, N>,
+        velocity_sd_rad_s: &SVector<f64, N>,
+        dt_s: f64,
+    ) -> SMatrix<f64, N, N> {
+        let momentum = mass_matrix * SMatrix::from_diagonal(&(velocity_sd_rad_s * self.gain_rad_s));
+        let mut noise = momentum * momentum.transpose();
+        let share = self.share(dt_s);
+        for j in 0..N {
+            noise[(j, j)] += torque_sd_nm[j].powi(2) * share / (2.0 - share);
+        }
+        noise
+    }
+
     /// r (Nm).
     #[inline]
     pub fn residual_nm(&self) -> &SVector<f64, N> {

@@ -19,11 +19,13 @@ pub struct BandObserver<const N: usize> {
     observer: MomentumObserver<N>,
     lower: SVector<f64, N>,
     upper: SVector<f64, N>,
-    variance: SVector<f64, N>,
+    torque_sd_nm: SVector<f64, N>,
+    velocity_sd_rad_s: SVector<f64, N>,
+    covariance: SMatrix<f64, N, N>,
 }
 
 impl<const N: usize> BandObserver<N> {
-    /// An observer of gain `gain_rad_s`; [`Self::start`] places it.
+    /// An observer of gain `gain_rad_s` whose noise is that of the band alone; [`Self::start`] places it.
     pub fn new(band: FrictionBand<N>, band_of: BandOf, gain_rad_s: f64) -> Self {
         let zero = SVector::zeros();
         Self {
@@ -32,15 +34,25 @@ impl<const N: usize> BandObserver<N> {
             observer: MomentumObserver::new(gain_rad_s),
             lower: zero,
             upper: zero,
-            variance: SVector::repeat(1.0),
+            torque_sd_nm: zero,
+            velocity_sd_rad_s: zero,
+            covariance: SMatrix::identity(),
         }
+    }
+
+    /// The same with noise of the sensors besides, per joint: torque (Nm, white, per sample) and velocity (rad/s). Noise of one
+    /// velocity shows in every joint that it is coupled to by M ([`MomentumObserver::noise_covariance_nm2`]).
+    #[must_use]
+    pub fn with_sensor_noise(mut self, torque_sd_nm: SVector<f64, N>, velocity_sd_rad_s: SVector<f64, N>) -> Self {
+        (self.torque_sd_nm, self.velocity_sd_rad_s) = (torque_sd_nm, velocity_sd_rad_s);
+        self
     }
 
     /// Starts at a sample.
     pub fn start(&mut self, frame: &SensorFrame<N>, terms: &ControlTerms<N>) {
         self.observer.start(frame, terms);
         [self.lower, self.upper] = self.bounds(&frame.qd, &SVector::zeros());
-        self.variance = self.band.noise_variance_nm2(&frame.qd);
+        self.covariance = SMatrix::from_diagonal(&self.band.noise_variance_nm2(&frame.qd));
     }
 
     /// Takes one sample.
@@ -58,7 +70,15 @@ impl<const N: usize> BandObserver<N> {
             self.lower[j] = lagged(self.lower[j], lower[j], share);
             self.upper[j] = lagged(self.upper[j], upper[j], share);
         }
-        self.variance = self.band.noise_variance_nm2(qd);
+        self.covariance = self.noise_covariance_nm2(input.terms, qd, input.dt_s);
+    }
+
+    /// R_e at a state (Nm²).
+    #[inline]
+    pub fn noise_covariance_nm2(&self, terms: &ControlTerms<N>, qd: &SVector<f64, N>, dt_s: f64) -> SMatrix<f64, N, N> {
+        let (torque_sd, velocity_sd) = (&self.torque_sd_nm, &self.velocity_sd_rad_s);
+        let sensors = self.observer.noise_covariance_nm2(&terms.mass_matrix, torque_sd, velocity_sd, dt_s);
+        sensors + SMatrix::from_diagonal(&self.band.noise_variance_nm2(qd))
     }
 
     /// What is known after the last sample about the wrench `[moment; force]`, base axes.
@@ -69,7 +89,7 @@ impl<const N: usize> BandObserver<N> {
             jacobian: *self.observer.lagged_jacobian(),
             lower: self.lower,
             upper: self.upper,
-            variance: self.variance,
+            covariance: self.covariance,
         }
     }
 
@@ -107,6 +127,10 @@ pub fn stack_opposed<const A: usize, const B: usize, const C: usize>(
         jacobian: SMatrix::from_fn(|r, c| if c < A { a.jacobian[(r, c)] } else { -b.jacobian[(r, c - A)] }),
         lower: both(&a.lower, &b.lower),
         upper: both(&a.upper, &b.upper),
-        variance: both(&a.variance, &b.variance),
+        covariance: SMatrix::from_fn(|r, c| match (r < A, c < A) {
+            (true, true) => a.covariance[(r, c)],
+            (false, false) => b.covariance[(r - A, c - A)],
+            _ => 0.0,
+        }),
     }
 }

@@ -7,7 +7,8 @@ use tribo_robot::{
 };
 
 use super::{BandObserver, BoxOutcome, ForcePrior, ForceSolver};
-use crate::{BandOf, OBSERVER_GAIN_RAD_S};
+use crate::BandOf;
+use crate::momentum::{OBSERVER_GAIN_RAD_S, PANDA_TORQUE_SD_NM, PANDA_VELOCITY_SD_RAD_S};
 use tribo_friction::FrictionBand;
 
 /// Settings of [`QpEstimator`].
@@ -21,19 +22,25 @@ pub struct QpSettings<const N: usize> {
     pub gain_rad_s: f64,
     /// What the band holds.
     pub band_of: BandOf,
+    /// White noise of the torque, per sample (Nm).
+    pub torque_sd_nm: SVector<f64, N>,
+    /// Noise of the velocity signal (rad/s).
+    pub velocity_sd_rad_s: SVector<f64, N>,
     /// Whether every estimate has its twelve 95 % limits; without them its interval is that of the covariance.
     pub limits: bool,
 }
 
 impl<const N: usize> QpSettings<N> {
-    /// A hand's contact as the prior (30 N, 3 Nm), K = 50 rad/s as the momentum estimator, the band for the whole
-    /// friction, limits on.
+    /// A hand's contact as the prior (30 N, 3 Nm), K = 50 rad/s and the sensors of a Panda as the momentum estimator, the
+    /// band for the whole friction, limits on.
     pub fn new(band: FrictionBand<N>) -> Self {
         Self {
             band,
             prior: diagonal_prior(30.0, 3.0),
             gain_rad_s: OBSERVER_GAIN_RAD_S,
             band_of: BandOf::Friction,
+            torque_sd_nm: SVector::repeat(PANDA_TORQUE_SD_NM),
+            velocity_sd_rad_s: SVector::repeat(PANDA_VELOCITY_SD_RAD_S),
             limits: true,
         }
     }
@@ -48,8 +55,12 @@ pub fn diagonal_prior(force_sd_n: f64, moment_sd_nm: f64) -> ForcePrior<6> {
 /// Most likely wrench with friction anywhere in its band (linderoth2013), 1 kHz:
 ///
 /// ```text
-/// r = Jᵀ h + tau_f + e,   lower ≤ tau_f ≤ upper,   h ~ N(h̄, R_F),   e ~ N(0, σ²(1 + k|q̇|)²)
+/// r = Jᵀ h + tau_f + e,   lower ≤ tau_f ≤ upper,   h ~ N(h̄, R_F),   e ~ N(0, R_e)
+/// R_e = diag(σ²(1 + k|q̇|)²) + a/(2 − a) diag(σ_τ²) + K² M diag(σ_v²) M
 /// ```
+///
+/// The paper's R_e is the first term. The others are what the sensors' noise makes of r: a velocity of one joint is a momentum
+/// of all it is coupled to, and an interval that does not know that is too narrow on one axis and too wide on the next.
 ///
 /// r, J and the bounds come from a [`BandObserver`] of the whole motor torque: the momentum in it takes inertia and gravity
 /// away, where the paper neglects inertia, and low-passes, where the paper filters with (5).
@@ -70,7 +81,8 @@ impl<const N: usize> QpEstimator<N> {
     pub fn new(settings: QpSettings<N>) -> Self {
         Self {
             settings,
-            observer: BandObserver::new(settings.band, settings.band_of, settings.gain_rad_s),
+            observer: BandObserver::new(settings.band, settings.band_of, settings.gain_rad_s)
+                .with_sensor_noise(settings.torque_sd_nm, settings.velocity_sd_rad_s),
             solver: ForceSolver::new(settings.prior),
             estimate: WrenchEstimate::none_yet(),
         }
@@ -81,16 +93,25 @@ impl<const N: usize> QpEstimator<N> {
         &self.settings
     }
 
-    /// How a torque (Nm) that neither band nor model holds shows in the wrench, at a state: `W = P J R⁻¹` over the joints
-    /// whose band is closed there.
-    pub fn wrench_from_torque(&self, terms: &ControlTerms<N>, qd: &SVector<f64, N>) -> Option<SMatrix<f64, 6, N>> {
-        let variance = self.settings.band.noise_variance_nm2(qd);
-        let mut weighted = terms.jacobian;
-        for j in 0..N {
-            let weight = if self.settings.band.joints()[j].doubt(qd[j]) < HALF { 1.0 / variance[j] } else { 0.0 };
-            weighted.column_mut(j).scale_mut(weight);
+    /// How a torque (Nm) that neither band nor model holds shows in the wrench, at a state: `W = P J R_e⁻¹` over the joints
+    /// whose band is closed there. `dt_s` is the period.
+    pub fn wrench_from_torque(
+        &self,
+        terms: &ControlTerms<N>,
+        qd: &SVector<f64, N>,
+        dt_s: f64,
+    ) -> Option<SMatrix<f64, 6, N>> {
+        let mut noise = self.observer.noise_covariance_nm2(terms, qd, dt_s);
+        let mut jacobian = terms.jacobian;
+        for j in (0..N).filter(|&j| self.settings.band.joints()[j].doubt(qd[j]) >= HALF) {
+            // Whatever such a joint shows may be friction: it says nothing of the wrench.
+            jacobian.column_mut(j).fill(0.0);
+            noise.column_mut(j).fill(0.0);
+            noise.row_mut(j).fill(0.0);
+            noise[(j, j)] = 1.0;
         }
-        let information = weighted * terms.jacobian.transpose() + self.settings.prior.covariance.try_inverse()?;
+        let weighted = noise.cholesky()?.solve(&jacobian.transpose()).transpose();
+        let information = weighted * jacobian.transpose() + self.settings.prior.covariance.try_inverse()?;
         Some(information.cholesky()?.solve(&weighted))
     }
 

@@ -15,8 +15,8 @@ pub struct ForceProblem<const N: usize, const M: usize> {
     pub lower: SVector<f64, N>,
     /// Largest friction torque (Nm) of each joint, not below `lower`; may be ∞.
     pub upper: SVector<f64, N>,
-    /// Variance of e (Nm²), the diagonal of R_e; positive.
-    pub variance: SVector<f64, N>,
+    /// R_e: covariance of e (Nm²), positive definite. The paper's is diagonal.
+    pub covariance: SMatrix<f64, N, N>,
 }
 
 /// Normal prior of the force.
@@ -33,7 +33,8 @@ pub struct ForcePrior<const M: usize> {
 pub struct ForceEstimate<const N: usize, const M: usize> {
     /// Force F.
     pub force: SVector<f64, M>,
-    /// Covariance of F if the joints inside their box say nothing: `(J S R_e⁻¹ Jᵀ + R_F⁻¹)⁻¹`, S as in (16).
+    /// Covariance of F if the joints inside their box say nothing: `(J_A (R_e)_AA⁻¹ J_Aᵀ + R_F⁻¹)⁻¹` over the joints A at
+    /// a bound; for a diagonal R_e that is S R_e⁻¹ of (16).
     pub covariance: SMatrix<f64, M, M>,
     /// Friction and active set.
     pub friction: BoxSolution<N>,
@@ -107,10 +108,7 @@ impl<const N: usize, const M: usize> ForceSolver<N, M> {
     pub fn estimate(&mut self, problem: &ForceProblem<N, M>) -> Result<ForceEstimate<N, M>, BoxOutcome> {
         let jacobian = &problem.jacobian;
         self.gain = self.prior.covariance * jacobian;
-        let mut c = jacobian.tr_mul(&self.gain);
-        for i in 0..N {
-            c[(i, i)] += problem.variance[i];
-        }
+        let c = jacobian.tr_mul(&self.gain) + problem.covariance;
         self.d = problem.torque - jacobian.tr_mul(&self.prior.mean);
         (self.lower, self.upper) = (problem.lower, problem.upper);
         self.qp = self.solved;
@@ -122,6 +120,9 @@ impl<const N: usize, const M: usize> ForceSolver<N, M> {
         }
 
         let force = self.prior.mean + self.gain * friction.multiplier;
+        if !force.iter().all(|value| value.is_finite()) {
+            return Err(BoxOutcome::NotPositiveDefinite);
+        }
         let mut whitened = SMatrix::<f64, N, M>::zeros();
         for m in 0..M {
             let row = self.gain.row(m).transpose();
@@ -157,7 +158,8 @@ impl<const N: usize, const M: usize> ForceSolver<N, M> {
             pivots += friction.pivots;
             if informative | friction.active == informative {
                 let value = v.dot(&self.prior.mean) + slope * prior_variance + reach.dot(&friction.multiplier);
-                return Ok(ForceLimit { value, sigma, rounds, pivots });
+                let limit = ForceLimit { value, sigma, rounds, pivots };
+                return if value.is_finite() { Ok(limit) } else { Err(BoxOutcome::NotPositiveDefinite) };
             }
             informative |= friction.active;
             let seen = self.qp.whiten(informative, &reach).ok_or(BoxOutcome::NotPositiveDefinite)?;

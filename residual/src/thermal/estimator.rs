@@ -1,14 +1,17 @@
 //! Wrench from the residual less the friction of warm joints.
 
 use nalgebra::{Matrix6, SMatrix, SVector, Vector6};
+use tribo_friction::{JointBand, JointRest, RemainingFriction};
 use tribo_robot::{ControlTerms, EstimateFault, EstimatorInput, SensorFrame, Wrench, WrenchEstimate, WrenchEstimator};
 
 use super::{ContactGate, FrictionSample, TemperatureObserver, ThermalSettings, ThermalSettingsError};
 use crate::MomentumObserver;
 use crate::damped_wrench::{damped_wrench, weighted_inverse};
 
-/// Velocities up to this many of their standard deviations may have the wrong sign.
+/// Beyond this many standard deviations of the velocity its sign is right.
 const DOUBT_SD: f64 = 3.0;
+/// Stands for a velocity without noise (rad/s).
+const SMALLEST_VELOCITY_SD_RAD_S: f64 = 1e-9;
 /// A joint that slides for this many 1/K has no other friction in its residual.
 const SETTLE: f64 = 5.0;
 
@@ -21,8 +24,18 @@ struct Belief<const N: usize> {
     lagged: SVector<f64, N>,
     /// ∂/∂T, late [Nm/K].
     slope: SVector<f64, N>,
-    /// Mean square of its error, temperature aside, late (Nm²).
-    variance: SVector<f64, N>,
+    /// Variance of its error, temperature aside, late; its mean is in the friction itself.
+    error: RemainingFriction<N>,
+    /// What the joints keep of their last slide.
+    rest: [JointRest; N],
+}
+
+impl<const N: usize> Belief<N> {
+    fn none() -> Self {
+        let zero = SVector::zeros();
+        let (error, rest) = (RemainingFriction::none(), [JointRest::default(); N]);
+        Self { now: zero, lagged: zero, slope: zero, error, rest }
+    }
 }
 
 /// The thermal virtual force sensor (simoni2017 section V, (17)–(21)):
@@ -35,7 +48,7 @@ struct Belief<const N: usize> {
 ///
 /// Every joint has a [`TemperatureObserver`], corrected while it slides and the [`ContactGate`] is open ((21): without
 /// contact the residual is friction) and running on its heat balance otherwise. σ_f² is the error of the law, and where the
-/// sign of q̇ is in doubt the squared distance to the further end of the friction. Of it, and of the friction, R sees what the
+/// sign of q̇ is in doubt what [`JointRest`] makes of friction between its bounds. Of it, and of the friction, R sees what the
 /// observer's low-pass lets through.
 ///
 /// | what the paper says | what we do | why |
@@ -44,7 +57,8 @@ struct Belief<const N: usize> {
 /// | accelerations by differentiation, six filters | the momentum observer | no acceleration; one low-pass for every term |
 /// | the observer runs when the user says so | [`ContactGate`] | nobody remembers to |
 ///
-/// `tau_friction` of the input is not used: the friction is this estimator's own, compensated or not.
+/// The friction is this estimator's own, compensated or not: `tau_friction` of the input only says what a standing joint came to
+/// rest with ([`JointRest`]).
 ///
 /// ```
 /// use tribo_friction::{FrictionModel, law::CoulombViscous};
@@ -90,7 +104,7 @@ impl<const N: usize> ThermalEstimator<N> {
             momentum: MomentumObserver::new(settings.gain_rad_s),
             observers,
             gate: ContactGate::new(settings.contact)?,
-            belief: Belief { now: zero, lagged: zero, slope: zero, variance: zero },
+            belief: Belief::none(),
             sliding_s: zero,
             energy_j: zero,
             since_s: 0.0,
@@ -126,57 +140,61 @@ impl<const N: usize> ThermalEstimator<N> {
     }
 
     /// `W = P J R⁻¹` at a state, with the temperatures of now: how a torque (Nm) that is neither model nor friction shows in
-    /// the wrench. `dt_s` is the period.
+    /// the wrench. `compensation` (Nm) is what the compensator adds, `dt_s` the period.
     pub fn wrench_from_torque(
         &self,
         terms: &ControlTerms<N>,
         qd: &SVector<f64, N>,
+        compensation: &SVector<f64, N>,
         dt_s: f64,
     ) -> Option<SMatrix<f64, 6, N>> {
-        let belief = self.believe(qd, 1.0);
-        let mut r = self.noise_covariance(terms, self.momentum.share(dt_s));
-        for j in 0..N {
-            r[(j, j)] += belief.variance[j] + belief.slope[j].powi(2) * self.observers[j].variance_k2();
-        }
+        let belief = self.believe(qd, compensation, dt_s, 1.0);
+        let r = self.residual_covariance(&self.noise_covariance(terms, dt_s), &belief);
         let damping = [self.settings.moment_damping_nm, self.settings.force_damping_n];
         weighted_inverse(&terms.jacobian, &r, damping).map(|(inverse, _)| inverse)
     }
 
     /// Friction at this sample, low-passed like the residual; the mean of both ends of the period, like its bias.
     #[inline]
-    fn believe(&self, qd: &SVector<f64, N>, share: f64) -> Belief<N> {
-        let mut belief = self.belief;
+    fn believe(&self, qd: &SVector<f64, N>, compensation: &SVector<f64, N>, dt_s: f64, share: f64) -> Belief<N> {
+        let (mut belief, mut error) = (self.belief, RemainingFriction::none());
         for j in 0..N {
             let (law, t) = (self.settings.joints[j].law(), self.observers[j].temperature_c());
-            let now = law.torque_nm(qd[j], t);
-            let doubt = DOUBT_SD * self.settings.velocity_sd_rad_s[j];
-            let off = if qd[j].abs() < doubt {
-                let ends = [law.sliding_nm(doubt, t), law.sliding_nm(-doubt, t)];
-                (ends[0] - now).abs().max((ends[1] - now).abs())
-            } else {
-                0.0
-            };
+            let sliding = law.torque_nm(qd[j], t);
+            let velocity_sd = self.settings.velocity_sd_rad_s[j].max(SMALLEST_VELOCITY_SD_RAD_S);
+            let doubt = JointBand::coulomb_viscous(1.0, 0.0, velocity_sd, 1.0).doubt(qd[j]);
+            let ends = [1.0, -1.0].map(|side| law.sliding_nm(side * DOUBT_SD * velocity_sd, t));
+            let (middle, half_width) = (0.5 * (ends[0] + ends[1]), 0.5 * (ends[0] - ends[1]));
+            // What a compensator that fades at rest withdraws, the friction takes over: the memory is of the rest.
+            let compensated = compensation[j];
+            belief.rest[j].note(doubt, sliding - compensated, dt_s);
+            let [left, spread] =
+                belief.rest[j].remaining(doubt, sliding - compensated, middle - compensated, half_width);
+            let now = left + compensated;
             let s = &self.settings.observer;
-            let variance = off * off + (s.model_error * now).powi(2) + s.friction_sd_nm.powi(2);
+            let noise = (s.model_error * now).powi(2) + s.friction_sd_nm.powi(2);
+            error.variance_nm2[j] = spread + noise;
             let mean = 0.5 * (belief.now[j] + now);
             belief.lagged[j] += share * (mean - belief.lagged[j]);
             belief.slope[j] += share * (law.slope_nm_per_k(qd[j], t) - belief.slope[j]);
-            belief.variance[j] += share * (variance - belief.variance[j]);
             belief.now[j] = now;
         }
+        belief.error.follow(&error, share);
         belief
     }
 
     /// What the noise of torque and velocity makes of the residual (Nm²).
     #[inline]
-    fn noise_covariance(&self, terms: &ControlTerms<N>, share: f64) -> SMatrix<f64, N, N> {
+    fn noise_covariance(&self, terms: &ControlTerms<N>, dt_s: f64) -> SMatrix<f64, N, N> {
         let s = &self.settings;
-        let velocity = terms.mass_matrix * SMatrix::from_diagonal(&(s.velocity_sd_rad_s * s.gain_rad_s));
-        let mut noise = velocity * velocity.transpose();
-        for j in 0..N {
-            noise[(j, j)] += s.torque_sd_nm[j].powi(2) * share / (2.0 - share);
-        }
-        noise
+        self.momentum.noise_covariance_nm2(&terms.mass_matrix, &s.torque_sd_nm, &s.velocity_sd_rad_s, dt_s)
+    }
+
+    /// R: noise, what is not known of the friction, and of the temperatures (Nm²).
+    #[inline]
+    fn residual_covariance(&self, noise: &SMatrix<f64, N, N>, belief: &Belief<N>) -> SMatrix<f64, N, N> {
+        let by_temperature = |j: usize| belief.slope[j].powi(2) * self.observers[j].variance_k2();
+        noise + SMatrix::from_diagonal(&SVector::from_fn(|j, _| belief.error.variance_nm2[j] + by_temperature(j)))
     }
 
     /// Gate, heat and observers, after the estimate of this tick is accepted.
@@ -235,8 +253,8 @@ impl<const N: usize> WrenchEstimator<N> for ThermalEstimator<N> {
             observer.restart(start_c);
         }
         let zero = SVector::zeros();
-        self.belief = Belief { now: zero, lagged: zero, slope: zero, variance: zero };
-        self.belief = self.believe(&frame.qd, 1.0);
+        self.belief = Belief::none();
+        self.belief = self.believe(&frame.qd, &zero, 0.0, 1.0);
         // The residual starts at zero whatever the friction: so does the friction it is compared with.
         (self.belief.lagged, self.belief.slope) = (zero, zero);
         (self.sliding_s, self.energy_j, self.since_s) = (zero, zero, 0.0);
@@ -251,13 +269,10 @@ impl<const N: usize> WrenchEstimator<N> for ThermalEstimator<N> {
         let mut momentum = self.momentum;
         momentum.step(input.frame, input.terms, input.tau_motor, input.dt_s);
         let share = momentum.share(input.dt_s);
-        let belief = self.believe(&input.frame.qd, share);
+        let belief = self.believe(&input.frame.qd, input.tau_friction, input.dt_s, share);
         let unexplained = momentum.residual_nm() - belief.lagged;
-        let noise = self.noise_covariance(input.terms, share);
-        let mut r = noise;
-        for j in 0..N {
-            r[(j, j)] += belief.variance[j] + belief.slope[j].powi(2) * self.observers[j].variance_k2();
-        }
+        let noise = self.noise_covariance(input.terms, input.dt_s);
+        let r = self.residual_covariance(&noise, &belief);
         let damping = [self.settings.moment_damping_nm, self.settings.force_damping_n];
         let Some((h, covariance)) = damped_wrench(momentum.lagged_jacobian(), &r, &unexplained, damping) else {
             return self.estimate.held(EstimateFault::NotPositiveDefinite);

@@ -1,6 +1,6 @@
 //! Settings of the thermal virtual sensor.
 
-use crate::OBSERVER_GAIN_RAD_S;
+use crate::momentum::{OBSERVER_GAIN_RAD_S, PANDA_TORQUE_SD_NM, PANDA_VELOCITY_SD_RAD_S};
 use nalgebra::SVector;
 use thiserror::Error;
 use tribo_friction::FrictionModel;
@@ -64,8 +64,8 @@ impl<const N: usize> ThermalSettings<N> {
             ambient_c,
             initial_c: SVector::repeat(ambient_c),
             gain_rad_s: OBSERVER_GAIN_RAD_S,
-            torque_sd_nm: SVector::repeat(0.05),
-            velocity_sd_rad_s: SVector::repeat(3e-3),
+            torque_sd_nm: SVector::repeat(PANDA_TORQUE_SD_NM),
+            velocity_sd_rad_s: SVector::repeat(PANDA_VELOCITY_SD_RAD_S),
             sliding_rad_s: 0.03,
             observe_every_s: 5e-3,
             observer: ObserverSettings::default(),

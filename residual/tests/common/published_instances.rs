@@ -57,5 +57,5 @@ pub fn instance(k: u64) -> ForceProblem<7, 6> {
     for i in 0..7 {
         torque[i] += sd[i] * s.normal();
     }
-    ForceProblem { torque, jacobian, lower, upper, variance: sd.component_mul(&sd) }
+    ForceProblem { torque, jacobian, lower, upper, covariance: SMatrix::from_diagonal(&sd.component_mul(&sd)) }
 }
