@@ -4,6 +4,7 @@
 //! |---|---|
 //! | directory with the four `exciting_traj_*.txt` | [`LogFormat::PandaGaz`] |
 //! | `PAR1` | [`LogFormat::Parquet`] |
+//! | text, or gzip of text, whose first line names `state.q[0]`, or `sent commands` | [`LogFormat::Libfranka`] |
 //! | text whose first line names at least one canonical column | [`LogFormat::Csv`] |
 //! | gzip of such text | [`LogFormat::CsvGz`] |
 //! | text, or gzip of text, whose first line names `Time`, `Position1`, `TorqueSm1` and `TorqueCur1` | [`LogFormat::KinovaGen3`] |
@@ -15,6 +16,7 @@ use crate::csv_lines::{BYTE_ORDER_MARK, header_names};
 use crate::error::{LogError, shown};
 use crate::format::LogFormat;
 use crate::kinova_gen3::{is_kinova_gen3, read_kinova_gen3};
+use crate::libfranka::{is_libfranka, read_libfranka};
 use crate::log::RobotLog;
 use crate::panda_gaz::{is_panda_gaz, read_panda_gaz};
 use crate::parquet_log::read_parquet;
@@ -40,6 +42,7 @@ pub fn detect(path: impl AsRef<Path>) -> Result<LogFormat, LogError> {
         [b'P', b'A', b'R', b'1', ..] if !packed => Ok(LogFormat::Parquet),
         [0x89, b'M', b'C', b'A', b'P', ..] => Err(unknown(path, "MCAP".to_owned())),
         _ => match header_of(start) {
+            Some(names) if is_libfranka(&names) => Ok(LogFormat::Libfranka),
             Some(names) if names.iter().any(|name| Quantity::from_column_name(name).is_some()) => {
                 Ok(if packed { LogFormat::CsvGz } else { LogFormat::Csv })
             }
@@ -60,6 +63,7 @@ pub fn read_log(path: impl AsRef<Path>) -> Result<(RobotLog, LogSummary), LogErr
         LogFormat::Parquet => read_parquet(path),
         LogFormat::PandaGaz => read_panda_gaz(path),
         LogFormat::KinovaGen3 => read_kinova_gen3(path),
+        LogFormat::Libfranka => read_libfranka(path),
     }
 }
 

@@ -58,7 +58,7 @@ pub enum LogError {
     #[error(
         "{path}: unknown format ({found}); known: canonical CSV (columns time, q_0.., dq_0.., tau_J_0..), plain or gzip; \
          Parquet with the same columns; directory of exciting_traj_*.txt (Gaz 2019); Kinova Gen3 CSV (Time, Position1.., TorqueSm1.., \
-         TorqueCur1..), plain or gzip"
+         TorqueCur1..) and libfranka CSV (time, state.q[0].., cmd..), plain or gzip"
     )]
     UnknownFormat {
         /// The file or directory.

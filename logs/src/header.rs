@@ -4,6 +4,7 @@
 //! `dq_i` and `tau_J_i` must be there. Names that are not canonical are kept as `unknown`.
 
 use std::collections::HashMap;
+use std::ops::Range;
 
 use crate::error::LogError;
 use crate::log::LogColumns;
@@ -12,9 +13,9 @@ use crate::quantity::Quantity;
 /// Where each canonical column stands in a file.
 pub(crate) struct Header {
     /// Number of joints.
-    joints: usize,
+    pub joints: usize,
     /// Quantities the file has, in canonical order.
-    quantities: Vec<Quantity>,
+    pub quantities: Vec<Quantity>,
     /// Position in the file of each canonical column, in canonical order.
     pub positions: Vec<usize>,
     /// Names that are not canonical.
@@ -66,6 +67,13 @@ impl Header {
         let names =
             |&quantity: &Quantity| (0..quantity.column_count(self.joints)).map(move |i| quantity.column_name(i));
         self.quantities.iter().flat_map(names).collect()
+    }
+
+    /// Where the columns of a quantity stand among the canonical columns; empty if it is not there.
+    pub fn columns_of(&self, quantity: Quantity) -> Range<usize> {
+        let count = |&q: &Quantity| q.column_count(self.joints);
+        let start = self.quantities.iter().take_while(|&&q| q != quantity).map(count).sum();
+        start..start + self.quantities.iter().find(|&&q| q == quantity).map_or(0, count)
     }
 
     /// Columns given in canonical order become the columns of a log.
