@@ -17,6 +17,8 @@ pub enum LogFormat {
     KinovaGen3,
     /// CSV that libfranka's `logToCSV` writes, plain or gzip.
     Libfranka,
+    /// MCAP with messages of a kind that is understood.
+    Mcap,
 }
 
 impl fmt::Display for LogFormat {
@@ -28,6 +30,7 @@ impl fmt::Display for LogFormat {
             Self::PandaGaz => "Panda text files (Gaz 2019)",
             Self::KinovaGen3 => "Kinova Gen3 CSV",
             Self::Libfranka => "libfranka CSV",
+            Self::Mcap => "MCAP",
         })
     }
 }

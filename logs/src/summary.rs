@@ -39,6 +39,8 @@ pub struct LogSummary {
     pub unwrapped_jumps: usize,
     /// Columns of the file that are not canonical and were ignored.
     pub unknown_columns: Vec<String>,
+    /// Where the rows come from inside the file, where it holds several things: topic, joints, clock, alternatives.
+    pub source: Option<String>,
     /// Suspicions, in words, such as a last line without line ending.
     pub warnings: Vec<String>,
 }
@@ -78,6 +80,7 @@ impl LogSummary {
             present,
             unwrapped_jumps: 0,
             unknown_columns,
+            source: None,
             warnings: suspect.then(milliseconds).into_iter().collect(),
         }
     }
@@ -93,6 +96,9 @@ impl fmt::Display for LogSummary {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let list = |quantities: &[Quantity]| quantities.iter().map(ToString::to_string).collect::<Vec<_>>().join(", ");
         writeln!(f, "format       {}", self.format)?;
+        if let Some(source) = &self.source {
+            writeln!(f, "source       {source}")?;
+        }
         writeln!(f, "joints       {}", self.joints)?;
         write!(f, "rows         {} ({} repeated rows dropped", self.rows, self.dropped_repeats)?;
         if self.dropped_incomplete > 0 {

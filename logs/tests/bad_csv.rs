@@ -58,10 +58,7 @@ fn what_is_odd_but_legal_is_in_the_summary() {
 #[test]
 fn stamps_that_look_like_milliseconds_are_suspected() {
     let (_, summary) = read(GOOD.replace("\n0.001", "\n1"));
-    assert_eq!(
-        summary.warnings,
-        ["every stamp is a whole number: `time` is in seconds here; is it in milliseconds?"]
-    );
+    assert_eq!(summary.warnings, ["every stamp is a whole number: `time` is in seconds here; is it in milliseconds?"]);
     assert!(read(GOOD).1.warnings.is_empty());
 }
 
@@ -115,7 +112,7 @@ fn empty_and_foreign_files_are_told_apart() {
     }
     for (content, found) in [
         (&b"hello world\n1 2 3\n"[..], "starts with `hello world\\n1 2 3\\n`"),
-        (b"\x89MCAP0\r\n", "MCAP"),
+        (b"SQLite format 3\0", "an SQLite database; `ros2 bag convert`"),
         (b"\x7fELF\x02\x01", "starts with `\\u{7f}ELF"),
     ] {
         let (_directory, path) = file("x", content);
@@ -152,7 +149,7 @@ fn paths_that_are_no_files_are_named() {
     let text = read_csv(directory.path()).unwrap_err().to_string();
     assert_eq!(text, format!("{}: is a directory, expected a CSV file", directory.path().display()));
     let text = detect(directory.path()).unwrap_err().to_string();
-    assert!(text.contains("a directory without exciting_traj_time.txt"), "{text}");
+    assert!(text.contains("a directory without exciting_traj_time.txt and without .mcap"), "{text}");
     let log = synthetic_log(1, 3, false);
     assert!(write_csv(directory.path(), &log).unwrap_err().to_string().contains("is a directory"));
 }

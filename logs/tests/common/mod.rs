@@ -2,6 +2,8 @@
 
 #![allow(clippy::unwrap_used, clippy::panic, dead_code, reason = "test helpers; not every binary uses all")]
 
+pub mod ros2;
+
 use std::fs;
 use std::io::Write;
 use std::path::{Path, PathBuf};
