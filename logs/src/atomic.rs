@@ -117,7 +117,8 @@ fn sync_directory(_: &Path) -> io::Result<()> {
     Ok(())
 }
 
-fn failed(path: &Path, action: &'static str, source: io::Error) -> LogError {
+/// An error of the disk.
+pub(crate) fn failed(path: &Path, action: &'static str, source: io::Error) -> LogError {
     LogError::Io { path: path.to_path_buf(), action, source }
 }
 

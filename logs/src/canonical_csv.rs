@@ -10,13 +10,10 @@
 //! Leaves out: repair. A row with an old stamp is an error, unless it repeats the row before exactly: then it is
 //! dropped and counted.
 
-use std::io::{self, BufRead, Write};
+use std::io::BufRead;
 use std::path::Path;
 
-use flate2::Compression;
-use flate2::write::GzEncoder;
-
-use crate::atomic::write_atomic;
+use crate::convert::{ColumnNames, LogTarget, write_log};
 use crate::csv_lines::Lines;
 use crate::csv_rows::{Clock, CsvRows};
 use crate::error::LogError;
@@ -59,36 +56,7 @@ pub(crate) fn canonical_rows<R: BufRead>(
 /// Writes a log as canonical CSV, gzip if the name ends in `.gz`. The file appears whole or not at all.
 ///
 /// # Errors
-/// Those of [`write_atomic`].
+/// Those of [`write_atomic`](crate::write_atomic).
 pub fn write_csv(path: impl AsRef<Path>, log: &RobotLog) -> Result<(), LogError> {
-    let path = path.as_ref();
-    let packed = path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("gz"));
-    write_atomic(path, |file| {
-        if packed {
-            let mut encoder = GzEncoder::new(file, Compression::default());
-            write_rows(&mut encoder, log)?;
-            encoder.finish()?;
-            Ok(())
-        } else {
-            write_rows(file, log)
-        }
-    })
-}
-
-/// Header and rows. `{:?}` is the shortest text that reads back to the same bits, with exponents where shorter.
-fn write_rows(out: &mut dyn Write, log: &RobotLog) -> io::Result<()> {
-    let columns = log.named();
-    let names: Vec<&str> = columns.iter().map(|(name, _)| name.as_str()).collect();
-    writeln!(out, "{}", names.join(","))?;
-    let mut line = Vec::new();
-    for row in 0..log.rows() {
-        line.clear();
-        for (_, column) in &columns {
-            write!(line, "{:?},", column[row])?;
-        }
-        line.pop();
-        line.push(b'\n');
-        out.write_all(&line)?;
-    }
-    Ok(())
+    write_log(path, log, LogTarget::Csv(ColumnNames::Canonical))
 }

@@ -241,6 +241,12 @@ pub enum LogError {
         /// Stamp of this row (s).
         value_s: f64,
     },
+    /// Somebody asked to stop before the file was whole.
+    #[error("{path}: stopped; nothing is written")]
+    Stopped {
+        /// The file that was to be written.
+        path: PathBuf,
+    },
     /// A setting lies outside its range.
     #[error("{field}: {value} is outside {allowed}")]
     OutOfRange {

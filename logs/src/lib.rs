@@ -1,7 +1,8 @@
 //! Robot logs on disk: one reader and one writer per format, and nothing about robots beyond that.
 //!
 //! ```text
-//! file or directory  --read_log-->  (RobotLog, LogSummary)  --write_csv / write_parquet-->  file
+//! file or directory  --read_log-->  (RobotLog, LogSummary)  --write_csv / write_parquet / write_mcap-->  file
+//! file or directory  --convert (in batches of rows where the formats allow it)-->                        file, LogSummary
 //! ```
 //!
 //! [`RobotLog`] is columnar and always valid: at least two rows, finite cells, columns of one length, strictly
@@ -30,8 +31,10 @@ mod atomic;
 mod bursts;
 mod canonical_csv;
 mod cdr;
+mod convert;
 mod csv_lines;
 mod csv_rows;
+mod csv_writer;
 mod detect;
 mod error;
 mod format;
@@ -56,6 +59,7 @@ mod summary;
 pub use atomic::write_atomic;
 pub use bursts::{GAP_TOLERANCE, bursts, median_period_s};
 pub use canonical_csv::{read_csv, read_csv_from, write_csv};
+pub use convert::{ColumnNames, LogTarget, convert, write_log};
 pub use detect::{detect, read_log};
 pub use error::LogError;
 pub use format::LogFormat;

@@ -31,7 +31,7 @@ use crate::format::LogFormat;
 use crate::header::Header;
 use crate::log::RobotLog;
 use crate::quantity::Quantity;
-use crate::source::open_text;
+use crate::source::TextFile;
 use crate::summary::LogSummary;
 
 /// The column between state and command in the legacy header.
@@ -78,43 +78,37 @@ pub(crate) fn is_libfranka(names: &[String]) -> bool {
 /// # Errors
 /// As [`read_csv`](crate::read_csv); missing columns are called by their libfranka names.
 pub fn read_libfranka(path: impl AsRef<Path>) -> Result<(RobotLog, LogSummary), LogError> {
-    let path = path.as_ref();
-    libfranka_rows(open_text(path, "CSV")?.0, path)?.into_log()
+    libfranka_rows(&TextFile::new(path.as_ref()))?.into_log()
 }
 
-/// The rows of a file, header read. Where only the command tells the torque, the file is opened a second time and read up to
-/// the first row that has one.
-pub(crate) fn libfranka_rows(reader: Box<dyn BufRead>, path: &Path) -> Result<CsvRows<'_, Box<dyn BufRead>>, LogError> {
-    let commanded = rows_with(reader, path, true)?;
-    if !commanded.header.quantities.contains(&Quantity::TorqueDesired) || ever_commanded(path)? {
-        return Ok(commanded);
+/// The rows of a file, header read. Where only the command tells the torque, the file is read before up to the first row that
+/// has one.
+pub(crate) fn libfranka_rows<'p>(file: &TextFile<'p>) -> Result<CsvRows<'p, Box<dyn BufRead>>, LogError> {
+    let commanded = rows_with(file, true)?;
+    if !commanded.header.quantities.contains(&Quantity::TorqueDesired) || ever_commanded(commanded) {
+        return rows_with(file, true);
     }
-    let mut rows = rows_with(open_text(path, "CSV")?.0, path, false)?;
+    let mut rows = rows_with(file, false)?;
     rows.warnings.push("tau_J_d is zero throughout: no torque was commanded; left out".to_owned());
     Ok(rows)
 }
 
 /// The rows of a file with or without the commanded torque.
-fn rows_with(
-    reader: Box<dyn BufRead>,
-    path: &Path,
-    commanded_torque: bool,
-) -> Result<CsvRows<'_, Box<dyn BufRead>>, LogError> {
-    let mut lines = Lines::new(reader, path);
+fn rows_with<'p>(file: &TextFile<'p>, commanded_torque: bool) -> Result<CsvRows<'p, Box<dyn BufRead>>, LogError> {
+    let mut lines = Lines::new(file.open("CSV")?.0, file.path);
     let (names, delimiter) = lines.header()?;
-    let header = placed(&names, commanded_torque).map_err(|error| error.in_file(path))?;
-    Ok(CsvRows::new(lines, path, LogFormat::Libfranka, &names, delimiter, header, Clock::Milliseconds))
+    let header = placed(&names, commanded_torque).map_err(|error| error.in_file(file.path))?;
+    Ok(CsvRows::new(lines, file.path, LogFormat::Libfranka, &names, delimiter, header, Clock::Milliseconds))
 }
 
 /// Whether some row has a commanded torque. A row that cannot be read says yes: the error is told where the rows are used.
-fn ever_commanded(path: &Path) -> Result<bool, LogError> {
-    let mut rows = rows_with(open_text(path, "CSV")?.0, path, true)?;
+fn ever_commanded(mut rows: CsvRows<'_, Box<dyn BufRead>>) -> bool {
     let columns = rows.header.columns_of(Quantity::TorqueDesired);
     loop {
         match rows.advance() {
             Ok(Some(row)) if row[columns.clone()].iter().all(|&torque_nm| torque_nm == 0.0) => {}
-            Ok(None) => return Ok(false),
-            _ => return Ok(true),
+            Ok(None) => return false,
+            _ => return true,
         }
     }
 }

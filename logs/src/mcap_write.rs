@@ -12,12 +12,14 @@
 
 use std::collections::BTreeMap;
 use std::io::{Seek, Write};
+use std::ops::Range;
 use std::path::Path;
 
 use mcap::records::MessageHeader;
-use mcap::{McapError, McapResult, WriteOptions};
+use mcap::{McapError, McapResult, WriteOptions, Writer};
 
-use crate::atomic::replace;
+use crate::atomic::failed;
+use crate::convert::{LogTarget, write_log};
 use crate::error::LogError;
 use crate::log::RobotLog;
 use crate::quantity::Quantity;
@@ -30,72 +32,98 @@ const SCHEMA_NAME: &str = "tribo.Log";
 /// # Errors
 /// Those of [`write_atomic`](crate::write_atomic).
 pub fn write_mcap(path: impl AsRef<Path>, log: &RobotLog) -> Result<(), LogError> {
-    let path = path.as_ref();
-    replace(path, |file| {
-        write_messages(file, log).map_err(|error| match error {
-            McapError::Io(source) => LogError::Io { path: path.to_path_buf(), action: "write", source },
-            other => LogError::Corrupt { path: path.to_path_buf(), detail: other.to_string() },
-        })
-    })
+    write_log(path, log, LogTarget::Mcap)
 }
 
-fn write_messages(out: impl Write + Seek, log: &RobotLog) -> McapResult<()> {
-    let fields: Vec<(Quantity, Vec<&[f64]>)> = Quantity::ALL
-        .into_iter()
-        .map(|quantity| (quantity, log.quantity(quantity)))
-        .filter(|(_, c)| !c.is_empty())
-        .collect();
+/// A field of the messages: a quantity, and where its columns stand among the canonical ones.
+type Field = (Quantity, Range<usize>);
 
-    // One thread packs: the same log gives the same bytes.
-    let mut writer = WriteOptions::new().compression_threads(0).library("tribo").create(out)?;
-    let schema = writer.add_schema(SCHEMA_NAME, "jsonschema", schema(&fields).as_bytes())?;
-    let channel_id = writer.add_channel(schema, TOPIC, "json", &BTreeMap::new())?;
-    let start_s = log.time_s.first().map_or(0.0, |first| first.min(0.0));
-    let (mut text, mut previous_ns) = (Vec::new(), None);
-    for (row, time_s) in log.time_s.iter().enumerate() {
-        text.clear();
-        message(&mut text, &fields, row)?;
-        let rounded_ns = ((time_s - start_s) * 1e9).round() as u64;
-        let log_time = previous_ns.map_or(rounded_ns, |previous: u64| rounded_ns.max(previous.saturating_add(1)));
-        previous_ns = Some(log_time);
-        let sequence = u32::try_from(row).unwrap_or(u32::MAX);
-        writer
-            .write_to_known_channel(&MessageHeader { channel_id, sequence, log_time, publish_time: log_time }, &text)?;
+/// An MCAP file being written.
+pub(crate) struct McapWriter<W: Write + Seek> {
+    writer: Writer<W>,
+    channel_id: u16,
+    fields: Vec<Field>,
+    /// What is added to time so that no stamp is negative (s).
+    shift_s: Option<f64>,
+    previous_ns: Option<u64>,
+    sequence: u32,
+    text: Vec<u8>,
+}
+
+impl<W: Write + Seek> McapWriter<W> {
+    /// Begins a file with columns of these names, in canonical order, time first.
+    pub fn new(out: W, path: &Path, names: &[String]) -> Result<Self, LogError> {
+        let mut fields: Vec<Field> = Vec::new();
+        for (place, (quantity, _)) in names.iter().filter_map(|name| Quantity::from_column_name(name)).enumerate() {
+            match fields.last_mut() {
+                Some((last, columns)) if *last == quantity => columns.end = place + 1,
+                _ => fields.push((quantity, place..place + 1)),
+            }
+        }
+        let begin = || {
+            // One thread packs: the same log gives the same bytes.
+            let mut writer = WriteOptions::new().compression_threads(0).library("tribo").create(out)?;
+            let schema = writer.add_schema(SCHEMA_NAME, "jsonschema", schema(&fields).as_bytes())?;
+            let channel_id = writer.add_channel(schema, TOPIC, "json", &BTreeMap::new())?;
+            Ok((writer, channel_id))
+        };
+        let (writer, channel_id) = begin().map_err(|error| told(path, error))?;
+        Ok(Self { writer, channel_id, fields, shift_s: None, previous_ns: None, sequence: 0, text: Vec::new() })
     }
-    writer.finish().map(|_| ())
-}
 
-/// The name of a quantity's field.
-fn field(quantity: Quantity) -> String {
-    quantity.to_string().trim_end_matches("_i").to_owned()
+    /// Appends rows, given by columns of one length.
+    pub fn write(&mut self, columns: &[&[f64]], path: &Path) -> Result<(), LogError> {
+        self.write_rows(columns).map_err(|error| told(path, error))
+    }
+
+    fn write_rows(&mut self, columns: &[&[f64]]) -> McapResult<()> {
+        for (row, &time_s) in columns.first().copied().unwrap_or_default().iter().enumerate() {
+            self.text.clear();
+            message(&mut self.text, &self.fields, columns, row)?;
+            let shift_s = *self.shift_s.get_or_insert(-time_s.min(0.0));
+            let rounded_ns = ((time_s + shift_s) * 1e9).round() as u64;
+            let log_time = self.previous_ns.map_or(rounded_ns, |previous| rounded_ns.max(previous.saturating_add(1)));
+            self.previous_ns = Some(log_time);
+            let (channel_id, sequence) = (self.channel_id, self.sequence);
+            self.sequence = sequence.wrapping_add(1);
+            let header = MessageHeader { channel_id, sequence, log_time, publish_time: log_time };
+            self.writer.write_to_known_channel(&header, &self.text)?;
+        }
+        Ok(())
+    }
+
+    /// Ends the file with its index.
+    pub fn finish(mut self, path: &Path) -> Result<(), LogError> {
+        self.writer.finish().map(|_| ()).map_err(|error| told(path, error))
+    }
 }
 
 /// JSON schema of the messages.
-fn schema(fields: &[(Quantity, Vec<&[f64]>)]) -> String {
-    let property = |(quantity, columns): &(Quantity, Vec<&[f64]>)| {
+fn schema(fields: &[Field]) -> String {
+    let property = |(quantity, columns): &Field| {
         let kind = if is_scalar(*quantity) {
             r#"{"type":"number"}"#.to_owned()
         } else {
             format!(r#"{{"type":"array","items":{{"type":"number"}},"minItems":{0},"maxItems":{0}}}"#, columns.len())
         };
-        format!(r#""{}":{kind}"#, field(*quantity))
+        format!(r#""{}":{kind}"#, quantity.label())
     };
     let properties: Vec<String> = fields.iter().map(property).collect();
     format!(r#"{{"title":"{SCHEMA_NAME}","type":"object","properties":{{{}}}}}"#, properties.join(","))
 }
 
 /// One row. `{:?}` of a finite number is JSON.
-fn message(text: &mut Vec<u8>, fields: &[(Quantity, Vec<&[f64]>)], row: usize) -> std::io::Result<()> {
-    for (place, (quantity, columns)) in fields.iter().enumerate() {
+fn message(text: &mut Vec<u8>, fields: &[Field], columns: &[&[f64]], row: usize) -> std::io::Result<()> {
+    for (place, (quantity, range)) in fields.iter().enumerate() {
         let scalar = is_scalar(*quantity);
         write!(
             text,
             "{}\"{}\":{}",
             if place == 0 { '{' } else { ',' },
-            field(*quantity),
+            quantity.label(),
             if scalar { "" } else { "[" }
         )?;
-        for (index, column) in columns.iter().enumerate() {
+        for (index, column) in columns[range.clone()].iter().enumerate() {
             write!(text, "{}{:?}", if index == 0 { "" } else { "," }, column[row])?;
         }
         text.extend_from_slice(if scalar { b"" } else { b"]" });
@@ -105,5 +133,12 @@ fn message(text: &mut Vec<u8>, fields: &[(Quantity, Vec<&[f64]>)], row: usize) -
 }
 
 fn is_scalar(quantity: Quantity) -> bool {
-    matches!(quantity, Quantity::Time | Quantity::TemperatureAmbient)
+    quantity.column_count(2) == 1
+}
+
+fn told(path: &Path, error: McapError) -> LogError {
+    match error {
+        McapError::Io(source) => failed(path, "write", source),
+        other => LogError::Corrupt { path: path.to_path_buf(), detail: other.to_string() },
+    }
 }
