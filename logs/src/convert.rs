@@ -170,7 +170,7 @@ struct Sink<'o, 'f> {
 enum SinkFormat<'o, 'f> {
     Csv(CsvWriter<&'o mut Output<'f>>),
     Parquet(TableWriter<&'o mut Output<'f>>),
-    Mcap(McapWriter<&'o mut Output<'f>>),
+    Mcap(Box<McapWriter<&'o mut Output<'f>>>),
 }
 
 /// What [`replace`] hands to a writer.
@@ -187,7 +187,7 @@ impl<'o, 'f> Sink<'o, 'f> {
                 csv(&names.iter().map(|name| Quantity::tree_name(name)).collect::<Vec<_>>(), out)?
             }
             LogTarget::Parquet => SinkFormat::Parquet(TableWriter::new(out, path, names, &table_metadata())?),
-            LogTarget::Mcap => SinkFormat::Mcap(McapWriter::new(out, path, names)?),
+            LogTarget::Mcap => SinkFormat::Mcap(Box::new(McapWriter::new(out, path, names)?)),
         };
         Ok(Self { format, path })
     }
