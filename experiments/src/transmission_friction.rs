@@ -202,11 +202,11 @@ mod tests {
         assert!(found.joints[0].fit.is_ok() && found.joints[2].fit.is_ok());
         assert!(!found.joints[0].one_way());
 
-        // Joint 0 on a slope: it slows down and never turns.
+        // Joint 0 slows down and never turns back.
         let mut one_way = log([1.0; 3]).into_columns();
         let friction = |v: f64| TRUTH[0][0] * (v / SMOOTHING_RAD_S).tanh() + TRUTH[0][1] * v + TRUTH[0][2];
         for k in 0..one_way.rows() {
-            let v = 0.02 + one_way.dq_rad_s[0][k].abs();
+            let v = 0.01 + one_way.dq_rad_s[0][k].abs();
             one_way.dq_rad_s[0][k] = v;
             one_way.tau_j_nm[0][k] = one_way.tau_link_nm.as_ref().unwrap()[0][k] + friction(v);
         }
