@@ -150,7 +150,11 @@ fn bind_all(nodes: &mut [Node]) -> Vec<Quantity> {
             found.push(*quantity);
         }
     }
-    let _named = NAMES.iter().any(|path| bind(nodes, path, NAME_SLOT));
+    for path in NAMES {
+        if bind(nodes, path, NAME_SLOT) {
+            break;
+        }
+    }
     for (path, slot) in [(STAMP[0], SEC_SLOT), (STAMP[1], NANOSEC_SLOT), (TIME, TIME_SLOT)] {
         bind(nodes, path, slot);
     }

@@ -44,7 +44,9 @@ pub fn run(arguments: &Estimate, common: &Common) -> anyhow::Result<()> {
             return Err(BadInput(format!("{}: {error}", arguments.log.display())).into());
         }
         Err(error) => {
-            eprintln!("tribo: {}: {error}", arguments.log.display());
+            if !common.quiet {
+                eprintln!("tribo: {}: {error}", arguments.log.display());
+            }
             None
         }
     };
