@@ -184,7 +184,7 @@ pub struct Simulate {
 /// Arguments of `estimate`.
 #[derive(Debug, Args)]
 pub struct Estimate {
-    /// The log, in any format that `convert` reads. Where it has torque on both sides of the gears and no --model is given,
+    /// The log, in any format that convert reads. Where it has torque on both sides of the gears and no --model is given,
     /// their friction is all that is estimated.
     pub log: PathBuf,
     /// Model of the robot (YAML, schema tribo.model/1) [default: the bare Panda without friction].
@@ -214,7 +214,7 @@ pub struct Estimate {
 /// Arguments of `diagnose`.
 #[derive(Debug, Args)]
 pub struct Diagnose {
-    /// The logs of one session, in any format that `convert` reads.
+    /// The logs of one session, in any format that convert reads.
     #[arg(required = true, value_name = "LOG")]
     pub logs: Vec<PathBuf>,
     /// Model that the logs are held against (YAML, schema tribo.model/1) [default: the bare Panda without friction; rotors

@@ -102,7 +102,9 @@ pub fn run(arguments: &Estimate, common: &Common) -> anyhow::Result<()> {
     }
     if common.json {
         let mut document = document(&summary, torque.as_ref(), &wrenches);
-        document["transmission"] = gears.as_ref().map_or(Value::Null, transmission::json);
+        if let Some(gears) = &gears {
+            document["transmission"] = transmission::json(gears);
+        }
         print_json(&document);
     } else if !common.quiet {
         print(&summary);
