@@ -64,7 +64,9 @@ pub enum Command {
     ///
     /// Several logs are one session. Exit code 0 whatever the verdict, unless --check is given.
     Diagnose(Diagnose),
-    /// Convert a robot log to canonical CSV (.csv, .csv.gz) or Parquet.
+    /// Convert a robot log to canonical CSV (.csv, .csv.gz), Parquet or MCAP, and say what it holds and lacks.
+    ///
+    /// CSV is converted in batches of rows: an hour at 1 kHz takes no more memory than a minute.
     Convert(Convert),
     /// Write tuned parameters for another program.
     Export(Export),
@@ -182,7 +184,8 @@ pub struct Simulate {
 /// Arguments of `estimate`.
 #[derive(Debug, Args)]
 pub struct Estimate {
-    /// The log: canonical CSV (.gz), Parquet, or the text directory of the public Panda data set.
+    /// The log, in any format that convert reads. Where it has torque on both sides of the gears and no --model is given,
+    /// their friction is all that is estimated.
     pub log: PathBuf,
     /// Model of the robot (YAML, schema tribo.model/1) [default: the bare Panda without friction].
     #[arg(long, value_name = "FILE")]
@@ -211,7 +214,7 @@ pub struct Estimate {
 /// Arguments of `diagnose`.
 #[derive(Debug, Args)]
 pub struct Diagnose {
-    /// The logs of one session: canonical CSV (.gz), Parquet, or the text directory of the public Panda data set.
+    /// The logs of one session, in any format that convert reads.
     #[arg(required = true, value_name = "LOG")]
     pub logs: Vec<PathBuf>,
     /// Model that the logs are held against (YAML, schema tribo.model/1) [default: the bare Panda without friction; rotors
@@ -250,10 +253,14 @@ pub struct Diagnose {
 /// Arguments of `convert`.
 #[derive(Debug, Args)]
 pub struct Convert {
-    /// The log to read; its format is found from its content.
+    /// The log to read; its format is found from its content: CSV (canonical, libfranka, Kinova Gen3), Parquet, MCAP or the
+    /// directory of a rosbag2, the text directory of the public Panda data set.
     pub log: PathBuf,
-    /// The log to write: .csv, .csv.gz or .parquet.
+    /// The log to write: .csv, .csv.gz, .parquet or .mcap.
     pub out: PathBuf,
+    /// Whom a CSV file is for: tribo has columns like q_0, plotjuggler a tree like /joint_0/q. Both are read back.
+    #[arg(long = "for", value_name = "READER", default_value = "tribo", value_parser = PossibleValuesParser::new(["tribo", "plotjuggler"]))]
+    pub reader: String,
 }
 
 /// Arguments of `export`.

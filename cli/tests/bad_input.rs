@@ -244,11 +244,11 @@ fn logs() {
             "estimate good.csv --residual double_encoder",
             &["good.csv: missing columns theta_0 to theta_6", "double_encoder"],
         ),
-        ("convert good.csv z.mcap", &["z.mcap: unknown ending; allowed: .csv, .csv.gz, .parquet"]),
+        ("convert good.csv z.mat", &["z.mat: unknown ending; allowed: .csv, .csv.gz, .parquet, .mcap"]),
         ("convert good.csv nowhere/z.csv", &["nowhere: no such file or directory"]),
         ("convert good.csv /proc/z.csv", &["/proc: cannot create a file in this directory"]),
         ("convert nan.csv z.parquet", &["nan.csv:5: column q_1"]),
-        ("simulate --log z.txt", &["z.txt: unknown ending; allowed: .csv, .csv.gz, .parquet"]),
+        ("simulate --log z.txt", &["z.txt: unknown ending; allowed: .csv, .csv.gz, .parquet, .mcap"]),
         ("simulate --log nowhere/z.csv", &["nowhere: no such file or directory"]),
         ("simulate --compensation nowhere.yaml", &["nowhere.yaml: No such file"]),
     ];

@@ -31,7 +31,16 @@ pub fn write_atomic(
     path: impl AsRef<Path>,
     write: impl FnOnce(&mut dyn Write) -> io::Result<()>,
 ) -> Result<(), LogError> {
-    let target = resolve(path.as_ref())?;
+    let path = path.as_ref();
+    replace(path, |file| write(file).map_err(|source| failed(path, "write", source)))
+}
+
+/// [`write_atomic`] for writers that seek and have errors of their own.
+pub(crate) fn replace(
+    path: &Path,
+    write: impl FnOnce(&mut BufWriter<&mut File>) -> Result<(), LogError>,
+) -> Result<(), LogError> {
+    let target = resolve(path)?;
     let directory = match target.parent() {
         Some(parent) if !parent.as_os_str().is_empty() => parent,
         _ => Path::new("."),
@@ -40,7 +49,8 @@ pub fn write_atomic(
     // Content, on disk under another name.
     let mut temporary = create_in(directory, &target)?;
     let mut buffered = BufWriter::new(temporary.as_file_mut());
-    write(&mut buffered).and_then(|()| buffered.flush()).map_err(|e| failed(&target, "write", e))?;
+    write(&mut buffered)?;
+    buffered.flush().map_err(|e| failed(&target, "write", e))?;
     drop(buffered);
     temporary.as_file().sync_all().map_err(|e| failed(&target, "sync", e))?;
 
@@ -107,7 +117,8 @@ fn sync_directory(_: &Path) -> io::Result<()> {
     Ok(())
 }
 
-fn failed(path: &Path, action: &'static str, source: io::Error) -> LogError {
+/// An error of the disk.
+pub(crate) fn failed(path: &Path, action: &'static str, source: io::Error) -> LogError {
     LogError::Io { path: path.to_path_buf(), action, source }
 }
 

@@ -10,14 +10,12 @@
 //! Leaves out: repair. A row with an old stamp is an error, unless it repeats the row before exactly: then it is
 //! dropped and counted.
 
-use std::io::{self, BufRead, Write};
+use std::io::BufRead;
 use std::path::Path;
 
-use flate2::Compression;
-use flate2::write::GzEncoder;
-
-use crate::atomic::write_atomic;
-use crate::csv_lines::{Lines, RowLayout};
+use crate::convert::{ColumnNames, LogTarget, write_log};
+use crate::csv_lines::Lines;
+use crate::csv_rows::{Clock, CsvRows};
 use crate::error::LogError;
 use crate::format::LogFormat;
 use crate::header::Header;
@@ -32,9 +30,7 @@ use crate::summary::LogSummary;
 pub fn read_csv(path: impl AsRef<Path>) -> Result<(RobotLog, LogSummary), LogError> {
     let path = path.as_ref();
     let (reader, packed) = open_text(path, "CSV")?;
-    let (log, mut summary) = read_csv_from(reader, path)?;
-    summary.format = if packed { LogFormat::CsvGz } else { LogFormat::Csv };
-    Ok((log, summary))
+    canonical_rows(reader, path, if packed { LogFormat::CsvGz } else { LogFormat::Csv })?.into_log()
 }
 
 /// Reads canonical CSV text; `path` is the name that errors show.
@@ -42,74 +38,25 @@ pub fn read_csv(path: impl AsRef<Path>) -> Result<(RobotLog, LogSummary), LogErr
 /// # Errors
 /// As [`read_csv`].
 pub fn read_csv_from(reader: impl BufRead, path: &Path) -> Result<(RobotLog, LogSummary), LogError> {
-    let mut lines = Lines::new(reader, path);
+    canonical_rows(reader, path, LogFormat::Csv)?.into_log()
+}
 
-    // Header: which cell of a line belongs to which column.
+/// The rows of canonical CSV text, header read.
+pub(crate) fn canonical_rows<R: BufRead>(
+    reader: R,
+    path: &Path,
+    format: LogFormat,
+) -> Result<CsvRows<'_, R>, LogError> {
+    let mut lines = Lines::new(reader, path);
     let (names, delimiter) = lines.header()?;
     let header = Header::from_names(&names).map_err(|error| error.in_file(path))?;
-    let wanted = header.column_names().into_iter().zip(header.positions.iter().copied()).collect();
-    let layout = RowLayout { cell_count: names.len(), delimiter, columns: wanted };
-
-    // Rows, straight into columns.
-    let mut columns: Vec<Vec<f64>> = vec![Vec::new(); layout.columns.len()];
-    let mut row = vec![0.0; layout.columns.len()];
-    let (mut cells, mut dropped_repeats) = (Vec::new(), 0);
-    while lines.advance()? {
-        layout.read(&lines, &mut cells, &mut row)?;
-        // Time is the first canonical column.
-        if let Some(&previous_s) = columns[0].last()
-            && row[0] <= previous_s
-        {
-            let repeats = columns.iter().zip(&row).all(|(column, value)| column.last() == Some(value));
-            if !repeats {
-                let (path, line) = (path.to_path_buf(), lines.number);
-                return Err(LogError::TimeStepsBack { path, line, previous_s, value_s: row[0] });
-            }
-            dropped_repeats += 1;
-            continue;
-        }
-        columns.iter_mut().zip(&row).for_each(|(column, &value)| column.push(value));
-    }
-
-    let log = header.assemble(columns).validate().map_err(|error| error.in_file(path))?;
-    let mut summary = LogSummary::new(LogFormat::Csv, &log, dropped_repeats, header.unknown);
-    summary.warnings.extend(lines.cut_off());
-    Ok((log, summary))
+    Ok(CsvRows::new(lines, path, format, &names, delimiter, header, Clock::Seconds))
 }
 
 /// Writes a log as canonical CSV, gzip if the name ends in `.gz`. The file appears whole or not at all.
 ///
 /// # Errors
-/// Those of [`write_atomic`].
+/// Those of [`write_atomic`](crate::write_atomic).
 pub fn write_csv(path: impl AsRef<Path>, log: &RobotLog) -> Result<(), LogError> {
-    let path = path.as_ref();
-    let packed = path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("gz"));
-    write_atomic(path, |file| {
-        if packed {
-            let mut encoder = GzEncoder::new(file, Compression::default());
-            write_rows(&mut encoder, log)?;
-            encoder.finish()?;
-            Ok(())
-        } else {
-            write_rows(file, log)
-        }
-    })
-}
-
-/// Header and rows. `{:?}` is the shortest text that reads back to the same bits, with exponents where shorter.
-fn write_rows(out: &mut dyn Write, log: &RobotLog) -> io::Result<()> {
-    let columns = log.named();
-    let names: Vec<&str> = columns.iter().map(|(name, _)| name.as_str()).collect();
-    writeln!(out, "{}", names.join(","))?;
-    let mut line = Vec::new();
-    for row in 0..log.rows() {
-        line.clear();
-        for (_, column) in &columns {
-            write!(line, "{:?},", column[row])?;
-        }
-        line.pop();
-        line.push(b'\n');
-        out.write_all(&line)?;
-    }
-    Ok(())
+    write_log(path, log, LogTarget::Csv(ColumnNames::Canonical))
 }

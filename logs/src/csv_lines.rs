@@ -134,10 +134,10 @@ pub(crate) fn split_cells(line: &[u8], delimiter: u8, cells: &mut Vec<Range<usiz
     !quoted
 }
 
-/// Column names and delimiter of a header line: semicolon if it has one, else comma. `None` if a quote is not closed
+/// Column names and delimiter of a header line: semicolon if it has one, else comma, else tabulator. `None` if a quote is not closed
 /// or the names are not UTF-8.
 pub(crate) fn header_names(line: &[u8]) -> Option<(Vec<String>, u8)> {
-    let delimiter = if line.contains(&b';') { b';' } else { b',' };
+    let delimiter = *[b';', b',', b'\t'].iter().find(|delimiter| line.contains(delimiter)).unwrap_or(&b',');
     let mut cells = Vec::new();
     if !split_cells(line, delimiter, &mut cells) {
         return None;

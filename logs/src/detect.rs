@@ -3,19 +3,23 @@
 //! | content | format |
 //! |---|---|
 //! | directory with the four `exciting_traj_*.txt` | [`LogFormat::PandaGaz`] |
+//! | MCAP magic, or a directory with one `.mcap` file (rosbag2) | [`LogFormat::Mcap`] |
 //! | `PAR1` | [`LogFormat::Parquet`] |
+//! | text, or gzip of text, whose first line names `state.q[0]`, or `sent commands` | [`LogFormat::Libfranka`] |
 //! | text whose first line names at least one canonical column | [`LogFormat::Csv`] |
 //! | gzip of such text | [`LogFormat::CsvGz`] |
 //! | text, or gzip of text, whose first line names `Time`, `Position1`, `TorqueSm1` and `TorqueCur1` | [`LogFormat::KinovaGen3`] |
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use crate::canonical_csv::read_csv;
 use crate::csv_lines::{BYTE_ORDER_MARK, header_names};
 use crate::error::{LogError, shown};
 use crate::format::LogFormat;
 use crate::kinova_gen3::{is_kinova_gen3, read_kinova_gen3};
+use crate::libfranka::{is_libfranka, read_libfranka};
 use crate::log::RobotLog;
+use crate::mcap_log::{MCAP_MAGIC, read_mcap};
 use crate::panda_gaz::{is_panda_gaz, read_panda_gaz};
 use crate::parquet_log::read_parquet;
 use crate::quantity::Quantity;
@@ -30,16 +34,24 @@ use crate::summary::LogSummary;
 pub fn detect(path: impl AsRef<Path>) -> Result<LogFormat, LogError> {
     let path = path.as_ref();
     if path.is_dir() {
-        let found = "a directory without exciting_traj_time.txt";
-        return if is_panda_gaz(path) { Ok(LogFormat::PandaGaz) } else { Err(unknown(path, found.to_owned())) };
+        if is_panda_gaz(path) {
+            return Ok(LogFormat::PandaGaz);
+        }
+        return bag_file(path)?
+            .map(|_| LogFormat::Mcap)
+            .ok_or_else(|| unknown(path, "a directory without exciting_traj_time.txt and without .mcap".to_owned()));
     }
     let (mut reader, packed) = open_text(path, "log")?;
     let start = peek(path, &mut *reader)?;
     match start {
         [] => Err(LogError::Empty { path: path.to_path_buf() }),
         [b'P', b'A', b'R', b'1', ..] if !packed => Ok(LogFormat::Parquet),
-        [0x89, b'M', b'C', b'A', b'P', ..] => Err(unknown(path, "MCAP".to_owned())),
+        start if start.starts_with(&MCAP_MAGIC) && !packed => Ok(LogFormat::Mcap),
+        start if start.starts_with(b"SQLite format 3") => {
+            Err(unknown(path, "an SQLite database; `ros2 bag convert` makes MCAP of a bag".to_owned()))
+        }
         _ => match header_of(start) {
+            Some(names) if is_libfranka(&names) => Ok(LogFormat::Libfranka),
             Some(names) if names.iter().any(|name| Quantity::from_column_name(name).is_some()) => {
                 Ok(if packed { LogFormat::CsvGz } else { LogFormat::Csv })
             }
@@ -60,7 +72,23 @@ pub fn read_log(path: impl AsRef<Path>) -> Result<(RobotLog, LogSummary), LogErr
         LogFormat::Parquet => read_parquet(path),
         LogFormat::PandaGaz => read_panda_gaz(path),
         LogFormat::KinovaGen3 => read_kinova_gen3(path),
+        LogFormat::Libfranka => read_libfranka(path),
+        LogFormat::Mcap => read_mcap(bag_file(path)?.as_deref().unwrap_or(path)),
     }
+}
+
+/// The one MCAP file of a rosbag2 directory.
+fn bag_file(directory: &Path) -> Result<Option<PathBuf>, LogError> {
+    if !directory.is_dir() {
+        return Ok(None);
+    }
+    let entries = std::fs::read_dir(directory).map_err(|source| LogError::io(directory, "open", source))?;
+    let is_mcap = |path: &PathBuf| path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("mcap"));
+    let mut files: Vec<PathBuf> = entries.filter_map(|entry| Some(entry.ok()?.path())).filter(is_mcap).collect();
+    if files.len() > 1 {
+        return Err(unknown(directory, format!("a directory with {} MCAP files; name one of them", files.len())));
+    }
+    Ok(files.pop())
 }
 
 /// The cells of the first line with content, if it can be a header.

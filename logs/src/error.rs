@@ -58,13 +58,37 @@ pub enum LogError {
     #[error(
         "{path}: unknown format ({found}); known: canonical CSV (columns time, q_0.., dq_0.., tau_J_0..), plain or gzip; \
          Parquet with the same columns; directory of exciting_traj_*.txt (Gaz 2019); Kinova Gen3 CSV (Time, Position1.., TorqueSm1.., \
-         TorqueCur1..), plain or gzip"
+         TorqueCur1..) and libfranka CSV (time, state.q[0].., cmd..), plain or gzip; \
+         MCAP (or the directory of a rosbag2) with sensor_msgs/JointState, franka_msgs/FrankaRobotState or JSON"
     )]
     UnknownFormat {
         /// The file or directory.
         path: PathBuf,
         /// What its first bytes look like.
         found: String,
+    },
+    /// An MCAP file has no topic that a log can be made of.
+    #[error(
+        "{path}: no topic with joint positions, velocities and torques; {}",
+        if topics.is_empty() { "it has no messages".to_owned() } else { topics.join("; ") }
+    )]
+    NoReadableTopic {
+        /// The file.
+        path: PathBuf,
+        /// Topic, type and why it is none, each.
+        topics: Vec<String>,
+    },
+    /// A message of the topic that is read is broken.
+    #[error("{path}: topic {topic}, message {message}: {detail}")]
+    BadMessage {
+        /// The file.
+        path: PathBuf,
+        /// The topic.
+        topic: String,
+        /// Number of the message on its topic, from 0.
+        message: u64,
+        /// Field and value.
+        detail: String,
     },
     /// Compressed data or a checksum is damaged.
     #[error("{path}: damaged or cut off: {detail}")]
@@ -216,6 +240,12 @@ pub enum LogError {
         previous_s: f64,
         /// Stamp of this row (s).
         value_s: f64,
+    },
+    /// Somebody asked to stop before the file was whole.
+    #[error("{path}: stopped; nothing is written")]
+    Stopped {
+        /// The file that was to be written.
+        path: PathBuf,
     },
     /// A setting lies outside its range.
     #[error("{field}: {value} is outside {allowed}")]

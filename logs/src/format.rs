@@ -15,6 +15,10 @@ pub enum LogFormat {
     PandaGaz,
     /// CSV of the Kinova Gen3 data of `dynamic-identification`, plain or gzip.
     KinovaGen3,
+    /// CSV that libfranka's `logToCSV` writes, plain or gzip.
+    Libfranka,
+    /// MCAP with messages of a kind that is understood.
+    Mcap,
 }
 
 impl fmt::Display for LogFormat {
@@ -25,6 +29,8 @@ impl fmt::Display for LogFormat {
             Self::Parquet => "Parquet",
             Self::PandaGaz => "Panda text files (Gaz 2019)",
             Self::KinovaGen3 => "Kinova Gen3 CSV",
+            Self::Libfranka => "libfranka CSV",
+            Self::Mcap => "MCAP",
         })
     }
 }

@@ -4,6 +4,7 @@
 //! `dq_i` and `tau_J_i` must be there. Names that are not canonical are kept as `unknown`.
 
 use std::collections::HashMap;
+use std::ops::Range;
 
 use crate::error::LogError;
 use crate::log::LogColumns;
@@ -12,9 +13,9 @@ use crate::quantity::Quantity;
 /// Where each canonical column stands in a file.
 pub(crate) struct Header {
     /// Number of joints.
-    joints: usize,
+    pub joints: usize,
     /// Quantities the file has, in canonical order.
-    quantities: Vec<Quantity>,
+    pub quantities: Vec<Quantity>,
     /// Position in the file of each canonical column, in canonical order.
     pub positions: Vec<usize>,
     /// Names that are not canonical.
@@ -24,15 +25,23 @@ pub(crate) struct Header {
 impl Header {
     /// Reads the column names of a file.
     pub fn from_names<S: AsRef<str>>(names: &[S]) -> Result<Self, LogError> {
-        let position_of = positions_by_name(names)?;
+        positions_by_name(names)?;
 
         // What the names stand for.
         let mut unknown = Vec::new();
         let mut joints = 1;
-        for name in names.iter().map(AsRef::as_ref) {
+        let mut position_of: HashMap<(Quantity, usize), usize> = HashMap::new();
+        for (position, name) in names.iter().map(AsRef::as_ref).enumerate() {
             match Quantity::from_column_name(name) {
-                Some((quantity, index)) if quantity.is_per_joint() => joints = joints.max(index + 1),
-                Some(_) => {}
+                Some((quantity, index)) => {
+                    if quantity.is_per_joint() {
+                        joints = joints.max(index + 1);
+                    }
+                    if let Some(first) = position_of.insert((quantity, index), position) {
+                        let column = quantity.column_name(index);
+                        return Err(LogError::DuplicateColumn { column, first: first + 1, second: position + 1 });
+                    }
+                }
                 None if name.is_empty() => unknown.push("(unnamed)".to_owned()),
                 None => unknown.push(name.to_owned()),
             }
@@ -41,16 +50,16 @@ impl Header {
         // Whole quantities only.
         let (mut quantities, mut positions, mut missing) = (Vec::new(), Vec::new(), Vec::new());
         for quantity in Quantity::ALL {
-            let columns: Vec<String> = (0..quantity.column_count(joints)).map(|i| quantity.column_name(i)).collect();
-            let present = columns.iter().any(|column| position_of.contains_key(column.as_str()));
+            let columns = 0..quantity.column_count(joints);
+            let present = columns.clone().any(|index| position_of.contains_key(&(quantity, index)));
             if !(present || quantity.is_required()) {
                 continue;
             }
             quantities.push(quantity);
-            for column in columns {
-                match position_of.get(column.as_str()) {
+            for index in columns {
+                match position_of.get(&(quantity, index)) {
                     Some(&position) => positions.push(position),
-                    None => missing.push(column),
+                    None => missing.push(quantity.column_name(index)),
                 }
             }
         }
@@ -66,6 +75,13 @@ impl Header {
         let names =
             |&quantity: &Quantity| (0..quantity.column_count(self.joints)).map(move |i| quantity.column_name(i));
         self.quantities.iter().flat_map(names).collect()
+    }
+
+    /// Where the columns of a quantity stand among the canonical columns; empty if it is not there.
+    pub fn columns_of(&self, quantity: Quantity) -> Range<usize> {
+        let count = |&q: &Quantity| q.column_count(self.joints);
+        let start = self.quantities.iter().take_while(|&&q| q != quantity).map(count).sum();
+        start..start + self.quantities.iter().find(|&&q| q == quantity).map_or(0, count)
     }
 
     /// Columns given in canonical order become the columns of a log.

@@ -24,26 +24,33 @@
 //! Source: <https://github.com/wissem01chiha/dynamic-identification>, folder `data/kinova`.
 
 use std::f64::consts::{PI, TAU};
+use std::io::BufRead;
 use std::path::Path;
 
-use crate::csv_lines::{Lines, RowLayout};
+use crate::csv_lines::Lines;
+use crate::csv_rows::{Clock, CsvRows};
 use crate::error::LogError;
 use crate::format::LogFormat;
-use crate::header::positions_by_name;
-use crate::log::{LogColumns, RobotLog};
+use crate::header::{Header, positions_by_name};
+use crate::log::RobotLog;
+use crate::quantity::Quantity;
 use crate::source::open_text;
 use crate::summary::LogSummary;
 
 /// Joints of the arm.
 const JOINTS: usize = 7;
 
-/// Samples per second: the slope of `Position` per index, over `Velocity`, is 1.00 ms.
-const SAMPLES_PER_S: f64 = 1000.0;
-
+/// The sample index; one sample is 1 ms: so is the slope of `Position` per index, over `Velocity`.
 const INDEX: &str = "Time";
 
-/// The quantities read, one column per joint, joints from 1; in the order of [`Rows::columns`].
-const READ: [&str; 5] = ["Position", "Velocity", "TorqueCur", "TorqueSm", "Temp"];
+/// The quantities read, one column per joint, joints from 1.
+const READ: [(&str, Quantity); 5] = [
+    ("Position", Quantity::Position),
+    ("Velocity", Quantity::Velocity),
+    ("TorqueCur", Quantity::Torque),
+    ("TorqueSm", Quantity::LinkTorque),
+    ("Temp", Quantity::Temperature),
+];
 
 /// The quantities known and left out.
 const LEFT_OUT: [&str; 6] = ["Torque", "Cur", "PositionCmptd", "VelocityCmptd", "AccCmptd", "TorqueCmptd"];
@@ -61,33 +68,23 @@ pub(crate) fn is_kinova_gen3(names: &[String]) -> bool {
 /// [`LogError::BadLine`].
 pub fn read_kinova_gen3(path: impl AsRef<Path>) -> Result<(RobotLog, LogSummary), LogError> {
     let path = path.as_ref();
-    let mut rows = Rows::read(path)?;
-    let mut warnings = std::mem::take(&mut rows.warnings);
-    let [position, velocity, motor, link, temperature] = rows.columns;
+    let (mut columns, end) = rows(path)?.into_columns()?;
+    let mut warnings = end.warnings;
 
     // What was measured.
-    let row_count = rows.time_s.len();
-    if let Some(joint) = motor.iter().position(|column| never_logged(column)) {
+    let row_count = columns.rows();
+    if let Some(joint) = columns.tau_j_nm.iter().position(|column| never_logged(column)) {
         let column = format!("TorqueCur{}", joint + 1);
         return Err(LogError::NotLogged { column, rows: row_count }.in_file(path));
     }
-    let link = measured("TorqueSm", link, &mut warnings);
-    let temperature = measured("Temp", temperature, &mut warnings);
-    let is_complete = |k: usize| link.iter().flatten().all(|column| column[k] != 0.0);
-    let kept: Vec<usize> = (0..row_count).filter(|&k| is_complete(k)).collect();
+    columns.tau_link_nm = columns.tau_link_nm.and_then(|link| measured("TorqueSm", link, &mut warnings));
+    columns.temperature_c = columns.temperature_c.and_then(|warm| measured("Temp", warm, &mut warnings));
+    let unwrapped_jumps = columns.q_rad.iter_mut().map(|angle_rad| unwrap_angle(angle_rad)).sum();
 
-    // The rows kept, by columns.
-    let pick = |column: &Vec<f64>| -> Vec<f64> { kept.iter().map(|&k| column[k]).collect() };
-    let pick_all = |columns: &Vec<Vec<f64>>| -> Vec<Vec<f64>> { columns.iter().map(pick).collect() };
-    let log = LogColumns {
-        time_s: pick(&rows.time_s),
-        q_rad: position.iter().map(|column| pick(&unwrapped(column))).collect(),
-        dq_rad_s: pick_all(&velocity),
-        tau_j_nm: pick_all(&motor),
-        tau_link_nm: link.as_ref().map(pick_all),
-        temperature_c: temperature.as_ref().map(pick_all),
-        ..LogColumns::default()
-    };
+    // The rows kept.
+    let is_complete = |k: usize| columns.tau_link_nm.iter().flatten().all(|column| column[k] != 0.0);
+    let kept: Vec<usize> = (0..row_count).filter(|&k| is_complete(k)).collect();
+    let log = columns.map(|_, column| kept.iter().map(|&k| column[k]).collect());
     let log = log.validate().map_err(|error| error.in_file(path))?;
 
     // What to know about it.
@@ -95,82 +92,42 @@ pub fn read_kinova_gen3(path: impl AsRef<Path>) -> Result<(RobotLog, LogSummary)
     if stale > 0 {
         warnings.push(format!("{stale} rows repeat the positions, velocities and torques of the row before; kept"));
     }
-    let mut summary = LogSummary::new(LogFormat::KinovaGen3, &log, rows.dropped_repeats, rows.unknown);
+    let mut summary = LogSummary::new(LogFormat::KinovaGen3, &log, end.dropped_repeats, end.unknown);
     summary.dropped_incomplete = row_count - kept.len();
-    summary.warnings = warnings;
+    summary.unwrapped_jumps = unwrapped_jumps;
+    summary.warnings.extend(warnings);
     Ok((log, summary))
 }
 
-/// The file as it stands, stamps in seconds.
-struct Rows {
-    time_s: Vec<f64>,
-    /// Quantity of [`READ`], joint, row.
-    columns: [Vec<Vec<f64>>; READ.len()],
-    dropped_repeats: usize,
-    unknown: Vec<String>,
-    warnings: Vec<String>,
+/// The rows of a file, header read.
+fn rows(path: &Path) -> Result<CsvRows<'_, Box<dyn BufRead>>, LogError> {
+    let (reader, _) = open_text(path, "CSV")?;
+    let mut lines = Lines::new(reader, path);
+    let (names, delimiter) = lines.header()?;
+    let header = placed(&names).map_err(|error| error.in_file(path))?;
+    Ok(CsvRows::new(lines, path, LogFormat::KinovaGen3, &names, delimiter, header, Clock::SampleIndex))
 }
 
-impl Rows {
-    fn read(path: &Path) -> Result<Self, LogError> {
-        let (reader, _) = open_text(path, "CSV")?;
-        let mut lines = Lines::new(reader, path);
-        let (names, delimiter) = lines.header()?;
-        let unknown = unknown(&names);
-        let columns = placed(&names, &unknown).map_err(|error| error.in_file(path))?;
-        let layout = RowLayout { cell_count: names.len(), delimiter, columns };
-
-        let columns = std::array::from_fn(|_| vec![Vec::new(); JOINTS]);
-        let mut rows = Self { time_s: Vec::new(), columns, dropped_repeats: 0, unknown, warnings: Vec::new() };
-        let (mut cells, mut row) = (Vec::new(), vec![0.0; layout.columns.len()]);
-        while lines.advance()? {
-            layout.read(&lines, &mut cells, &mut row)?;
-            let [index, values @ ..] = row.as_slice() else { break };
-            if index.fract() != 0.0 {
-                return Err(lines.bad_line(format!("column {INDEX}: {index} is no sample index")));
-            }
-            rows.push(index / SAMPLES_PER_S, values).map_err(|previous_s| {
-                let (path, line) = (path.to_path_buf(), lines.number);
-                LogError::TimeStepsBack { path, line, previous_s, value_s: index / SAMPLES_PER_S }
-            })?;
-        }
-        rows.warnings.extend(lines.cut_off());
-        Ok(rows)
-    }
-
-    /// Appends a row; a row that is exactly the one before is counted instead. The error is the stamp not exceeded.
-    fn push(&mut self, stamp_s: f64, values: &[f64]) -> Result<(), f64> {
-        let mut columns = self.columns.iter_mut().flatten().zip(values);
-        if let Some(&previous_s) = self.time_s.last()
-            && stamp_s <= previous_s
-        {
-            let repeats = stamp_s == previous_s && columns.all(|(c, v)| c.last() == Some(v));
-            self.dropped_repeats += usize::from(repeats);
-            return if repeats { Ok(()) } else { Err(previous_s) };
-        }
-        columns.for_each(|(column, &value)| column.push(value));
-        self.time_s.push(stamp_s);
-        Ok(())
-    }
-}
-
-/// Name and position of every column read, the index first.
-fn placed(names: &[String], unknown: &[String]) -> Result<Vec<(String, usize)>, LogError> {
+/// Where every column read stands, the index first.
+fn placed(names: &[String]) -> Result<Header, LogError> {
     let position_of = positions_by_name(names)?;
-    let (mut placed, mut missing) = (Vec::new(), Vec::new());
-    for name in std::iter::once(INDEX.to_owned()).chain(READ.into_iter().flat_map(of_joints)) {
+    let (mut positions, mut missing, unknown) = (Vec::new(), Vec::new(), unknown(names));
+    for name in std::iter::once(INDEX.to_owned()).chain(READ.into_iter().flat_map(|(stem, _)| of_joints(stem))) {
         match position_of.get(name.as_str()) {
-            Some(&position) => placed.push((name, position)),
+            Some(&position) => positions.push(position),
             None => missing.push(name),
         }
     }
-    let unknown = unknown.to_vec();
-    if missing.is_empty() { Ok(placed) } else { Err(LogError::MissingColumns { missing, unknown }) }
+    if !missing.is_empty() {
+        return Err(LogError::MissingColumns { missing, unknown });
+    }
+    let quantities = std::iter::once(Quantity::Time).chain(READ.map(|(_, quantity)| quantity)).collect();
+    Ok(Header { joints: JOINTS, quantities, positions, unknown })
 }
 
 /// The names that are neither read nor knowingly left out.
 fn unknown(names: &[String]) -> Vec<String> {
-    let known: Vec<String> = READ.into_iter().chain(LEFT_OUT).flat_map(of_joints).collect();
+    let known: Vec<String> = READ.map(|(stem, _)| stem).into_iter().chain(LEFT_OUT).flat_map(of_joints).collect();
     names.iter().filter(|name| *name != INDEX && !known.contains(name)).cloned().collect()
 }
 
@@ -195,20 +152,19 @@ fn measured(stem: &str, columns: Vec<Vec<f64>>, warnings: &mut Vec<String>) -> O
     absent.is_empty().then_some(columns)
 }
 
-/// The angle without jumps of a turn.
-fn unwrapped(angle_rad: &[f64]) -> Vec<f64> {
-    let (mut turns, mut previous_rad) = (0.0, angle_rad.first().copied().unwrap_or(0.0));
-    angle_rad
-        .iter()
-        .map(|&wrapped_rad| {
-            let step_rad: f64 = wrapped_rad - previous_rad;
-            if step_rad.abs() > PI {
-                turns -= (step_rad / TAU).round();
-            }
-            previous_rad = wrapped_rad;
-            wrapped_rad + TAU * turns
-        })
-        .collect()
+/// Takes the jumps of a turn out of an angle; their number.
+fn unwrap_angle(angle_rad: &mut [f64]) -> usize {
+    let (mut turns, mut jumps, mut previous_rad) = (0.0, 0, angle_rad.first().copied().unwrap_or(0.0));
+    for angle in angle_rad {
+        let step_rad: f64 = *angle - previous_rad;
+        if step_rad.abs() > PI {
+            turns -= (step_rad / TAU).round();
+            jumps += 1;
+        }
+        previous_rad = *angle;
+        *angle += TAU * turns;
+    }
+    jumps
 }
 
 /// Rows whose q, dq, tau and link tau are those of the row before.
@@ -228,11 +184,14 @@ mod tests {
         let turning: Vec<f64> = (0..=24).map(|k| f64::from(12 - i32::abs(12 - k)) * TAU / 4.0 + 0.1).collect();
         let wrapped: Vec<f64> = turning.iter().map(|angle| angle - TAU * (angle / TAU).round()).collect();
         assert!(wrapped.iter().all(|angle| angle.abs() <= PI));
-        for (got, expected) in unwrapped(&wrapped).into_iter().zip(turning) {
+        let mut found = wrapped.clone();
+        assert_eq!(unwrap_angle(&mut found), 6, "three turns there, three back");
+        for (got, expected) in found.into_iter().zip(turning) {
             assert!((got - expected).abs() < 1e-14, "{got} {expected}");
         }
-        let calm = [3.0, 0.0, -3.0, 0.1];
-        assert_eq!(unwrapped(&calm), calm);
-        assert!(unwrapped(&[]).is_empty());
+        let mut calm = [3.0, 0.0, -3.0, 0.1];
+        assert_eq!(unwrap_angle(&mut calm), 0);
+        assert_eq!(calm, [3.0, 0.0, -3.0, 0.1]);
+        assert_eq!(unwrap_angle(&mut []), 0);
     }
 }

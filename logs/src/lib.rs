@@ -1,7 +1,8 @@
 //! Robot logs on disk: one reader and one writer per format, and nothing about robots beyond that.
 //!
 //! ```text
-//! file or directory  --read_log-->  (RobotLog, LogSummary)  --write_csv / write_parquet-->  file
+//! file or directory  --read_log-->  (RobotLog, LogSummary)  --write_csv / write_parquet / write_mcap-->  file
+//! file or directory  --convert (in batches of rows where the formats allow it)-->                        file, LogSummary
 //! ```
 //!
 //! [`RobotLog`] is columnar and always valid: at least two rows, finite cells, columns of one length, strictly
@@ -29,18 +30,28 @@
 mod atomic;
 mod bursts;
 mod canonical_csv;
+mod cdr;
+mod convert;
 mod csv_lines;
+mod csv_rows;
+mod csv_writer;
 mod detect;
 mod error;
 mod format;
 mod header;
+mod joint_order;
 mod kinova_gen3;
+mod libfranka;
 mod log;
+mod mcap_log;
+mod mcap_write;
+mod message_source;
 mod panda_gaz;
 mod parquet_log;
 mod parquet_table;
 mod quantity;
 mod resample;
+mod ros2_layout;
 mod seal;
 mod source;
 mod summary;
@@ -48,11 +59,15 @@ mod summary;
 pub use atomic::write_atomic;
 pub use bursts::{GAP_TOLERANCE, bursts, median_period_s};
 pub use canonical_csv::{read_csv, read_csv_from, write_csv};
+pub use convert::{ColumnNames, LogTarget, convert, write_log};
 pub use detect::{detect, read_log};
 pub use error::LogError;
 pub use format::LogFormat;
 pub use kinova_gen3::read_kinova_gen3;
+pub use libfranka::read_libfranka;
 pub use log::{LogColumns, RobotLog, row};
+pub use mcap_log::read_mcap;
+pub use mcap_write::write_mcap;
 pub use panda_gaz::read_panda_gaz;
 pub use parquet_log::{read_parquet, write_parquet};
 pub use parquet_table::{Table, read_table, write_table};

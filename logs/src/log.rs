@@ -13,7 +13,7 @@ use crate::error::LogError;
 use crate::quantity::Quantity;
 
 /// The fewest rows that make a log: one period.
-const MIN_ROWS: usize = 2;
+pub(crate) const MIN_ROWS: usize = 2;
 
 /// Columns of a log that nobody checked yet. Outer index joint (or wrench component), inner index row.
 #[derive(Debug, Clone, Default, PartialEq)]

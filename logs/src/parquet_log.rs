@@ -2,11 +2,12 @@
 
 use std::path::Path;
 
+use crate::convert::{LogTarget, write_log};
 use crate::error::LogError;
 use crate::format::LogFormat;
 use crate::header::Header;
 use crate::log::RobotLog;
-use crate::parquet_table::{Table, read_table, write_table};
+use crate::parquet_table::{Table, read_table};
 use crate::summary::LogSummary;
 
 /// Value of the metadata key `schema`.
@@ -15,9 +16,9 @@ const SCHEMA: &str = "tribo.log/1";
 /// Writes a log as Parquet. The file appears whole or not at all.
 ///
 /// # Errors
-/// Those of [`write_table`].
+/// Those of [`write_atomic`](crate::write_atomic).
 pub fn write_parquet(path: impl AsRef<Path>, log: &RobotLog) -> Result<(), LogError> {
-    write_table(path, &Table::from(log))
+    write_log(path, log, LogTarget::Parquet)
 }
 
 /// Reads a log from Parquet: columns in any order, unknown ones reported.
@@ -34,10 +35,15 @@ pub fn read_parquet(path: impl AsRef<Path>) -> Result<(RobotLog, LogSummary), Lo
     Ok((log, summary))
 }
 
+/// What the footer says of a log.
+pub(crate) fn table_metadata() -> Vec<(String, String)> {
+    vec![("schema".to_owned(), SCHEMA.to_owned())]
+}
+
 impl From<&RobotLog> for Table {
     fn from(log: &RobotLog) -> Self {
         let columns = log.named().into_iter().map(|(name, values)| (name, values.to_vec())).collect();
-        Self { columns, metadata: vec![("schema".to_owned(), SCHEMA.to_owned())], ..Self::default() }
+        Self { columns, metadata: table_metadata(), ..Self::default() }
     }
 }
 

@@ -1,7 +1,7 @@
 //! A table of named `f64` columns in a Parquet file.
 //!
 //! ```text
-//! one row group; per column REQUIRED DOUBLE, BYTE_STREAM_SPLIT + zstd; metadata as key-value pairs of the footer
+//! row groups of 65 536 rows; per column REQUIRED DOUBLE, BYTE_STREAM_SPLIT + zstd; metadata as key-value pairs of the footer
 //! ```
 //!
 //! What is written reads back to the same bits, NaN payloads and signed zeros included, and one table always gives the
@@ -11,7 +11,8 @@
 //! decoder are caught. Leaves out: codecs other than zstd and snappy.
 
 use std::fs::File;
-use std::io::Seek;
+use std::io::{Seek, Write};
+use std::ops::Range;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::Path;
 use std::sync::Arc;
@@ -26,13 +27,20 @@ use parquet::file::reader::{FileReader, SerializedFileReader};
 use parquet::file::writer::SerializedFileWriter;
 use parquet::schema::types::{ColumnDescriptor, Type};
 
-use crate::atomic::write_atomic;
+use crate::atomic::{failed, replace};
 use crate::error::LogError;
-use crate::seal::{self, OPEN_SEAL, SEAL_KEY, SEAL_VALUE, Seal};
+use crate::seal::{self, OPEN_SEAL, SEAL_KEY, SEAL_VALUE, Seal, Sealer};
 use crate::source::open;
 
 /// Who wrote a file, in its footer.
 const PROGRAM: &str = "tribo-logs";
+
+/// Rows of a group: a minute at 1 kHz, 31 MB in 60 columns. Trials and most logs are one group.
+pub(crate) const ROWS_PER_GROUP: usize = 1 << 16;
+
+/// The most rows believed per byte of a file. Rows differ at least in their stamp, so a log needs more than a byte for eight;
+/// beyond this a damaged or hostile footer would ask for memory that the file does not justify.
+const MOST_ROWS_PER_BYTE: u64 = 1 << 10;
 
 /// Values decoded at once.
 const BATCH_ROWS: usize = 1 << 14;
@@ -93,13 +101,66 @@ impl Table {
 ///
 /// # Errors
 /// [`LogError::DuplicateColumn`], [`LogError::ColumnLength`], [`LogError::MissingColumns`] for a table without columns,
-/// and those of [`write_atomic`].
+/// and those of [`write_atomic`](crate::write_atomic).
 pub fn write_table(path: impl AsRef<Path>, table: &Table) -> Result<(), LogError> {
     let path = path.as_ref();
     table.check().map_err(|error| error.in_file(path))?;
-    let mut bytes = encode(table).map_err(|error| corrupt(path, error.to_string()))?;
-    seal::close(&mut bytes);
-    write_atomic(path, |file| file.write_all(&bytes))
+    let names: Vec<String> = table.columns.iter().map(|(name, _)| name.clone()).collect();
+    let columns: Vec<&[f64]> = table.columns.iter().map(|(_, values)| values.as_slice()).collect();
+    replace(path, |file| {
+        let mut writer = TableWriter::new(file, path, &names, &table.metadata)?;
+        writer.write(&columns, path)?;
+        writer.finish(path)
+    })
+}
+
+/// A table being written, group by group.
+pub(crate) struct TableWriter<W: Write + Send> {
+    writer: SerializedFileWriter<Sealer<W>>,
+}
+
+impl<W: Write + Seek + Send> TableWriter<W> {
+    /// Begins a file; names are unique.
+    pub fn new(out: W, path: &Path, names: &[String], metadata: &[(String, String)]) -> Result<Self, LogError> {
+        let begin = || {
+            let field = |name: &String| {
+                let column = Type::primitive_type_builder(name, PhysicalType::DOUBLE);
+                column.with_repetition(Repetition::REQUIRED).build().map(Arc::new)
+            };
+            let fields = names.iter().map(field).collect::<Result<Vec<_>, _>>()?;
+            let schema = Type::group_type_builder("tribo").with_fields(fields).build()?;
+            let mut writer =
+                SerializedFileWriter::new(Sealer::new(out), Arc::new(schema), Arc::new(properties(metadata)))?;
+            writer.write_all(OPEN_SEAL)?;
+            Ok(Self { writer })
+        };
+        begin().map_err(|error: ParquetError| told(path, error))
+    }
+
+    /// Appends rows, given by columns of one length, in groups of [`ROWS_PER_GROUP`].
+    pub fn write(&mut self, columns: &[&[f64]], path: &Path) -> Result<(), LogError> {
+        let rows = columns.first().map_or(0, |column| column.len());
+        for start in (0..rows.max(1)).step_by(ROWS_PER_GROUP) {
+            self.write_group(columns, start..rows.min(start + ROWS_PER_GROUP)).map_err(|error| told(path, error))?;
+        }
+        Ok(())
+    }
+
+    fn write_group(&mut self, columns: &[&[f64]], rows: Range<usize>) -> Result<(), ParquetError> {
+        let mut group = self.writer.next_row_group()?;
+        for values in columns {
+            let Some(mut column) = group.next_column()? else { break };
+            column.typed::<DoubleType>().write_batch(&values[rows.clone()], None, None)?;
+            column.close()?;
+        }
+        group.close().map(|_| ())
+    }
+
+    /// Ends the file and seals it.
+    pub fn finish(self, path: &Path) -> Result<(), LogError> {
+        let sealer = self.writer.into_inner().map_err(|error| told(path, error))?;
+        sealer.close().map_err(|source| failed(path, "write", source))
+    }
 }
 
 /// Reads a table.
@@ -136,42 +197,28 @@ pub fn read_table(path: impl AsRef<Path>) -> Result<Table, LogError> {
     Ok(table)
 }
 
-/// The bytes of a Parquet file, seal still open.
-fn encode(table: &Table) -> Result<Vec<u8>, ParquetError> {
-    let field = |(name, _): &(String, Vec<f64>)| {
-        let column = Type::primitive_type_builder(name, PhysicalType::DOUBLE);
-        column.with_repetition(Repetition::REQUIRED).build().map(Arc::new)
-    };
-    let fields = table.columns.iter().map(field).collect::<Result<Vec<_>, _>>()?;
-    let schema = Type::group_type_builder("tribo").with_fields(fields).build()?;
+fn properties(metadata: &[(String, String)]) -> WriterProperties {
     let pair = |(key, value): &(String, String)| KeyValue::new(key.clone(), value.clone());
     let sealed = KeyValue::new(SEAL_KEY.to_owned(), SEAL_VALUE.to_owned());
-    let properties = WriterProperties::builder()
+    WriterProperties::builder()
         .set_created_by(format!("{PROGRAM} {}", env!("CARGO_PKG_VERSION")))
-        .set_key_value_metadata(Some(table.metadata.iter().map(pair).chain([sealed]).collect()))
+        .set_key_value_metadata(Some(metadata.iter().map(pair).chain([sealed]).collect()))
         .set_dictionary_enabled(false)
         .set_encoding(Encoding::BYTE_STREAM_SPLIT)
         .set_compression(Compression::ZSTD(ZstdLevel::default()))
         .set_statistics_enabled(EnabledStatistics::Chunk)
-        .build();
-
-    let mut writer = SerializedFileWriter::new(Vec::new(), Arc::new(schema), Arc::new(properties))?;
-    writer.write_all(OPEN_SEAL)?;
-    let mut rows = writer.next_row_group()?;
-    for (_, values) in &table.columns {
-        let Some(mut column) = rows.next_column()? else { break };
-        column.typed::<DoubleType>().write_batch(values, None, None)?;
-        column.close()?;
-    }
-    rows.close()?;
-    writer.into_inner()
+        .build()
 }
 
 /// All numeric columns of a Parquet file, and whether its footer says in one of two places that we sealed it.
 fn decode(file: File) -> Result<(Table, bool), ParquetError> {
+    let bytes = file.metadata()?.len();
     let reader = SerializedFileReader::new(file)?;
     let metadata = reader.metadata().file_metadata();
     let rows = usize::try_from(metadata.num_rows()).map_err(|e| ParquetError::General(e.to_string()))?;
+    if rows as u64 > bytes.saturating_mul(MOST_ROWS_PER_BYTE) {
+        return Err(ParquetError::General(format!("{rows} rows in {bytes} bytes")));
+    }
     let mut table = Table::default();
     for pair in metadata.key_value_metadata().into_iter().flatten() {
         table.metadata.push((pair.key.clone(), pair.value.clone().unwrap_or_default()));
@@ -187,7 +234,7 @@ fn decode(file: File) -> Result<(Table, bool), ParquetError> {
         let mut values = Vec::new();
         for group in 0..reader.num_row_groups() {
             let chunk = reader.get_row_group(group)?.get_column_reader(index)?;
-            read_chunk(chunk, column, &mut values)?;
+            read_chunk(chunk, column, rows, &mut values)?;
         }
         if values.len() != rows {
             return Err(ParquetError::General(format!("column {name}: {} rows, expected {rows}", values.len())));
@@ -214,16 +261,21 @@ fn is_number(column: &ColumnDescriptor) -> bool {
     number && column.path().parts().len() == 1 && column.max_rep_level() == 0
 }
 
-/// Appends the values of one column of one row group.
-fn read_chunk(chunk: ColumnReader, column: &ColumnDescriptor, values: &mut Vec<f64>) -> Result<(), ParquetError> {
+/// Appends the values of one column of one row group, up to one more than there are `rows`.
+fn read_chunk(
+    chunk: ColumnReader,
+    column: &ColumnDescriptor,
+    rows: usize,
+    values: &mut Vec<f64>,
+) -> Result<(), ParquetError> {
     let nullable = column.max_def_level() > 0;
     match chunk {
-        ColumnReader::DoubleColumnReader(chunk) => read_as(chunk, nullable, Some, values),
-        ColumnReader::FloatColumnReader(chunk) => read_as(chunk, nullable, |v| Some(f64::from(v)), values),
-        ColumnReader::Int32ColumnReader(chunk) => read_as(chunk, nullable, |v| Some(f64::from(v)), values),
+        ColumnReader::DoubleColumnReader(chunk) => read_as(chunk, nullable, Some, rows, values),
+        ColumnReader::FloatColumnReader(chunk) => read_as(chunk, nullable, |v| Some(f64::from(v)), rows, values),
+        ColumnReader::Int32ColumnReader(chunk) => read_as(chunk, nullable, |v| Some(f64::from(v)), rows, values),
         ColumnReader::Int64ColumnReader(chunk) => {
             let exact = |v: i64| (v.unsigned_abs() <= LARGEST_EXACT_INTEGER).then_some(v as f64);
-            read_as(chunk, nullable, exact, values)
+            read_as(chunk, nullable, exact, rows, values)
         }
         _ => Err(ParquetError::General(format!("column {} holds no numbers", column.name()))),
     }
@@ -233,6 +285,7 @@ fn read_as<T: DataType>(
     mut chunk: ColumnReaderImpl<T>,
     nullable: bool,
     number: impl Fn(T::T) -> Option<f64>,
+    rows: usize,
     values: &mut Vec<f64>,
 ) -> Result<(), ParquetError> {
     let (mut batch, mut levels) = (Vec::new(), Vec::new());
@@ -240,7 +293,7 @@ fn read_as<T: DataType>(
         batch.clear();
         levels.clear();
         let (records, _, _) = chunk.read_records(BATCH_ROWS, nullable.then_some(&mut levels), None, &mut batch)?;
-        if records == 0 {
+        if records == 0 || values.len() > rows {
             return Ok(());
         }
         if !nullable {
@@ -253,6 +306,17 @@ fn read_as<T: DataType>(
             values
                 .push(value.ok_or_else(|| ParquetError::General("an integer beyond 2^53 is no exact f64".to_owned()))?);
         }
+    }
+}
+
+/// An error of the writer: of the disk, or of the encoder.
+fn told(path: &Path, error: ParquetError) -> LogError {
+    match error {
+        ParquetError::External(cause) => match cause.downcast::<std::io::Error>() {
+            Ok(source) => failed(path, "write", *source),
+            Err(cause) => corrupt(path, cause.to_string()),
+        },
+        other => corrupt(path, other.to_string()),
     }
 }
 

@@ -19,6 +19,9 @@ pub(crate) const MAX_JOINTS: usize = 64;
 /// Components of the external wrench: force x, y, z, then moment x, y, z.
 const WRENCH_COMPONENTS: usize = 6;
 
+/// What viewers call the components.
+const WRENCH_LEAVES: [&str; WRENCH_COMPONENTS] = ["force/x", "force/y", "force/z", "moment/x", "moment/y", "moment/z"];
+
 /// A physical quantity of a log; one column, one per joint, or six for the wrench.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum Quantity {
@@ -103,9 +106,41 @@ impl Quantity {
         if self.is_single() { self.stem().to_owned() } else { format!("{}{index}", self.stem()) }
     }
 
-    /// The quantity and index that a column name stands for, or `None` for a name that is not canonical.
+    /// The name that viewers make a tree of: `/joint_3/q`, `/O_F_ext/force/x`, `/temperature_ambient`; `time` stays. A name
+    /// that is not canonical stays too.
+    #[must_use]
+    pub fn tree_name(column: &str) -> String {
+        match Self::from_canonical_name(column) {
+            None | Some((Self::Time, _)) => column.to_owned(),
+            Some((Self::ExternalWrench, index)) => {
+                format!("/{}/{}", Self::ExternalWrench.label(), WRENCH_LEAVES[index])
+            }
+            Some((Self::TemperatureAmbient, _)) => format!("/{column}"),
+            Some((quantity, joint)) => format!("/joint_{joint}/{}", quantity.label()),
+        }
+    }
+
+    /// The quantity and index that a column name stands for, canonical or in the form of a tree; `None` for other names.
     #[must_use]
     pub fn from_column_name(name: &str) -> Option<(Self, usize)> {
+        let Some(path) = name.strip_prefix('/') else { return Self::from_canonical_name(name) };
+        if let Some((joint, label)) = path.strip_prefix("joint_").and_then(|rest| rest.split_once('/')) {
+            return Self::from_canonical_name(&format!("{label}_{joint}"))
+                .filter(|(quantity, _)| quantity.is_per_joint());
+        }
+        if let Some(leaf) = path.strip_prefix(Self::ExternalWrench.label()).and_then(|rest| rest.strip_prefix('/')) {
+            return Some((Self::ExternalWrench, WRENCH_LEAVES.iter().position(|name| *name == leaf)?));
+        }
+        Self::from_canonical_name(path).filter(|(quantity, _)| *quantity == Self::TemperatureAmbient)
+    }
+
+    /// The name without index: `q`, `tau_J`, `O_F_ext`, `time`.
+    #[must_use]
+    pub fn label(self) -> &'static str {
+        self.stem().trim_end_matches('_')
+    }
+
+    fn from_canonical_name(name: &str) -> Option<(Self, usize)> {
         Self::ALL.into_iter().find_map(|quantity| {
             let rest = name.strip_prefix(quantity.stem())?;
             if quantity.is_single() {
@@ -157,13 +192,23 @@ mod tests {
     fn names_and_quantities_are_inverse() {
         for quantity in Quantity::ALL {
             for index in 0..quantity.column_count(7) {
-                assert_eq!(Quantity::from_column_name(&quantity.column_name(index)), Some((quantity, index)));
+                let name = quantity.column_name(index);
+                assert_eq!(Quantity::from_column_name(&name), Some((quantity, index)));
+                assert_eq!(Quantity::from_column_name(&Quantity::tree_name(&name)), Some((quantity, index)));
             }
         }
     }
 
     #[test]
     fn near_misses_are_not_canonical() {
+        assert_eq!(Quantity::tree_name("tau_J_d_3"), "/joint_3/tau_J_d");
+        assert_eq!(Quantity::tree_name("O_F_ext_4"), "/O_F_ext/moment/y");
+        assert_eq!((Quantity::tree_name("time"), Quantity::tree_name("note")), ("time".into(), "note".into()));
+        for name in
+            ["/time", "/q_0", "/joint_0", "/joint_0/x", "/joint_01/q", "/joint_0/O_F_ext", "/O_F_ext/force", "//q_0"]
+        {
+            assert_eq!(Quantity::from_column_name(name), None, "{name}");
+        }
         for name in
             ["", "Time", "q_", "q_-1", "q_01", "q_+1", "q0", "tau_j_0", "O_F_ext_6", "q_64", "q_99999999999999999999"]
         {

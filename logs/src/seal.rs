@@ -9,7 +9,7 @@
 //! The key `tribo.seal` and the program name in the footer say that the seal belongs there, so damage to the marker is
 //! found as well.
 
-use std::io::Read;
+use std::io::{Read, Seek, SeekFrom, Write};
 
 use flate2::Crc;
 
@@ -19,7 +19,7 @@ use crate::source::read_pieces;
 pub(crate) const SEAL_KEY: &str = "tribo.seal";
 /// Value of that entry.
 pub(crate) const SEAL_VALUE: &str = "crc32";
-/// What a writer puts after the magic, before [`close`].
+/// What a writer puts after the magic, before [`Sealer::close`].
 pub(crate) const OPEN_SEAL: &[u8; 16] = b"TRIBOCRC00000000";
 
 const MARKER_START: usize = 4;
@@ -37,11 +37,40 @@ pub(crate) enum Seal {
     Broken,
 }
 
-/// Puts the checksum into a file written with [`OPEN_SEAL`].
-pub(crate) fn close(bytes: &mut [u8]) {
-    if let Some((head, rest)) = bytes.split_at_mut_checked(SUM_END) {
-        let sum = checksum(&head[..SUM_START], rest);
-        head[SUM_START..].copy_from_slice(&hexadecimal(sum));
+/// Bytes on their way to a file that begins with the magic and [`OPEN_SEAL`]; the checksum is put in at the end.
+pub(crate) struct Sealer<W> {
+    out: W,
+    crc: Crc,
+    place: usize,
+}
+
+impl<W: Write> Sealer<W> {
+    pub fn new(out: W) -> Self {
+        Self { out, crc: Crc::new(), place: 0 }
+    }
+}
+
+impl<W: Write + Seek> Sealer<W> {
+    /// Closes the seal.
+    pub fn close(mut self) -> std::io::Result<()> {
+        self.out.seek(SeekFrom::Start(SUM_START as u64))?;
+        self.out.write_all(&hexadecimal(self.crc.sum()))?;
+        self.out.seek(SeekFrom::End(0)).map(|_| ())
+    }
+}
+
+impl<W: Write> Write for Sealer<W> {
+    fn write(&mut self, bytes: &[u8]) -> std::io::Result<usize> {
+        let written = self.out.write(bytes)?;
+        let at = |place: usize| place.saturating_sub(self.place).min(written);
+        self.crc.update(&bytes[..at(SUM_START)]);
+        self.crc.update(&bytes[at(SUM_END)..written]);
+        self.place += written;
+        Ok(written)
+    }
+
+    fn flush(&mut self) -> std::io::Result<()> {
+        self.out.flush()
     }
 }
 
@@ -58,13 +87,6 @@ pub(crate) fn check(file: &mut impl Read) -> std::io::Result<Seal> {
     Ok(if head[SUM_START..] == hexadecimal(crc.sum()) { Seal::Intact } else { Seal::Broken })
 }
 
-fn checksum(head: &[u8], rest: &[u8]) -> u32 {
-    let mut crc = Crc::new();
-    crc.update(head);
-    crc.update(rest);
-    crc.sum()
-}
-
 fn hexadecimal(sum: u32) -> [u8; SUM_END - SUM_START] {
     const DIGITS: &[u8; 16] = b"0123456789abcdef";
     std::array::from_fn(|k| DIGITS[(sum >> (28 - 4 * k)) as usize & 0xf])
@@ -76,8 +98,18 @@ mod tests {
 
     #[test]
     fn every_single_byte_counts() {
-        let mut file = b"PAR1TRIBOCRC00000000some columns and a footer PAR1".to_vec();
-        close(&mut file);
+        let whole = b"PAR1TRIBOCRC00000000some columns and a footer PAR1";
+        let sealed = |piece: usize| {
+            let mut file = std::io::Cursor::new(Vec::new());
+            let mut sealer = Sealer::new(&mut file);
+            whole.chunks(piece).for_each(|bytes| sealer.write_all(bytes).unwrap());
+            sealer.close().unwrap();
+            file.into_inner()
+        };
+        let file = sealed(whole.len());
+        for piece in 1..30 {
+            assert_eq!(sealed(piece), file, "in pieces of {piece}");
+        }
         assert_eq!(check(&mut &file[..]).unwrap(), Seal::Intact);
         for k in 0..file.len() {
             let mut torn = file.clone();

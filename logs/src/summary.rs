@@ -7,6 +7,9 @@ use crate::format::LogFormat;
 use crate::log::RobotLog;
 use crate::quantity::Quantity;
 
+/// Rate up to which stamps that are all whole numbers look like another unit (Hz).
+const SUSPECT_RATE_HZ: f64 = 1.0;
+
 /// Evidence about a log that was read.
 #[derive(Debug, Clone, PartialEq)]
 pub struct LogSummary {
@@ -32,8 +35,12 @@ pub struct LogSummary {
     pub present: Vec<Quantity>,
     /// Optional quantities it lacks.
     pub missing: Vec<Quantity>,
+    /// Jumps of a whole turn that were taken out of joint positions.
+    pub unwrapped_jumps: usize,
     /// Columns of the file that are not canonical and were ignored.
     pub unknown_columns: Vec<String>,
+    /// Where the rows come from inside the file, where it holds several things: topic, joints, clock, alternatives.
+    pub source: Option<String>,
     /// Suspicions, in words, such as a last line without line ending.
     pub warnings: Vec<String>,
 }
@@ -41,21 +48,40 @@ pub struct LogSummary {
 impl LogSummary {
     /// Describes a log just read.
     pub(crate) fn new(format: LogFormat, log: &RobotLog, dropped_repeats: usize, unknown_columns: Vec<String>) -> Self {
-        let (present, missing) = Quantity::ALL.into_iter().partition(|&quantity| log.has(quantity));
+        let present = Quantity::ALL.into_iter().filter(|&quantity| log.has(quantity)).collect();
+        Self::of_rows(format, log.joints(), &log.time_s, present, dropped_repeats, unknown_columns)
+    }
+
+    /// Describes a log of which only the stamps are at hand.
+    pub(crate) fn of_rows(
+        format: LogFormat,
+        joints: usize,
+        time_s: &[f64],
+        present: Vec<Quantity>,
+        dropped_repeats: usize,
+        unknown_columns: Vec<String>,
+    ) -> Self {
+        let duration_s = time_s.last().zip(time_s.first()).map_or(0.0, |(last, first)| last - first);
+        let rate_hz = median_period_s(time_s).map_or(0.0, f64::recip);
+        let suspect = rate_hz <= SUSPECT_RATE_HZ && time_s.iter().all(|stamp| stamp.fract() == 0.0);
+        let milliseconds =
+            || "every stamp is a whole number: `time` is in seconds here; is it in milliseconds?".to_owned();
         Self {
             format,
-            joints: log.joints(),
-            rows: log.rows(),
+            joints,
+            rows: time_s.len(),
             dropped_repeats,
             dropped_incomplete: 0,
-            duration_s: log.duration_s(),
-            rate_hz: median_period_s(&log.time_s).map_or(0.0, f64::recip),
-            bursts: bursts(&log.time_s, GAP_TOLERANCE).len(),
-            longest_gap_s: log.time_s.windows(2).map(|pair| pair[1] - pair[0]).fold(0.0, f64::max),
+            duration_s,
+            rate_hz,
+            bursts: bursts(time_s, GAP_TOLERANCE).len(),
+            longest_gap_s: time_s.windows(2).map(|pair| pair[1] - pair[0]).fold(0.0, f64::max),
+            missing: Quantity::ALL.into_iter().filter(|quantity| !present.contains(quantity)).collect(),
             present,
-            missing,
+            unwrapped_jumps: 0,
             unknown_columns,
-            warnings: Vec::new(),
+            source: None,
+            warnings: suspect.then(milliseconds).into_iter().collect(),
         }
     }
 
@@ -70,6 +96,9 @@ impl fmt::Display for LogSummary {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let list = |quantities: &[Quantity]| quantities.iter().map(ToString::to_string).collect::<Vec<_>>().join(", ");
         writeln!(f, "format       {}", self.format)?;
+        if let Some(source) = &self.source {
+            writeln!(f, "source       {source}")?;
+        }
         writeln!(f, "joints       {}", self.joints)?;
         write!(f, "rows         {} ({} repeated rows dropped", self.rows, self.dropped_repeats)?;
         if self.dropped_incomplete > 0 {
@@ -81,6 +110,9 @@ impl fmt::Display for LogSummary {
         write!(f, "columns      {}", list(&self.present))?;
         if !self.missing.is_empty() {
             write!(f, "\nabsent       {}", list(&self.missing))?;
+        }
+        if self.unwrapped_jumps > 0 {
+            write!(f, "\nunwrapped    {} jumps of a turn in q_i", self.unwrapped_jumps)?;
         }
         if !self.unknown_columns.is_empty() {
             write!(f, "\nnot known    {}", self.unknown_columns.join(", "))?;

@@ -5,9 +5,8 @@
 mod common;
 
 use std::fs;
-use std::io::Write;
 
-use common::{bits, file, relative, synthetic_log};
+use common::{bits, file, pack, relative, synthetic_log};
 use tribo_logs::{LogSummary, RobotLog, detect, read_csv, read_log, write_csv};
 
 const GOOD: &str = "time,q_0,dq_0,tau_J_0\n0,1,2,3\n0.001,1.5,2.5,-3.5e-1\n";
@@ -32,6 +31,7 @@ fn dialects_give_the_same_log() {
         ("semicolon", semicolon.clone()),
         ("decimal comma", semicolon.replace('.', ",")),
         ("both, mark and CRLF", format!("\u{feff}{}", semicolon.replace('.', ",").replace('\n', "\r\n"))),
+        ("tabulators", GOOD.replace(',', "\t")),
         ("quotes", GOOD.replace(",q_0", ",\"q_0\"").replace("1.5", "\"1.5\"")),
         ("spaces", GOOD.replace(',', " , ")),
         ("blank lines", GOOD.replace('\n', "\n\n")),
@@ -45,7 +45,7 @@ fn dialects_give_the_same_log() {
 
 #[test]
 fn what_is_odd_but_legal_is_in_the_summary() {
-    let (_, summary) = read("time,q_0,note,dq_0,tau_J_0,\n0,1,\"a, b\",2,3,\n0,1,c,2,3,\n1,1,,2,3,");
+    let (_, summary) = read("time,q_0,note,dq_0,tau_J_0,\n0,1,\"a, b\",2,3,\n0,1,c,2,3,\n0.5,1,,2,3,");
     assert_eq!(summary.unknown_columns, ["note", "(unnamed)"]);
     assert_eq!((summary.rows, summary.dropped_repeats, summary.rows_read()), (2, 1, 3));
     assert_eq!(summary.warnings, ["line 4 has no line ending: the file may be cut off"]);
@@ -53,6 +53,13 @@ fn what_is_odd_but_legal_is_in_the_summary() {
     assert!(table.contains("rows         2 (1 repeated rows dropped)"), "{table}");
     assert!(table.contains("not known    note, (unnamed)"), "{table}");
     assert!(table.contains("absent       tau_J_d_i, tau_link_i, theta_i"), "{table}");
+}
+
+#[test]
+fn stamps_that_look_like_milliseconds_are_suspected() {
+    let (_, summary) = read(GOOD.replace("\n0.001", "\n1"));
+    assert_eq!(summary.warnings, ["every stamp is a whole number: `time` is in seconds here; is it in milliseconds?"]);
+    assert!(read(GOOD).1.warnings.is_empty());
 }
 
 #[test]
@@ -105,7 +112,7 @@ fn empty_and_foreign_files_are_told_apart() {
     }
     for (content, found) in [
         (&b"hello world\n1 2 3\n"[..], "starts with `hello world\\n1 2 3\\n`"),
-        (b"\x89MCAP0\r\n", "MCAP"),
+        (b"SQLite format 3\0", "an SQLite database; `ros2 bag convert`"),
         (b"\x7fELF\x02\x01", "starts with `\\u{7f}ELF"),
     ] {
         let (_directory, path) = file("x", content);
@@ -128,11 +135,6 @@ fn cut_gzip_is_an_error_of_the_file() {
         assert!(text.contains("log.csv.gz: damaged or cut off"), "{length}: {text}");
     }
     // Two gzip members in one file are one text.
-    let pack = |text: &str| {
-        let mut encoder = flate2::write::GzEncoder::new(Vec::new(), flate2::Compression::fast());
-        encoder.write_all(text.as_bytes()).unwrap();
-        encoder.finish().unwrap()
-    };
     fs::write(&path, [pack(GOOD), pack("0.002,1,1,1\n")].concat()).unwrap();
     assert_eq!(read_log(&path).unwrap().0.rows(), 3);
 }
@@ -147,7 +149,7 @@ fn paths_that_are_no_files_are_named() {
     let text = read_csv(directory.path()).unwrap_err().to_string();
     assert_eq!(text, format!("{}: is a directory, expected a CSV file", directory.path().display()));
     let text = detect(directory.path()).unwrap_err().to_string();
-    assert!(text.contains("a directory without exciting_traj_time.txt"), "{text}");
+    assert!(text.contains("a directory without exciting_traj_time.txt and without .mcap"), "{text}");
     let log = synthetic_log(1, 3, false);
     assert!(write_csv(directory.path(), &log).unwrap_err().to_string().contains("is a directory"));
 }

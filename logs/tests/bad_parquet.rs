@@ -117,6 +117,28 @@ fn tables_that_are_no_tables_are_not_written() {
     assert!(!path.exists());
 }
 
+/// Four million equal values take a few bytes: a file must not ask for more memory than a log of its size could need.
+#[test]
+fn a_small_file_cannot_ask_for_large_memory() {
+    const ROWS: usize = 4_000_000;
+    let schema = Arc::new(parse_message_type("message m { REQUIRED DOUBLE time; }").unwrap());
+    let one_page = WriterProperties::builder().set_data_page_row_count_limit(ROWS).set_write_batch_size(ROWS).build();
+    let mut writer = SerializedFileWriter::new(Vec::new(), schema, Arc::new(one_page)).unwrap();
+    let mut rows = writer.next_row_group().unwrap();
+    let mut column = rows.next_column().unwrap().unwrap();
+    column.typed::<DoubleType>().write_batch(&vec![1.0; ROWS], None, None).unwrap();
+    column.close().unwrap();
+    rows.close().unwrap();
+    let bytes = writer.into_inner().unwrap();
+    let length = bytes.len();
+    let (_directory, path) = file("bomb.parquet", bytes);
+    let text = read_table(&path).unwrap_err().to_string();
+    assert!(
+        text.ends_with(&format!("bomb.parquet: damaged or cut off: Parquet error: 4000000 rows in {length} bytes")),
+        "{text}"
+    );
+}
+
 #[test]
 fn random_damage_to_foreign_files_never_panics() {
     // No checksum protects these: the decoder itself meets the damage.

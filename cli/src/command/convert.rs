@@ -2,55 +2,81 @@
 
 use std::path::Path;
 
-use serde_json::json;
-use tribo_logs::{RobotLog, read_log, write_csv, write_parquet};
+use serde_json::{Value, json};
+use tribo_experiments::switched_off_without;
+use tribo_logs::{ColumnNames, LogError, LogSummary, LogTarget, RobotLog, convert};
 
 use crate::arguments::{Common, Convert};
-use crate::failure::BadInput;
+use crate::failure::{BadInput, Stopped};
 use crate::output::{print, print_json};
+use crate::progress::{StageProgress, stop_on_signal};
 
-/// Reads a log of any known format and writes it as canonical CSV or Parquet.
+/// Reads a log of any known format, writes it as canonical CSV, Parquet or MCAP, and tells what is in it.
 pub fn run(arguments: &Convert, common: &Common) -> anyhow::Result<()> {
-    check_extension(&arguments.out)?;
-    let (log, summary) = read_log(&arguments.log)?;
-    write_log(&arguments.out, &log)?;
+    let target = match (target_of(&arguments.out)?, arguments.reader.as_str()) {
+        (LogTarget::Csv(_), "plotjuggler") => LogTarget::Csv(ColumnNames::Tree),
+        (target, _) => target,
+    };
+    stop_on_signal();
+    let progress = StageProgress::new(common.quiet);
+    let name = arguments.log.display().to_string();
+    let summary = convert(&arguments.log, &arguments.out, target, |part| progress.stage(&name, part));
+    progress.finish();
+    let summary = summary.map_err(|error| match error {
+        LogError::Stopped { .. } => Stopped.into(),
+        other => anyhow::Error::from(other),
+    })?;
     if common.json {
-        print_json(&json!({
-            "schema": "tribo.convert/1",
-            "format": summary.format.to_string(),
-            "joints": summary.joints,
-            "rows": summary.rows,
-            "dropped_repeats": summary.dropped_repeats,
-            "duration_s": summary.duration_s,
-            "rate_hz": summary.rate_hz,
-            "bursts": summary.bursts,
-            "longest_gap_s": summary.longest_gap_s,
-            "unknown_columns": summary.unknown_columns,
-            "warnings": summary.warnings,
-            "out": arguments.out,
-        }));
+        let mut document = document(&summary);
+        document["out"] = json!(arguments.out);
+        print_json(&document);
     } else if !common.quiet {
         print(&summary);
-        print(format_args!("written        {}", arguments.out.display()));
+        for (column, effect) in switched_off(&summary) {
+            print(format_args!("without      {column}: {effect}"));
+        }
+        print(format_args!("written      {}", arguments.out.display()));
     }
     Ok(())
 }
 
-/// Refuses a file name from which no format follows, before any work is done.
-pub fn check_extension(path: &Path) -> anyhow::Result<()> {
-    let name = path.file_name().unwrap_or_default().to_string_lossy().to_lowercase();
-    if [".csv", ".csv.gz", ".parquet"].iter().any(|ending| name.ends_with(ending)) {
-        return Ok(());
-    }
-    Err(BadInput(format!("{}: unknown ending; allowed: .csv, .csv.gz, .parquet", path.display())).into())
+/// The columns that are missing and used somewhere, with what is off without them.
+fn switched_off(summary: &LogSummary) -> impl Iterator<Item = (String, &'static str)> {
+    summary.missing.iter().filter_map(|&quantity| Some((quantity.to_string(), switched_off_without(quantity)?)))
+}
+
+fn document(summary: &LogSummary) -> Value {
+    json!({
+        "schema": "tribo.convert/1",
+        "format": summary.format.to_string(),
+        "source": summary.source,
+        "joints": summary.joints,
+        "rows": summary.rows,
+        "dropped_repeats": summary.dropped_repeats,
+        "dropped_incomplete": summary.dropped_incomplete,
+        "duration_s": summary.duration_s,
+        "rate_hz": summary.rate_hz,
+        "bursts": summary.bursts,
+        "longest_gap_s": summary.longest_gap_s,
+        "unwrapped_jumps": summary.unwrapped_jumps,
+        "columns": summary.present.iter().map(ToString::to_string).collect::<Vec<_>>(),
+        "missing": summary.missing.iter().map(|&quantity| {
+            json!({"column": quantity.to_string(), "switches_off": switched_off_without(quantity)})
+        }).collect::<Vec<_>>(),
+        "unknown_columns": summary.unknown_columns,
+        "warnings": summary.warnings,
+    })
+}
+
+/// The format that the ending of a file's name asks for; refused before any work is done where there is none.
+pub fn target_of(path: &Path) -> anyhow::Result<LogTarget> {
+    LogTarget::of_path(path).ok_or_else(|| {
+        let allowed = LogTarget::ENDINGS.join(", ");
+        BadInput(format!("{}: unknown ending; allowed: {allowed}", path.display())).into()
+    })
 }
 
 /// Writes a log in the format of its ending.
 pub fn write_log(path: &Path, log: &RobotLog) -> anyhow::Result<()> {
-    if path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("parquet")) {
-        write_parquet(path, log)?;
-    } else {
-        write_csv(path, log)?;
-    }
-    Ok(())
+    Ok(tribo_logs::write_log(path, log, target_of(path)?)?)
 }

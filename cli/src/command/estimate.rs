@@ -9,15 +9,15 @@ use tribo_diagnose::{
 use tribo_ekf::WrenchEkfSettings;
 use tribo_experiments::files::Model;
 use tribo_experiments::{
-    AnyEstimator, Believed, Calibration, EstimatorError, EstimatorName, LogWrench, WrenchSummary, believed_band,
-    without_effects, wrench_on_log,
+    AnyEstimator, Believed, Calibration, EstimatorError, EstimatorName, LogWrench, TransmissionFriction, WrenchSummary,
+    believed_band, without_effects, wrench_on_log,
 };
 use tribo_friction::{FrictionBand, FrictionModel};
 use tribo_logs::{LogSummary, RobotLog, Table, read_log, write_table};
 use tribo_residual::{OBSERVER_GAIN_RAD_S, identify_band};
 use tribo_sim::panda_gaz_joints;
 
-use super::{named, warn_not_cancelled};
+use super::{named, transmission, warn_not_cancelled};
 use crate::arguments::{Common, Estimate};
 use crate::failure::BadInput;
 use crate::output::{print, print_json, significant, table};
@@ -37,6 +37,24 @@ pub fn run(arguments: &Estimate, common: &Common) -> anyhow::Result<()> {
     let believed = Believed::on_log(&model);
     warn_not_cancelled(&believed.not_cancelled, common);
     let (log, summary) = read_log(&arguments.log)?;
+    let everything = arguments.residual == "all";
+    let gears = match TransmissionFriction::of_log(&log, model.smoothing_rad_s) {
+        Ok(gears) => gears,
+        Err(error) if arguments.model.is_none() && everything => {
+            return Err(BadInput(format!("{}: {error}", arguments.log.display())).into());
+        }
+        Err(error) => {
+            if !common.quiet {
+                eprintln!("tribo: {}: {error}", arguments.log.display());
+            }
+            None
+        }
+    };
+    // Where nobody says what robot it is, torque on both sides says that it is no Panda.
+    if let (Some(gears), None, true) = (&gears, &arguments.model, everything) {
+        transmission::show_alone(gears, &summary, common);
+        return Ok(());
+    }
     if log.joints() != 7 {
         let message = format!("{}: {} joints; the model has 7", arguments.log.display(), log.joints());
         return Err(BadInput(message).into());
@@ -45,7 +63,6 @@ pub fn run(arguments: &Estimate, common: &Common) -> anyhow::Result<()> {
         let message = format!("--block-s is {}; allowed: greater than 0", arguments.block_s);
         return Err(BadInput(message).into());
     }
-    let everything = arguments.residual == "all";
     let wants = |name: &str| everything || arguments.residual == name;
     let torque = wants("torque").then(|| torque_residual(arguments, &log, &model, &believed)).transpose()?;
     let free = arguments.free.as_deref().map(|path| FreeLog::read(path, &believed)).transpose()?;
@@ -84,9 +101,16 @@ pub fn run(arguments: &Estimate, common: &Common) -> anyhow::Result<()> {
         write_table(out, &wrench_table(&wrenches))?;
     }
     if common.json {
-        print_json(&document(&summary, torque.as_ref(), &wrenches));
+        let mut document = document(&summary, torque.as_ref(), &wrenches);
+        if let Some(gears) = &gears {
+            document["transmission"] = transmission::json(gears);
+        }
+        print_json(&document);
     } else if !common.quiet {
         print(&summary);
+        if let Some(gears) = &gears {
+            transmission::show(gears);
+        }
         if let Some(report) = &torque {
             let rigid = if model.effects.is_empty() { "rigid model" } else { "rigid model and effects" };
             show_torque(report, rigid, model_label(arguments));
@@ -280,10 +304,15 @@ fn document(log: &LogSummary, torque: Option<&FrictionReport>, wrenches: &[Estim
     let estimators: Map<String, Value> = entries.collect();
     json!({
         "schema": "tribo.estimate/1",
-        "log": {"rows": log.rows, "duration_s": log.duration_s, "rate_hz": log.rate_hz, "dropped_repeats": log.dropped_repeats},
+        "log": log_json(log),
         "estimators": estimators,
         "torque_residual": torque.map(torque_json),
     })
+}
+
+/// What to know about the log.
+pub fn log_json(log: &LogSummary) -> Value {
+    json!({"rows": log.rows, "duration_s": log.duration_s, "rate_hz": log.rate_hz, "dropped_repeats": log.dropped_repeats})
 }
 
 fn torque_json(report: &FrictionReport) -> Value {

@@ -9,6 +9,7 @@ pub mod report;
 pub mod reproduce;
 pub mod shell;
 pub mod simulate;
+mod transmission;
 pub mod tune;
 
 use std::path::Path;

@@ -9,7 +9,7 @@ use tribo_friction::FrictionModel;
 use tribo_logs::RobotLog;
 use tribo_sim::WrenchPulses;
 
-use super::convert::{check_extension, write_log};
+use super::convert::{target_of, write_log};
 use super::{configured, named, warn_not_cancelled};
 use crate::arguments::{Common, Simulate};
 use crate::failure::BadInput;
@@ -18,7 +18,7 @@ use crate::output::{print, print_json, significant, table};
 /// Runs one trial, or one joint-space motion, and writes its log.
 pub fn run(arguments: &Simulate, common: &Common) -> anyhow::Result<()> {
     if let Some(log) = &arguments.log {
-        check_extension(log)?;
+        target_of(log)?;
     }
     let mut tune = configured(arguments.config.as_deref(), |config| arguments.scenario.apply(config))?;
     let trial = &mut tune.trial;

@@ -2,7 +2,10 @@
 
 #![allow(clippy::unwrap_used, clippy::panic, dead_code, reason = "test helpers; not every binary uses all")]
 
+pub mod ros2;
+
 use std::fs;
+use std::io::Write;
 use std::path::{Path, PathBuf};
 
 use tempfile::TempDir;
@@ -50,6 +53,43 @@ pub fn kinova_csv(rows: usize) -> String {
     };
     let header: Vec<String> = ["Time".to_owned()].into_iter().chain(names).collect();
     [header].into_iter().chain((0..rows).map(line)).map(|cells| cells.join(",") + "\n").collect()
+}
+
+/// What libfranka's `logToCSV` writes under its `current`, `spaced` or `legacy` header: in row k, entry j of the b-th block
+/// reads `100 b + j + k / 8`; time is 5001 + k ms.
+pub fn libfranka_csv(header: &str, rows: usize) -> String {
+    let state = [("q", 7), ("q_d", 7), ("dq", 7), ("dq_d", 7), ("tau_J", 7), ("tau_ext_hat_filtered", 7)];
+    let command = [("q_d", 7), ("dq_d", 7), ("O_T_EE_d", 16), ("O_dP_EE_d", 6), ("tau_J_d", 7)];
+    let (legacy, comma) = (header == "legacy", if header == "current" { "," } else { ", " });
+    let block = |prefix: &str, (name, count): (&str, usize)| -> String {
+        let prefix = if legacy { "" } else { prefix };
+        (0..count).map(|i| format!("{prefix}{name}[{i}]")).collect::<Vec<_>>().join(comma)
+    };
+    let first = if legacy { ["duration", "success rate"] } else { ["time", "success_rate"] };
+    let mut names =
+        vec![state.map(|named| block("state.", named)).join(","), command.map(|named| block("cmd.", named)).join(",")];
+    if legacy {
+        names.insert(1, "sent commands".to_owned());
+    }
+    let mut text = format!("{}{comma}{}\n", first.join(comma), names.join(","));
+    for k in 0..rows {
+        let numbers = |first: usize, blocks: &[(&str, usize)]| -> String {
+            let block = |(b, &(_, count)): (usize, &(&str, usize))| {
+                (0..count).map(move |j| (100 * (first + b) + j) as f64 + k as f64 / 8.0)
+            };
+            blocks.iter().enumerate().flat_map(block).map(|v| v.to_string()).collect::<Vec<_>>().join(",")
+        };
+        let middle = if legacy { ",," } else { "," };
+        text += &format!("{},1,{}{middle}{}\n", 5001 + k, numbers(0, &state), numbers(6, &command));
+    }
+    text
+}
+
+/// The text as gzip.
+pub fn pack(text: &str) -> Vec<u8> {
+    let mut encoder = flate2::write::GzEncoder::new(Vec::new(), flate2::Compression::fast());
+    encoder.write_all(text.as_bytes()).unwrap();
+    encoder.finish().unwrap()
 }
 
 /// A file `name` with `content` in its own directory, which lives as long as the first value.
