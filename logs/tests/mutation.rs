@@ -1,4 +1,4 @@
-//! Twenty thousand random damages to a small file of each format (320 000 with those of `bad_parquet.rs`): never a panic, and an error names the file.
+//! Twenty thousand random damages to a small file of each format (300 000 with those of `bad_parquet.rs`): never a panic, and an error names the file.
 
 #![allow(clippy::unwrap_used, reason = "tests")]
 

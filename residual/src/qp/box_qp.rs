@@ -42,9 +42,12 @@ pub struct BoxSolution<const N: usize> {
     pub outcome: BoxOutcome,
 }
 
-/// Active sets tried before giving up. From the active set of an unrelated programme, the worst of 400 000 random
-/// programmes of 14 coordinates took 88 and the worst of 10 000 of 7 coordinates 34; from a neighbour it is one or two.
+/// Active sets tried before giving up. From the active set of an unrelated programme, the worst of 10 000 random
+/// programmes of 14 coordinates took 44 and of 7 coordinates 22; from a neighbour it is one or two.
 pub const PIVOT_LIMIT: u32 = 1000;
+/// Active sets up to which the condition broken most changes alone: an eighth fewer sets for twelve limits than the last one
+/// from the start, and the slowest instances gain most.
+const GREEDY: u32 = 30;
 /// Relative rounding error below which a bound or a sign counts as met.
 const ROUNDING: f64 = 64.0 * f64::EPSILON;
 
@@ -57,8 +60,8 @@ const ROUNDING: f64 = 64.0 * f64::EPSILON;
 ///
 /// Principal pivoting: for a guess A of the coordinates at a bound, `C_AA λ_A = d_A − bound_A` and
 /// `t_F = d_F − C_FA λ_A`; every coordinate that then breaks its condition changes side (Júdice & Pires 1994). While the
-/// number of broken conditions does not fall, only the last one changes (Murty 1974), which ends after finitely many
-/// steps for every positive definite C. C itself is never inverted: the work is that of the coordinates at a bound.
+/// number of broken conditions does not fall, only the one broken most changes, at first; later only the last one
+/// (Murty 1974), which ends after finitely many steps for every positive definite C. C itself is never inverted: the work is that of the coordinates at a bound.
 ///
 /// The active set of one call is the guess of the next. Bounds may be equal (the coordinate is then a constant) or
 /// infinite; `lower ≤ upper` is the caller's to keep. N ≤ 63. Allocates nothing.
@@ -114,12 +117,20 @@ impl<const N: usize> BoxQp<N> {
             // Late in a long search, ties that rounding keeps undoing count as met.
             let slack = ROUNDING * f64::from(1_u32 << (pivot / 64).min(30));
             let (mut wrong, mut changes) = (0, [Side::Free; N]);
-            let mut last = None;
+            let (mut last, mut most) = (None, 0.0);
             for i in (0..N).filter(|&i| !fixed[i]) {
                 let change = self.broken(i, &t, &multiplier, d, lower, upper, slack);
                 changes[i] = change.unwrap_or(self.sides[i]);
                 if change.is_some() {
-                    (wrong, last) = (wrong + 1, Some(i));
+                    wrong += 1;
+                    // In units of the coordinate's own deviation.
+                    let size = match self.sides[i] {
+                        Side::Free => (lower[i] - t[i]).max(t[i] - upper[i]).powi(2) / self.covariance[(i, i)],
+                        _ => multiplier[i].powi(2) * self.covariance[(i, i)],
+                    };
+                    if last.is_none() || size > most || pivot > GREEDY {
+                        (last, most) = (Some(i), size);
+                    }
                 }
             }
             let Some(last) = last else {
