@@ -152,7 +152,7 @@ fn scrubbing_and_playing() {
 #[test]
 fn a_diagnosis_shows_its_evidence() {
     let dir = tempfile::tempdir().unwrap();
-    let tune = settings(1).validate().unwrap();
+    let tune = settings(1).validate::<7>().unwrap();
     let estimator = WrenchEkf::new(WrenchEkfSettings::default());
     let friction = tune.space.friction(&tune.space.zero());
     let (_, log) = simulate_log(&tune.trial, &friction, estimator, 1).unwrap();

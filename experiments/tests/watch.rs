@@ -17,7 +17,7 @@ fn clock() -> String {
 }
 
 fn run(directory: &Path, config: TuneConfig) -> CampaignResult {
-    Campaign::create(directory, config.validate().unwrap(), clock).unwrap().run(&mut ()).unwrap()
+    Campaign::create(directory, config.validate::<7>().unwrap(), clock).unwrap().run(&mut ()).unwrap()
 }
 
 fn config(strategy: StrategyName, trials: usize) -> TuneConfig {
@@ -43,7 +43,7 @@ fn a_snapshot_is_the_campaign() {
 /// Where the arm moves, what the rigid-body model leaves unexplained is the plant's friction.
 #[test]
 fn friction_torque_is_the_truth() {
-    let tune = Arc::new(config(StrategyName::Zero, 1).validate().unwrap());
+    let tune = Arc::new(config(StrategyName::Zero, 1).validate::<7>().unwrap());
     let dir = tempfile::tempdir().unwrap();
     run(dir.path(), config(StrategyName::Zero, 1));
     let snapshot = CampaignWatch::open(dir.path()).unwrap().poll().unwrap().unwrap();
@@ -72,7 +72,7 @@ fn friction_torque_is_the_truth() {
 /// One reading per tick of 33 s at 1 kHz, ascending.
 #[test]
 fn every_tick_is_timed() {
-    let tune = config(StrategyName::Zero, 1).validate().unwrap();
+    let tune = config(StrategyName::Zero, 1).validate::<7>().unwrap();
     let times = loop_times(&tune, &tune.space.zero()).unwrap();
     assert_eq!(times.tick_us.len(), 33_000);
     assert!(times.tick_us.windows(2).all(|pair| pair[0] <= pair[1]) && times.quantile(0.5).unwrap() > 0.0);

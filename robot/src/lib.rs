@@ -39,9 +39,11 @@ mod regressor;
 mod rnea;
 pub mod so3;
 mod spatial;
+pub mod urdf;
+mod well_conditioned;
 
 pub use aba::forward_dynamics;
-pub use arm::{Arm, JointPlacement, Limits, ModifiedDh};
+pub use arm::{Arm, JointPlacement, Limits, ModifiedDh, StandardDh};
 pub use control_terms::ControlTerms;
 pub use crba::mass_matrix;
 pub use estimator::{EstimateFault, EstimatorInput, LAMBDA_95, WrenchEstimate, WrenchEstimator, WrenchLimits};
@@ -51,3 +53,4 @@ pub use plant::{Plant, SensorFrame};
 pub use regressor::inverse_dynamics_regressor;
 pub use rnea::{bias_torque, gravity_torque, rnea};
 pub use spatial::{Pose, Twist, Wrench};
+pub use well_conditioned::well_conditioned_poses;

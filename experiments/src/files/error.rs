@@ -39,6 +39,14 @@ pub enum FileError {
         /// The allowed range.
         allowed: String,
     },
+    /// A robot description that is no arm.
+    #[error("{}: {source}", path.display())]
+    Urdf {
+        /// The file.
+        path: PathBuf,
+        /// What is wrong with it.
+        source: tribo_robot::urdf::UrdfError,
+    },
     /// A line of a journal that is not what it should be.
     #[error("{}:{line}: corrupt journal: {message}", path.display())]
     Journal {

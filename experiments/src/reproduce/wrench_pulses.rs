@@ -148,7 +148,7 @@ struct Stretch {
 impl Stretch {
     fn trial(&self, pose: usize, estimator: EstimatorName) -> Result<Trial<7>, ExperimentError> {
         let config = TuneConfig { seed: self.seed, pose, phases: Phases::Random, ..TuneConfig::default() };
-        let mut trial = config.validate()?.trial;
+        let mut trial = config.validate::<7>()?.trial;
         let payload = ModelError { payload_kg: self.case.payload_kg, ..ModelError::default() };
         trial.truth = payload.apply(truth_of(self.case), self.seed);
         if estimator == EstimatorName::DoubleEncoder {
