@@ -139,7 +139,7 @@ mod tests {
     /// The bound is the true peak: just inside it passes, and the path then meets the limit.
     #[test]
     fn the_speed_limit_is_the_peak_of_the_path() {
-        let limits = arm.limits;
+        let limits = presets::panda().limits;
         let reach = limits.qd_max_rad_s[1] * 0.5 / PEAK_OVER_MEAN;
         let path = two(0.999 * reach, 0.5).validate(&presets::panda()).unwrap().path();
         let peak = (0..500).map(|k| path.at(1e-3 * f64::from(k)).qd[1].abs()).fold(0.0, f64::max);

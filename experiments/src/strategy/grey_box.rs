@@ -6,6 +6,7 @@ use std::sync::{Mutex, PoisonError};
 use nalgebra::SVector;
 use tribo_bayesopt::{Domain, Settings, suggest};
 use tribo_friction::identify::{Basis, GlsFit, GlsSample, GlsSettings, SavitzkyGolay, fit_from_wrench};
+use tribo_friction::law::CoulombViscous;
 use tribo_robot::{Arm, ControlTerms, WrenchEstimator};
 
 use super::bayes::observations;
@@ -77,17 +78,26 @@ impl<const N: usize> GreyBox<N> {
         })
     }
 
-    /// Friction identified from the logs of the last trials before trial `number`.
+    /// Friction identified from the logs of the last trials before trial `number`. A joint that stuck all the time tells least
+    /// squares nothing; its dry friction is at least the largest torque that did not move it, and compensated by that it
+    /// will move.
     pub fn identify(&self, number: usize, logs: &dyn LogSource<N>) -> Result<GlsFit<N>, StrategyError> {
         let mut fits = self.fits.lock().unwrap_or_else(PoisonError::into_inner);
         if let Some(fit) = fits.get(&number) {
             return Ok(fit.clone());
         }
-        let mut samples = Vec::new();
+        let (mut samples, mut held) = (Vec::new(), SVector::<f64, N>::zeros());
         for trial in (0..number).rev().take(LOGS) {
-            samples.extend(identification_samples(&self.model, &logs.log(trial)?, &self.estimator));
+            let log = logs.log(trial)?;
+            samples.extend(identification_samples(&self.model, &log, &self.estimator));
+            held = held.sup(&largest_joint_torque(&log));
         }
-        let fit = fit_from_wrench(&samples, &self.gls)?;
+        let mut fit = fit_from_wrench(&samples, &self.gls)?;
+        for j in 0..N {
+            if samples.iter().all(|sample| sample.qd[j].abs() <= self.gls.stuck_rad_s) {
+                fit.friction.joints[j] = CoulombViscous { coulomb_nm: held[j], viscous_nm_s_per_rad: 0.0 }.into();
+            }
+        }
         fits.insert(number, fit.clone());
         Ok(fit)
     }
@@ -158,6 +168,12 @@ fn basis_column(name: &str) -> Option<usize> {
         "breakaway_minus_coulomb_nm" => Some(2),
         _ => None,
     }
+}
+
+/// Largest torque beyond gravity and Coriolis forces that was sent to each joint (Nm).
+fn largest_joint_torque<const N: usize>(log: &TrialLog<N>) -> SVector<f64, N> {
+    let sent = |k: usize| log.tau_task[k] + log.tau_nullspace[k] + log.tau_friction[k];
+    (0..log.len()).fold(SVector::zeros(), |most, k| most.sup(&sent(k).abs()))
 }
 
 /// Time the estimator is given to forget its start (s).

@@ -63,12 +63,16 @@ fn arrow((x, y): (Vec<f64>, Vec<f64>)) -> (Vec<f64>, Vec<f64>) {
 
 #[cfg(test)]
 mod tests {
+    use nalgebra::SVector;
+    use tribo_robot::presets;
+
     use super::*;
+    use crate::watch::skeleton;
 
     /// At zero angles the Panda stands upright: its flange is 88 mm in front of the base and 926 mm above it.
     #[test]
     fn the_skeleton_ends_at_the_flange() {
-        let points = skeleton(&SVector::zeros());
+        let points = skeleton(&presets::panda(), &SVector::zeros());
         let flange = points.last().copied().unwrap_or_default();
         assert_eq!(points.len(), 9);
         assert!((flange - Vector3::new(0.088, 0.0, 0.926)).norm() < 1e-9, "{flange}");
