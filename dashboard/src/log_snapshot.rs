@@ -45,7 +45,7 @@ impl LogSnapshot {
             Some((_, model)) => (model.clone(), model),
             None => {
                 let bare = |two_sided: &[RobotLog]| {
-                    let bare = source.model.bare(log.joints(), two_sided);
+                    let bare = source.model.bare(&source.path, log.joints(), two_sided);
                     bare.map(|(_, model)| model).map_err(|error| error.to_string())
                 };
                 (bare(&[])?, bare(std::slice::from_ref(&log))?)

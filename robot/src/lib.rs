@@ -24,6 +24,8 @@
 //! assert!(mass_matrix(&arm, &q).cholesky().is_some());
 //! ```
 //!
+//! Arms come from [`presets`], whose every number has a source, or from a URDF ([`urdf`]).
+//!
 //! Leaves out: prismatic joints, branching trees, joint flexibility.
 
 mod aba;

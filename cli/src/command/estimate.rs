@@ -37,7 +37,7 @@ pub fn run(arguments: &Estimate, common: &Common) -> anyhow::Result<()> {
     };
     let given = choice.given()?;
     let (log, summary) = read_log(&arguments.log)?;
-    let (_, model) = given.map_or_else(|| choice.bare(log.joints(), &[]), Ok)?;
+    let (_, model) = given.map_or_else(|| choice.bare(&arguments.log, log.joints(), &[]), Ok)?;
     check_joints(&arguments.log, &log, &model)?;
     match &model {
         AnyModel::Six(model) => estimate(arguments, common, &log, &summary, model),

@@ -39,6 +39,14 @@ pub enum FileError {
         /// The allowed range.
         allowed: String,
     },
+    /// A log of which nobody says whose it is.
+    #[error("{}: {joints} joints; say which robot that is: --robot NAME or URDF, or --model FILE", path.display())]
+    NoRobot {
+        /// The log.
+        path: PathBuf,
+        /// Its number of joints.
+        joints: usize,
+    },
     /// A robot description that is no arm.
     #[error("{}: {source}", path.display())]
     Urdf {

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use tribo_logs::RobotLog;
 use tribo_sim::TorqueSide;
 
-use super::{AnyModel, FieldError, FileError, ModelFile};
+use super::{AnyModel, FileError, ModelFile};
 use crate::ConfigError;
 
 /// A model file, or a robot by name or URDF, or neither: then the number of joints of the logs decides, seven being a
@@ -32,21 +32,21 @@ impl ModelChoice {
         Ok(Some((file, model)))
     }
 
-    /// The bare robot for logs with so many joints; where all of `two_sided` have torque on both sides of the gears, gears
-    /// that weigh nothing.
+    /// The bare robot for the log at `path` with so many joints; where all of `two_sided` have torque on both sides of the
+    /// gears, rotors that weigh nothing.
     ///
     /// # Errors
     /// A robot that is not there, or none given for arms that have no default.
-    pub fn bare(&self, joints: usize, two_sided: &[RobotLog]) -> Result<(ModelFile, AnyModel), ConfigError> {
+    pub fn bare(
+        &self,
+        path: &Path,
+        joints: usize,
+        two_sided: &[RobotLog],
+    ) -> Result<(ModelFile, AnyModel), ConfigError> {
         let robot = match (&self.robot, joints) {
             (Some(robot), _) => robot.as_str(),
             (None, 7) => "panda",
-            (None, joints) => {
-                let allowed = "a preset or a URDF (--robot), or a model file (--model)";
-                return Err(
-                    FieldError::new("robot", format!("not given, and the log has {joints} joints"), allowed).into()
-                );
-            }
+            (None, joints) => return Err(FileError::NoRobot { path: path.to_owned(), joints }.into()),
         };
         let mut file = ModelFile::bare(robot, self.torque_side, two_sided);
         file.resolve(Path::new(""))?;

@@ -47,8 +47,9 @@ pub fn run(arguments: &Diagnose, common: &Common) -> anyhow::Result<()> {
         return Err(BadInput(format!("--band-hz is {band_hz}; allowed: greater than 0")).into());
     }
     let (names, session): (Vec<String>, Vec<RobotLog>) = logs.into_iter().unzip();
-    let joints = session.first().map_or(0, |log| log.joints());
-    let (model_file, model) = given.map_or_else(|| choice.bare(joints, &session), Ok)?;
+    let first = session.first().map_or(0, |log| log.joints());
+    let path = arguments.logs.first().map_or(Path::new(""), |path| path);
+    let (model_file, model) = given.map_or_else(|| choice.bare(path, first, &session), Ok)?;
     for (name, log) in names.iter().zip(&session).chain(validate.iter().map(|(name, log)| (name, log))) {
         check_joints(Path::new(name), log, &model)?;
     }
