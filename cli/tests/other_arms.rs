@@ -190,7 +190,7 @@ fn an_arm_from_a_urdf_is_tuned_and_its_file_may_go() {
     let call = "simulate --model moved/arm.yaml --compensation";
     assert!(
         cost(&format!("{call} none --json"))
-            > 3.0 * cost(&format!("simulate --robot moved/arm.urdf --compensation oracle --json"))
+            > 3.0 * cost("simulate --robot moved/arm.urdf --compensation oracle --json")
     );
 }
 

@@ -7,11 +7,11 @@ use tribo_robot::{Kinematics, gravity_torque, mass_matrix};
 /// Step of the central differences (rad): their error is about 1e-9 of the torque.
 const STEP_RAD: f64 = 1e-5;
 
-fn each(check: (fn(&Preset<6>), fn(&Preset<7>))) {
+fn each(six: fn(&Preset<6>), seven: fn(&Preset<7>)) {
     for name in presets::NAMES {
         match presets::find(name).expect(name) {
-            AnyPreset::Six(preset) => check.0(&preset),
-            AnyPreset::Seven(preset) => check.1(&preset),
+            AnyPreset::Six(preset) => six(&preset),
+            AnyPreset::Seven(preset) => seven(&preset),
         }
     }
 }
@@ -55,7 +55,7 @@ fn gravity_is_the_gradient_of_the_potential<const N: usize>(preset: &Preset<N>) 
 
 #[test]
 fn gravity() {
-    each((gravity_is_the_gradient_of_the_potential, gravity_is_the_gradient_of_the_potential));
+    each(gravity_is_the_gradient_of_the_potential, gravity_is_the_gradient_of_the_potential);
 }
 
 fn bodies_are_possible<const N: usize>(preset: &Preset<N>) {
@@ -77,7 +77,7 @@ fn bodies_are_possible<const N: usize>(preset: &Preset<N>) {
 
 #[test]
 fn inertia() {
-    each((bodies_are_possible, bodies_are_possible));
+    each(bodies_are_possible, bodies_are_possible);
 }
 
 /// Room that the reference motion of 25 mm and 5° needs in any joint (rad).
@@ -106,7 +106,7 @@ fn poses_are_good_ones<const N: usize>(preset: &Preset<N>) {
 
 #[test]
 fn poses() {
-    each((poses_are_good_ones, poses_are_good_ones));
+    each(poses_are_good_ones, poses_are_good_ones);
 }
 
 /// Mass that the vendors' data sheets give for the whole arm (kg), and that of the base, which no preset has: 17.8 and 17.8

@@ -51,7 +51,7 @@ fn angular_first<const C: usize>(linear_first: SMatrix<f64, 6, C>) -> SMatrix<f6
 
 fn reference(name: &str) -> Reference {
     let path = format!("{}/reference/{name}_dynamics.json", env!("CARGO_MANIFEST_DIR"));
-    serde_json::from_str(&std::fs::read_to_string(path).unwrap()).unwrap()
+    serde_json::from_str(&std::fs::read_to_string(path).expect("the reference")).expect("its form")
 }
 
 /// Every algorithm on the link side of `arm` against every case.

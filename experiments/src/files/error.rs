@@ -53,7 +53,7 @@ pub enum FileError {
         /// The file.
         path: PathBuf,
         /// What is wrong with it.
-        source: tribo_robot::urdf::UrdfError,
+        source: Box<tribo_robot::urdf::UrdfError>,
     },
     /// A line of a journal that is not what it should be.
     #[error("{}:{line}: corrupt journal: {message}", path.display())]

@@ -56,7 +56,7 @@ impl ModelFile {
             return Err(FieldError::new("robot", &self.robot, allowed_robots()).into());
         }
         let text = read_text(&path)?;
-        self.chain(&text).map_err(|source| FileError::Urdf { path, source })?;
+        self.chain(&text).map_err(|source| FileError::Urdf { path, source: Box::new(source) })?;
         self.urdf = Some(text);
         Ok(())
     }

@@ -42,6 +42,7 @@ pub struct Preset<const N: usize> {
 
 /// A preset with as many joints as it happens to have.
 #[derive(Clone, Debug, PartialEq)]
+#[allow(clippy::large_enum_variant, reason = "one at a time, looked up and taken apart")]
 pub enum AnyPreset {
     /// Six joints.
     Six(Preset<6>),
