@@ -20,6 +20,7 @@ pub struct Arguments {
 const EXAMPLES: &str = "Examples:
   tribo tune                                   tune a simulated Panda, 50 trials
   tribo tune --friction stribeck --truth stribeck --pose 1 --seed 7
+  tribo tune --robot ur10e                     another arm: fr3, ur10e, kinova_gen3, iiwa14 or a URDF
   tribo tune --resume --out campaigns/0001     go on with a campaign that was stopped
   tribo export campaigns/0001 --format json    the tuned compensator
   tribo dashboard campaigns/0001               look at it, also while it runs
@@ -90,10 +91,14 @@ pub enum Command {
 /// What is simulated; each flag overrides the settings file.
 #[derive(Debug, Args)]
 pub struct Scenario {
+    /// The arm: panda, fr3, ur10e, kinova_gen3, iiwa14 or the path of a URDF [default: that of --model, else of --truth, else panda].
+    #[arg(long, value_name = "NAME|URDF")]
+    pub robot: Option<String>,
     /// Seed of everything random.
     #[arg(long, allow_negative_numbers = true)]
     pub seed: Option<u64>,
-    /// What the simulated arm is like: coulomb_viscous, stribeck, lugre, gaz, thermal, frictionless or a model file.
+    /// What the simulated arm is like: coulomb_viscous, stribeck, lugre, gaz, thermal, frictionless (with the friction that
+    /// arms of its kind have) or a model file.
     #[arg(long)]
     pub truth: Option<String>,
     /// Configuration about which the tool moves.
@@ -187,9 +192,12 @@ pub struct Estimate {
     /// The log, in any format that convert reads. Where it has torque on both sides of the gears and no --model is given,
     /// their friction is all that is estimated.
     pub log: PathBuf,
-    /// Model of the robot (YAML, schema tribo.model/1) [default: the bare Panda without friction].
+    /// Model of the robot (YAML, schema tribo.model/1) [default: the bare robot without friction].
     #[arg(long, value_name = "FILE")]
     pub model: Option<PathBuf>,
+    /// The robot, when no --model says it: a preset or the path of a URDF [default: panda, if the log has 7 joints].
+    #[arg(long, value_name = "NAME|URDF", conflicts_with = "model")]
+    pub robot: Option<String>,
     /// Side of the gears on which tau_J was measured, when no --model says it.
     #[arg(long, default_value = "motor", value_parser = PossibleValuesParser::new(["motor", "link"]), conflicts_with = "model")]
     pub torque_side: String,
@@ -217,10 +225,13 @@ pub struct Diagnose {
     /// The logs of one session, in any format that convert reads.
     #[arg(required = true, value_name = "LOG")]
     pub logs: Vec<PathBuf>,
-    /// Model that the logs are held against (YAML, schema tribo.model/1) [default: the bare Panda without friction; rotors
+    /// Model that the logs are held against (YAML, schema tribo.model/1) [default: the bare robot without friction; rotors
     /// without inertia where link-side torque was logged too].
     #[arg(long, value_name = "FILE")]
     pub model: Option<PathBuf>,
+    /// The robot, when no --model says it: a preset or the path of a URDF [default: panda, if the logs have 7 joints].
+    #[arg(long, value_name = "NAME|URDF", conflicts_with = "model")]
+    pub robot: Option<String>,
     /// Side of the gears on which tau_J was measured, when no --model says it.
     #[arg(long, default_value = "motor", value_parser = PossibleValuesParser::new(["motor", "link"]), conflicts_with = "model")]
     pub torque_side: String,
@@ -299,9 +310,12 @@ pub struct Dashboard {
     /// Second campaign directory, of the view `compare`.
     #[arg(long, value_name = "DIR")]
     pub compare: Option<PathBuf>,
-    /// Model that a log is held against (YAML, schema tribo.model/1) [default: the bare Panda without friction].
+    /// Model that a log is held against (YAML, schema tribo.model/1) [default: the bare robot without friction].
     #[arg(long, value_name = "FILE")]
     pub model: Option<PathBuf>,
+    /// The robot, when no --model says it: a preset or the path of a URDF [default: panda, if the log has 7 joints].
+    #[arg(long, value_name = "NAME|URDF", conflicts_with = "model")]
+    pub robot: Option<String>,
     /// Side of the gears on which tau_J was measured, when no --model says it.
     #[arg(long, default_value = "motor", value_parser = PossibleValuesParser::new(["motor", "link"]), conflicts_with = "model")]
     pub torque_side: String,

@@ -232,7 +232,7 @@ fn logs() {
         ("estimate garbage.csv", &["garbage.csv: unknown format", "this is no log", "canonical CSV"]),
         ("estimate empty.csv", &["empty.csv: is empty"]),
         ("estimate folder", &["folder: unknown format"]),
-        ("estimate six.csv", &["six.csv: 6 joints; the model has 7"]),
+        ("estimate six.csv", &["six.csv: 6 joints; say which robot that is: --robot NAME"]),
         ("estimate nan.csv", &["nan.csv:5: column q_1: `NaN` is not a finite decimal number"]),
         ("estimate cut.csv", &["cut.csv:", "cells, the header has 22"]),
         ("estimate back.csv", &["back.csv:9: column time: 0.002 s does not exceed the stamp before, 0.006 s"]),
@@ -360,7 +360,7 @@ fn places_of_campaigns() {
                     })
                 },
                 resume,
-                &["c/campaign.yaml:9: field `trials` is 0; allowed: 1 to 10000"],
+                &["c/campaign.yaml:10: field `trials` is 0; allowed: 1 to 10000"],
             ),
             damaged(journal(swap), resume, &["c/journal.log:20: corrupt journal: not JSON"]),
             damaged(journal(without_study), resume, &["c/journal.log:1: corrupt journal: no study"]),

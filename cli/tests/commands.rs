@@ -65,6 +65,7 @@ fn a_campaign_as_json_keeps_its_keys() {
     let expected = [
         "schema",
         "tribo_version",
+        "robot",
         "seed",
         "strategy",
         "friction",

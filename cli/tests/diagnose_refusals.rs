@@ -77,7 +77,7 @@ fn logs_and_models() {
         ("good.csv --validate nowhere.csv", &["nowhere.csv: no such file or directory"]),
         ("folder", &["folder: unknown format"]),
         ("garbage.csv", &["garbage.csv: unknown format"]),
-        ("six.csv", &["six.csv: 6 joints; the model has 7"]),
+        ("six.csv", &["six.csv: 6 joints; say which robot that is: --robot NAME"]),
         ("good.csv --validate six.csv", &["six.csv: 6 joints; the model has 7"]),
         ("nan.csv", &["nan.csv:", "column q_0: `NaN` is not a finite decimal number"]),
         ("header_only.csv", &["header_only.csv", "row"]),

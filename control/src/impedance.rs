@@ -237,6 +237,29 @@ mod tests {
         assert!((load - tribo_robot::rnea(&arm.link_side(), &q, &qd, &qdd)).amax() < 1e-9);
     }
 
+    /// Six joints have no null space: its damping and its spring vanish, and the arm still accelerates as it should.
+    #[test]
+    fn an_arm_without_null_space_feels_no_spring_in_it() {
+        let preset = presets::find("ur10e").unwrap();
+        let preset = preset.with_joints::<6>().unwrap();
+        let (arm, q) = (&preset.arm, preset.poses_rad[0]);
+        let qd = SVector::<f64, 6>::from_fn(|i, _| 0.2 * (i as f64 + 1.0).sin());
+        let terms = ControlTerms::at(arm, &q, &qd);
+        let controller = ImpedanceController {
+            settings: ImpedanceSettings { posture_stiffness_per_s2: 400.0, ..ImpedanceSettings::default() },
+            pseudo_inverse: DampedPseudoInverse::default(),
+            posture: q + SVector::repeat(0.5),
+            rotor_inertia_kg_m2: arm.rotor_inertia_kg_m2,
+        };
+        let no_friction = |_: &_, _: &_, _: &_| (SVector::zeros(), SVector::zeros());
+        let (torque, task) =
+            controller.tick(&terms, &q, &qd, &terms.base_from_flange, &Vector6::zeros(), no_friction).unwrap();
+        assert!(torque.nullspace.amax() < 1e-8 && task.nullspace_speed_rad_s < 1e-10, "{torque:?}");
+        let qdd = forward_dynamics(arm, &q, &qd, &torque.total());
+        let acceleration = terms.jacobian * qdd + terms.jdot_qd;
+        assert!((acceleration - task.acceleration_command).amax() < 1e-8);
+    }
+
     #[test]
     fn nan_is_a_fault_not_a_torque() {
         let arm = presets::panda();

@@ -77,7 +77,7 @@ fn median(all: &[Spent], of: fn(&Spent) -> f64) -> f64 {
 /// Runs one campaign to its end, with or without a window on it.
 fn run(directory: &Path, trials: usize, watching: bool) -> Spent {
     let config = TuneConfig { trials, ..TuneConfig::default() };
-    let tune = config.validate().expect("default settings are valid");
+    let tune = config.validate::<7>().expect("default settings are valid");
     let pool = rayon::ThreadPoolBuilder::new().build().expect("threads of the trials");
     let campaign = Campaign::create(directory, tune, clock).expect("a fresh directory");
     let ended = Arc::new(AtomicBool::new(false));

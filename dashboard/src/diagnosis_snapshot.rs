@@ -6,6 +6,7 @@ use std::sync::{Mutex, PoisonError};
 
 use tribo_diagnose::report::{ReportContext, html};
 use tribo_diagnose::{DiagnoseSettings, Diagnosis, diagnose};
+use tribo_experiments::files::AnyModel;
 use tribo_logs::write_atomic;
 
 use crate::log_snapshot::LogSnapshot;
@@ -58,9 +59,12 @@ impl DiagnosisSnapshot {
         let settings = DiagnoseSettings { seed: 0, band_hz: None };
         let report = |stage: &str, part: f64| progress.report(stage, part);
         let logs = std::slice::from_ref(&log.log);
-        let diagnosis = diagnose(logs, &log.model.to_nominal(), &[], &settings, &report)
-            .map_err(|error| format!("{}: {error}", log.source.path.display()))?;
-        Ok(Self { log: log.source.path.clone(), model: log.source.model_name(), diagnosis })
+        let diagnosis = match &log.diagnosed {
+            AnyModel::Six(model) => diagnose(logs, &model.to_nominal(), &[], &settings, &report),
+            AnyModel::Seven(model) => diagnose(logs, &model.to_nominal(), &[], &settings, &report),
+        };
+        let diagnosis = diagnosis.map_err(|error| format!("{}: {error}", log.source.path.display()))?;
+        Ok(Self { log: log.source.path.clone(), model: log.model_name(), diagnosis })
     }
 
     /// Writes the page of `tribo diagnose --report` under the name of the log.

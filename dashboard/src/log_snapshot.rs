@@ -1,8 +1,10 @@
 //! A measured log to look at.
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
-use tribo_experiments::files::{Model, ModelFile, YamlDocument};
+use nalgebra::{SVector, Vector3};
+use tribo_experiments::files::{AnyModel, ModelChoice};
+use tribo_experiments::watch::skeleton;
 use tribo_figure::{Signal, Signals};
 use tribo_logs::{Quantity, RobotLog, read_log};
 
@@ -11,17 +13,8 @@ use tribo_logs::{Quantity, RobotLog, read_log};
 pub struct LogSource {
     /// The log.
     pub path: PathBuf,
-    /// The model it is held against; none is the bare Panda without friction.
-    pub model: Option<PathBuf>,
-    /// Whether the torque of the bare Panda is measured on the link side of the gears.
-    pub link_side: bool,
-}
-
-impl LogSource {
-    /// The model, by the name of its file.
-    pub fn model_name(&self) -> String {
-        self.model.as_ref().map_or("the bare Panda without friction".to_owned(), |path| path.display().to_string())
-    }
+    /// The model it is held against.
+    pub model: ModelChoice,
 }
 
 /// A log with its channels ready to be drawn.
@@ -32,7 +25,10 @@ pub struct LogSnapshot {
     /// The log.
     pub log: RobotLog,
     /// The model.
-    pub model: Model<7>,
+    pub model: AnyModel,
+    /// The model that a diagnosis holds it against: the same, but for the rotors of a bare robot where torques of both
+    /// sides of the gears were logged.
+    pub diagnosed: AnyModel,
     /// Its channels.
     pub signals: Signals,
 }
@@ -43,29 +39,39 @@ impl LogSnapshot {
     /// # Errors
     /// What is wrong with log or model, as a sentence.
     pub fn read(source: &LogSource) -> Result<Self, String> {
-        let told = |error: &dyn std::fmt::Display| error.to_string();
-        let model = model(source.model.as_deref(), source.link_side)?;
-        let (log, _) = read_log(&source.path).map_err(|error| told(&error))?;
-        if log.joints() != 7 {
-            return Err(format!("{}: {} joints; the model has 7", source.path.display(), log.joints()));
+        let given = source.model.given().map_err(|error| error.to_string())?;
+        let (log, _) = read_log(&source.path).map_err(|error| error.to_string())?;
+        let (model, diagnosed) = match given {
+            Some((_, model)) => (model.clone(), model),
+            None => {
+                let bare = |two_sided: &[RobotLog]| {
+                    let bare = source.model.bare(&source.path, log.joints(), two_sided);
+                    bare.map(|(_, model)| model).map_err(|error| error.to_string())
+                };
+                (bare(&[])?, bare(std::slice::from_ref(&log))?)
+            }
+        };
+        if log.joints() != model.joints() {
+            let path = source.path.display();
+            return Err(format!("{path}: {} joints; the model has {}", log.joints(), model.joints()));
         }
         let signals = signals(&log);
-        Ok(Self { source: source.clone(), log, model, signals })
+        Ok(Self { source: source.clone(), log, model, diagnosed, signals })
     }
-}
 
-/// The model file, or the bare Panda.
-fn model(path: Option<&Path>, link_side: bool) -> Result<Model<7>, String> {
-    let document = match path {
-        Some(path) => YamlDocument::read(path).map_err(|error| error.to_string())?,
-        None => {
-            let side = if link_side { "link" } else { "motor" };
-            let text = format!("schema: tribo.model/1\nrobot: panda\ntorque_side: {side}\n");
-            YamlDocument::embedded("the bare Panda", &text)
+    /// The arm at a row of the log, as points (m) from base to flange.
+    pub fn skeleton(&self, row: usize) -> Vec<Vector3<f64>> {
+        let q = |j: usize| self.log.q_rad[j][row];
+        match &self.model {
+            AnyModel::Six(model) => skeleton(&model.arm, &SVector::from_fn(|j, _| q(j))),
+            AnyModel::Seven(model) => skeleton(&model.arm, &SVector::from_fn(|j, _| q(j))),
         }
-    };
-    let file: ModelFile = document.parse().map_err(|error| error.to_string())?;
-    file.validate().map_err(|error| document.explain(error).to_string())
+    }
+
+    /// What the model is called.
+    pub fn model_name(&self) -> String {
+        self.source.model.name(self.model.robot())
+    }
 }
 
 /// A sensor's 24 bits.

@@ -6,7 +6,7 @@ use std::sync::mpsc::{Receiver, TryRecvError, channel};
 use std::sync::{Arc, Condvar, Mutex, PoisonError};
 
 use tribo_experiments::journal::Clock;
-use tribo_experiments::{Campaign, CampaignError, CampaignObserver, ValidTune};
+use tribo_experiments::{AnyTune, Campaign, CampaignError, CampaignObserver, TuneConfig};
 
 /// What the window wants of the thread.
 #[derive(Debug, Default)]
@@ -55,8 +55,11 @@ impl Runner {
     ///
     /// # Errors
     /// The directory cannot be used.
-    pub fn start(directory: &Path, tune: ValidTune, clock: Clock) -> Result<Self, CampaignError> {
-        Ok(Self::run(directory, Campaign::create(directory, tune, clock)?))
+    pub fn start(directory: &Path, tune: AnyTune, clock: Clock) -> Result<Self, CampaignError> {
+        Ok(match tune {
+            AnyTune::Six(tune) => Self::run(directory, Campaign::create(directory, tune, clock)?),
+            AnyTune::Seven(tune) => Self::run(directory, Campaign::create(directory, tune, clock)?),
+        })
     }
 
     /// Goes on with a campaign.
@@ -64,10 +67,13 @@ impl Runner {
     /// # Errors
     /// It is running already, or damaged.
     pub fn resume(directory: &Path, clock: Clock) -> Result<Self, CampaignError> {
-        Ok(Self::run(directory, Campaign::resume(directory, None, clock)?))
+        Ok(match TuneConfig::joints_of_campaign(directory)? {
+            6 => Self::run(directory, Campaign::<6>::resume(directory, None, clock)?),
+            _ => Self::run(directory, Campaign::<7>::resume(directory, None, clock)?),
+        })
     }
 
-    fn run(directory: &Path, campaign: Campaign) -> Self {
+    fn run<const N: usize>(directory: &Path, campaign: Campaign<N>) -> Self {
         let wish = Arc::new(Wish::default());
         let (sender, end) = channel();
         let mut observer = Obedient(Arc::clone(&wish));

@@ -3,8 +3,8 @@
 use std::path::PathBuf;
 use std::sync::Arc;
 
-use tribo_experiments::watch::{CampaignSnapshot, LoopTimes, Surrogate, TrialSnapshot};
-use tribo_experiments::{EstimatorName, References, TrialLog};
+use tribo_experiments::watch::{CampaignSnapshot, LoopTimes, Surrogate, TrialColumns, TrialSnapshot};
+use tribo_experiments::{EstimatorName, References};
 
 use crate::diagnosis_snapshot::DiagnosisSnapshot;
 use crate::log_snapshot::LogSnapshot;
@@ -44,7 +44,7 @@ pub enum Answer {
     /// Reference costs of the campaign in this directory.
     References(PathBuf, Result<References, String>),
     /// Its log without compensation.
-    Uncompensated(PathBuf, Result<Arc<TrialLog<7>>, String>),
+    Uncompensated(PathBuf, Result<Arc<TrialColumns>, String>),
     /// Its surrogate, none where there is too little to learn from, and the time the fit took (s).
     Surrogate(PathBuf, Option<Arc<Surrogate>>, f64),
     /// One of its trials.

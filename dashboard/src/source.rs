@@ -5,8 +5,8 @@ use std::sync::Arc;
 use std::time::Instant;
 
 use tribo_experiments::journal::Clock;
-use tribo_experiments::watch::{CampaignSnapshot, CampaignWatch, Surrogate, TrialSnapshot, loop_times, write_report};
-use tribo_experiments::{EstimatorName, TrialLog, TuneConfig, references, uncompensated_trial};
+use tribo_experiments::watch::{CampaignSnapshot, CampaignWatch, Surrogate, TrialColumns, TrialSnapshot, write_report};
+use tribo_experiments::{EstimatorName, TuneConfig};
 
 use crate::diagnosis_snapshot::{DiagnosisSnapshot, Progress};
 use crate::jobs::Jobs;
@@ -46,7 +46,7 @@ pub struct Source {
     jobs: Jobs,
     clock: Clock,
     selected: Option<usize>,
-    uncompensated: Option<Arc<TrialLog<7>>>,
+    uncompensated: Option<Arc<TrialColumns>>,
     uncompensated_pending: bool,
     /// Campaigns whose reference costs are being worked out.
     without_references: Vec<PathBuf>,
@@ -158,7 +158,7 @@ impl Source {
 
     /// Starts a campaign and watches it.
     pub fn start(&mut self, config: TuneConfig, directory: &Path) {
-        let tune = match config.validate() {
+        let tune = match config.validate_any() {
             Ok(tune) => tune,
             Err(error) => {
                 self.problem = Some(error.to_string());
@@ -217,7 +217,7 @@ impl Source {
         let Some(trial) = self.snapshot.trial.clone() else { return };
         self.jobs.start(ctx, move || {
             let finished = &trial.watched.trial;
-            let times = loop_times(&trial.tune, &finished.theta).map(Arc::new);
+            let times = trial.tune.loop_times(&finished.theta).map(Arc::new);
             Answer::LoopTimes(finished.number, times.map_err(|error| error.to_string()))
         });
     }
@@ -319,7 +319,7 @@ impl Source {
             }
             self.without_references.push(campaign.directory.clone());
             self.jobs.start(ctx, move || {
-                let costs = references(&campaign.tune).map_err(|error| error.to_string());
+                let costs = campaign.tune.references().map_err(|error| error.to_string());
                 Answer::References(campaign.directory.clone(), costs)
             });
         }
@@ -339,7 +339,7 @@ impl Source {
             self.uncompensated_pending = true;
             let campaign = Arc::clone(&campaign);
             self.jobs.start(ctx, move || {
-                let without = uncompensated_trial(&campaign.tune).map(|outcome| Arc::new(outcome.log));
+                let without = campaign.tune.uncompensated().map(Arc::new);
                 Answer::Uncompensated(campaign.directory.clone(), without.map_err(|error| error.to_string()))
             });
         }

@@ -1,10 +1,12 @@
 //! The wrench along a log, as one estimator sees it.
 
 use tribo_ekf::WrenchEkfSettings;
+use tribo_experiments::files::{AnyModel, Model};
 use tribo_experiments::{
     AnyEstimator, Believed, EstimatorName, LogWrench, WrenchSummary, believed_band, wrench_on_log,
 };
 use tribo_figure::{Signal, Signals};
+use tribo_logs::RobotLog;
 
 use crate::log_snapshot::{LogSnapshot, single};
 
@@ -32,12 +34,10 @@ impl WrenchSnapshot {
         if let Some(why) = lacks(log, estimator) {
             return Err(why.to_owned());
         }
-        let believed = Believed::on_log(&log.model);
-        let (friction, settings) = (believed.friction, WrenchEkfSettings::default());
-        let band = believed_band(&friction);
-        let mut running = AnyEstimator::with_confidence(estimator, settings, &believed.arm, &friction, &band, 1.0)
-            .map_err(|error| error.to_string())?;
-        let wrench = wrench_on_log(&log.log, &believed, log.model.smoothing_rad_s, &mut running);
+        let wrench = match &log.model {
+            AnyModel::Six(model) => along(&log.log, model, estimator),
+            AnyModel::Seven(model) => along(&log.log, model, estimator),
+        }?;
         Ok(Self { estimator, signals: signals(&wrench), summary: wrench.summary() })
     }
 
@@ -47,6 +47,15 @@ impl WrenchSnapshot {
         let wrench: [f64; 6] = std::array::from_fn(|k| component(k).unwrap_or(f64::NAN));
         wrench.iter().all(|h| h.is_finite()).then_some(wrench)
     }
+}
+
+fn along<const N: usize>(log: &RobotLog, model: &Model<N>, estimator: EstimatorName) -> Result<LogWrench, String> {
+    let believed = Believed::on_log(model);
+    let (friction, settings) = (believed.friction, WrenchEkfSettings::default());
+    let band = believed_band(&friction);
+    let mut running = AnyEstimator::with_confidence(estimator, settings, &believed.arm, &friction, &band, 1.0)
+        .map_err(|error| error.to_string())?;
+    Ok(wrench_on_log(log, &believed, model.smoothing_rad_s, &mut running))
 }
 
 /// What an estimator needs and a log has not, as a sentence.

@@ -148,11 +148,11 @@ fn scrubbing_and_playing() {
     assert_eq!(shown(&window), at);
 }
 
-/// A log is held against the bare Panda: verdict, evidence, alternatives, gain.
+/// A log is held against the bare arm: verdict, evidence, alternatives, gain.
 #[test]
 fn a_diagnosis_shows_its_evidence() {
     let dir = tempfile::tempdir().unwrap();
-    let tune = settings(1).validate().unwrap();
+    let tune = settings(1).validate::<7>().unwrap();
     let estimator = WrenchEkf::new(WrenchEkfSettings::default());
     let friction = tune.space.friction(&tune.space.zero());
     let (_, log) = simulate_log(&tune.trial, &friction, estimator, 1).unwrap();
@@ -175,7 +175,7 @@ fn a_diagnosis_shows_its_evidence() {
     window.click("Write report");
     window.wait_for("log-diagnosis.html");
     let page = std::fs::read_to_string(dir.path().join("exports/log-diagnosis.html")).unwrap();
-    assert!(page.contains("dry friction") && page.contains("the bare Panda without friction"));
+    assert!(page.contains("dry friction") && page.contains("the bare panda without friction"));
 }
 
 /// What is no campaign and no log is said, with what to do.

@@ -16,7 +16,7 @@ use tribo_logs::write_parquet;
 
 /// A log of an arm whose friction nobody cancels.
 fn log(directory: &Path) -> PathBuf {
-    let tune = settings(1).validate().expect("settings");
+    let tune = settings(1).validate::<7>().expect("settings");
     let estimator = WrenchEkf::new(WrenchEkfSettings::default());
     let friction = tune.space.friction(&tune.space.zero());
     let (_, log) = simulate_log(&tune.trial, &friction, estimator, 1).expect("a log");

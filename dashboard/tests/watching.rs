@@ -18,7 +18,7 @@ fn a_watched_campaign_writes_the_same_journal() {
     let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build().unwrap();
     let alone = pool.install(|| campaign(&dir.path().join("alone"), config()));
     let watched = dir.path().join("watched");
-    let running = Campaign::create(&watched, config().validate().unwrap(), clock).unwrap();
+    let running = Campaign::create(&watched, config().validate::<7>().unwrap(), clock).unwrap();
     let thread = std::thread::spawn(move || pool.install(|| running.run(&mut ()).unwrap()));
     let mut window = Window::open(options(dir.path(), Some(&watched), View::Campaign));
     window.wait_for("6 of 6 trials");

@@ -46,7 +46,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         phases: Phases::Random,
         ..TuneConfig::default()
     };
-    let tune = config.validate()?;
+    let tune = config.validate::<7>()?;
     let trials = run_in_memory(&tune)?;
     let mut logs = Vec::new();
     for trial in &trials {

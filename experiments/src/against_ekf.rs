@@ -25,13 +25,16 @@ impl AgainstEkf {
 ///
 /// # Errors
 /// [`CampaignError`] of the second campaign.
-pub fn against_ekf(tune: &ValidTune, result: &CampaignResult) -> Result<Option<AgainstEkf>, CampaignError> {
+pub fn against_ekf<const N: usize>(
+    tune: &ValidTune<N>,
+    result: &CampaignResult,
+) -> Result<Option<AgainstEkf>, CampaignError> {
     let Some((best, _)) = result.best else { return Ok(None) };
     if tune.config.residual == EstimatorName::Ekf {
         return Ok(None);
     }
     let config = TuneConfig { residual: EstimatorName::Ekf, ..tune.config.clone() };
-    let ekf = config.validate()?;
+    let ekf = config.validate::<N>()?;
     let trials = run_in_memory(&ekf)?;
     let Some((ekf_best, _)) = best_trial(&trials) else { return Ok(None) };
     let judged = |theta: &[f64]| {

@@ -17,13 +17,13 @@ use crate::files::Model;
 /// torque_gain thermal_friction joint_elasticity backlash time_delay external_contact     → not cancelled, with the reason
 /// ```
 #[derive(Clone, Debug, PartialEq)]
-pub struct Believed {
+pub struct Believed<const N: usize> {
     /// The arm with all rigid-body effects.
-    pub arm: Arm<7>,
+    pub arm: Arm<N>,
     /// The friction law.
-    pub friction: FrictionModel<7>,
+    pub friction: FrictionModel<N>,
     /// Torques beyond the law, joint by joint.
-    pub effects: [JointEffects; 7],
+    pub effects: [JointEffects; N],
     /// What is left.
     pub not_cancelled: Vec<NotCancelled>,
 }
@@ -37,19 +37,19 @@ pub struct NotCancelled {
     pub why: &'static str,
 }
 
-impl Believed {
-    /// For a controller, which drives motors: a link-side model gets the preset's rotor inertia.
-    pub fn by_controller(model: &Model<7>) -> Self {
+impl<const N: usize> Believed<N> {
+    /// For a controller, which drives motors: a link-side model gets the robot's rotor inertia.
+    pub fn by_controller(model: &Model<N>) -> Self {
         Self::of(model.to_truth())
     }
 
     /// For reading a log: the arm stays on the model's side of the gears.
-    pub fn on_log(model: &Model<7>) -> Self {
+    pub fn on_log(model: &Model<N>) -> Self {
         Self::of(Truth { arm: model.arm.clone(), ..model.to_truth() })
     }
 
     /// All there is to know of a truth; cold, where it warms up.
-    pub fn of(truth: Truth<7>) -> Self {
+    pub fn of(truth: Truth<N>) -> Self {
         let (effects, not_cancelled) = joint_effects(&truth.effects);
         Self { arm: truth.true_arm(), friction: truth.friction, effects, not_cancelled }
     }
@@ -66,8 +66,8 @@ impl fmt::Display for NotCancelled {
 }
 
 /// The torques of every joint that a compensator can add, and the effects that are no such torques.
-pub fn joint_effects(effects: &[Effect]) -> ([JointEffects; 7], Vec<NotCancelled>) {
-    let mut joints = [JointEffects::default(); 7];
+pub fn joint_effects<const N: usize>(effects: &[Effect]) -> ([JointEffects; N], Vec<NotCancelled>) {
+    let mut joints = [JointEffects::default(); N];
     let mut not_cancelled = Vec::new();
     for effect in effects {
         if let Err(why) = add_to(&mut joints, effect) {
@@ -78,7 +78,7 @@ pub fn joint_effects(effects: &[Effect]) -> ([JointEffects; 7], Vec<NotCancelled
 }
 
 /// Adds one effect to its joint, or says why that cannot be.
-fn add_to(joints: &mut [JointEffects; 7], effect: &Effect) -> Result<(), &'static str> {
+fn add_to<const N: usize>(joints: &mut [JointEffects; N], effect: &Effect) -> Result<(), &'static str> {
     let joint = match effect.joint() {
         Some(joint) => joints.get_mut(joint).ok_or("the arm has no such joint")?,
         None => &mut JointEffects::default(),
@@ -193,7 +193,7 @@ mod tests {
 
     #[test]
     fn parameters_keep_joint_and_value() {
-        let (joints, left) = joint_effects(&one_of_each());
+        let (joints, left) = joint_effects::<7>(&one_of_each());
         assert_eq!(left.len(), 6);
         let (it, none) = (joints[3], JointEffects::default());
         assert!((0..7).filter(|&j| j != 3).all(|j| joints[j] == none));

@@ -14,7 +14,7 @@ use crate::leftovers::sweep;
 use crate::stored_logs::StoredLogs;
 use crate::strategy::{FinishedTrial, Proposal, Strategy, StrategyError};
 use crate::trial_store::{trial_log_path, write_trial_log};
-use crate::{EstimatorError, References, TuneConfig, ValidTune, references, run_numbered};
+use crate::{EstimatorError, ParameterSpace, References, TuneConfig, ValidTune, references, run_numbered};
 
 /// Why a campaign cannot go on.
 #[derive(Debug, thiserror::Error)]
@@ -70,6 +70,8 @@ impl CampaignObserver for () {}
 pub struct CampaignResult {
     /// The settings.
     pub config: TuneConfig,
+    /// The parameters that were tuned.
+    pub space: ParameterSpace,
     /// All trials, by number.
     pub trials: Vec<FinishedTrial>,
     /// Number and cost of the best trial that was not aborted.
@@ -80,9 +82,9 @@ pub struct CampaignResult {
 
 /// A campaign in its directory.
 #[derive(Debug)]
-pub struct Campaign {
+pub struct Campaign<const N: usize> {
     directory: PathBuf,
-    tune: ValidTune,
+    tune: ValidTune<N>,
     journal: Journal,
     trials: Vec<Option<FinishedTrial>>,
     /// Trials that the journal knows, finished or not.
@@ -91,9 +93,9 @@ pub struct Campaign {
     recorded: Vec<JournalTrial>,
 }
 
-impl Campaign {
+impl<const N: usize> Campaign<N> {
     /// Starts a campaign in a directory that has none yet.
-    pub fn create(directory: &Path, tune: ValidTune, clock: Clock) -> Result<Self, CampaignError> {
+    pub fn create(directory: &Path, tune: ValidTune<N>, clock: Clock) -> Result<Self, CampaignError> {
         let settings = directory.join("campaign.yaml");
         if settings.exists() || directory.join("journal.log").exists() {
             return Err(FileError::Campaign {
@@ -113,21 +115,9 @@ impl Campaign {
 
     /// Goes on with the campaign of a directory; `trials` overrides its number of trials (never below those recorded).
     pub fn resume(directory: &Path, trials: Option<usize>, clock: Clock) -> Result<Self, CampaignError> {
-        let settings = directory.join("campaign.yaml");
-        if !settings.exists() {
-            return Err(FileError::Campaign {
-                path: directory.to_owned(),
-                message: "holds no campaign (no campaign.yaml)".to_owned(),
-            }
-            .into());
-        }
-        let document = YamlDocument::read(&settings)?;
-        let mut config: TuneConfig = document.parse()?;
+        let (mut config, document) = read_settings(directory, "holds no campaign (no campaign.yaml)")?;
         config.trials = trials.unwrap_or(config.trials);
-        let tune = config.validate().map_err(|error| match error {
-            ConfigError::Field(field) => ConfigError::File(document.explain(field)),
-            other => other,
-        })?;
+        let tune = config.validate().map_err(|error| explained(error, &document))?;
         let path = directory.join("journal.log");
         // A campaign killed between its two first files has settings and no journal.
         let (journal, recorded) =
@@ -137,7 +127,7 @@ impl Campaign {
         let mut finished = vec![None; tune.config.trials.max(recorded.len())];
         for (number, trial) in recorded.iter().enumerate() {
             if trial.state.is_finished() {
-                finished[number] = Some(finished_trial(&tune, &path, number, trial)?);
+                finished[number] = Some(finished_trial(&tune.space, &path, number, trial)?);
             }
         }
         let created = recorded.len();
@@ -145,7 +135,7 @@ impl Campaign {
     }
 
     /// The validated settings.
-    pub fn tune(&self) -> &ValidTune {
+    pub fn tune(&self) -> &ValidTune<N> {
         &self.tune
     }
 
@@ -178,7 +168,8 @@ impl Campaign {
 
         let trials: Vec<FinishedTrial> = self.trials.into_iter().flatten().collect();
         let best = best_trial(&trials);
-        let result = CampaignResult { config: self.tune.config.clone(), trials, best, references };
+        let (config, space) = (self.tune.config.clone(), self.tune.space.clone());
+        let result = CampaignResult { config, space, trials, best, references };
         write_tuned(&self.directory, &self.tune, &result)?;
         Ok(result)
     }
@@ -187,8 +178,8 @@ impl Campaign {
     fn next_batch(
         &self,
         next: usize,
-        strategy: &dyn Strategy,
-        logs: &StoredLogs,
+        strategy: &dyn Strategy<N>,
+        logs: &StoredLogs<N>,
     ) -> Result<Vec<(usize, Proposal)>, CampaignError> {
         let fail = |trial: usize| move |source: StrategyError| CampaignError::Strategy { trial, source };
         let mut batch = Vec::new();
@@ -210,7 +201,7 @@ impl Campaign {
     fn run_batch(
         &mut self,
         batch: &[(usize, Proposal)],
-        logs: &StoredLogs,
+        logs: &StoredLogs<N>,
         observer: &mut dyn CampaignObserver,
     ) -> Result<(), CampaignError> {
         for (number, proposal) in batch {
@@ -254,10 +245,39 @@ impl Campaign {
         let missing =
             names.iter().enumerate().filter(|(_, name)| !known.is_some_and(|params| params.contains_key(*name)));
         let params = missing.map(|(k, name)| {
-            let (_, low, high) = entries[k % entries.len()];
+            let (_, low, high) = entries[k];
             (name.as_str(), proposal.theta[k], low, high)
         });
         Ok(self.journal.set_params(number, params)?)
+    }
+}
+
+/// The settings of the campaign in a directory, with their text; `missing` is said where there are none.
+pub(crate) fn read_settings(directory: &Path, missing: &str) -> Result<(TuneConfig, YamlDocument), FileError> {
+    let settings = directory.join("campaign.yaml");
+    if !settings.exists() {
+        return Err(FileError::Campaign { path: directory.to_owned(), message: missing.to_owned() });
+    }
+    let document = YamlDocument::read(&settings)?;
+    Ok((document.parse()?, document))
+}
+
+/// An error of settings with the file and line to blame.
+pub(crate) fn explained(error: ConfigError, document: &YamlDocument) -> ConfigError {
+    match error {
+        ConfigError::Field(field) => ConfigError::File(document.explain(field)),
+        other => other,
+    }
+}
+
+impl TuneConfig {
+    /// Number of joints of the robot of the campaign in a directory.
+    ///
+    /// # Errors
+    /// No campaign, or one whose settings are damaged.
+    pub fn joints_of_campaign(directory: &Path) -> Result<usize, CampaignError> {
+        let (mut config, document) = read_settings(directory, "holds no campaign (no campaign.yaml)")?;
+        Ok(config.load().map_err(|error| explained(error, &document))?)
     }
 }
 
@@ -267,12 +287,16 @@ pub(crate) fn best_trial(trials: &[FinishedTrial]) -> Option<(usize, f64)> {
     complete.map(|trial| (trial.number, trial.cost.total())).min_by(|a, b| a.1.total_cmp(&b.1))
 }
 
-fn write_tuned(directory: &Path, tune: &ValidTune, result: &CampaignResult) -> Result<(), FileError> {
+fn write_tuned<const N: usize>(
+    directory: &Path,
+    tune: &ValidTune<N>,
+    result: &CampaignResult,
+) -> Result<(), FileError> {
     let Some(best) = result.best else {
         return Ok(());
     };
     let theta = &result.trials[best.0].theta;
-    let compensator: Compensator<7> = Compensator::new(tune.space.friction(theta), tune.config.velocity);
+    let compensator: Compensator<N> = Compensator::new(tune.space.friction(theta), tune.config.velocity);
     let mut file =
         TunedFile::new(&compensator, &tune.trial.model.name, tune.config.seed, best, result.references.uncompensated);
     file.model.clone_from(&tune.config.model_content);

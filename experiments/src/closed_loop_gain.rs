@@ -4,7 +4,7 @@ use rayon::prelude::*;
 use tribo_control::{ImpedanceSettings, PAPER_PHASES_RAD, ReferenceModel, SinusoidReference};
 use tribo_ekf::{WrenchEkf, WrenchEkfSettings};
 use tribo_friction::{JointEffects, VelocitySource};
-use tribo_robot::{Kinematics, presets};
+use tribo_robot::Kinematics;
 use tribo_sim::{DEFAULT_SUB_STEPS, Sensors, WrenchPulses};
 
 use crate::files::Model;
@@ -40,10 +40,10 @@ pub struct ClosedLoopGain {
 /// Runs both trials: the paper's reference at the ready pose, hybrid velocity, default gains, sensors and limits.
 /// `seed` feeds the sensor noise of both.
 ///
-/// A link-side model says nothing of motors; the plant and both controllers get the preset's rotor inertia.
-pub fn closed_loop_gain(nominal: &Model<7>, extended: &Model<7>, seed: u64) -> ClosedLoopGain {
+/// A link-side model says nothing of motors; the plant and both controllers get the robot's rotor inertia.
+pub fn closed_loop_gain<const N: usize>(nominal: &Model<N>, extended: &Model<N>, seed: u64) -> ClosedLoopGain {
     let (before, after) = (Believed::by_controller(nominal), Believed::by_controller(extended));
-    let runs: Vec<Run> = [&before, &after].par_iter().map(|believed| run(believed, extended, seed)).collect();
+    let runs: Vec<Run<N>> = [&before, &after].par_iter().map(|believed| run(believed, extended, seed)).collect();
     ClosedLoopGain {
         cost_before: runs[0].outcome.cost.total(),
         cost_after: runs[1].outcome.cost.total(),
@@ -58,14 +58,14 @@ pub fn closed_loop_gain(nominal: &Model<7>, extended: &Model<7>, seed: u64) -> C
 }
 
 /// One trial.
-struct Run {
-    outcome: TrialOutcome<7>,
+struct Run<const N: usize> {
+    outcome: TrialOutcome<N>,
     rms_mm: f64,
     rms_mrad: f64,
 }
 
-fn run(believed: &Believed, truth: &Model<7>, seed: u64) -> Run {
-    let start = presets::panda_ready_pose();
+fn run<const N: usize>(believed: &Believed<N>, truth: &Model<N>, seed: u64) -> Run<N> {
+    let start = truth.robot.poses_rad[0];
     let centre = Kinematics::at(&believed.arm, &start).base_from_flange();
     let trial = Trial {
         truth: truth.to_truth(),
@@ -73,7 +73,7 @@ fn run(believed: &Believed, truth: &Model<7>, seed: u64) -> Run {
         sub_steps: DEFAULT_SUB_STEPS,
         pulses: WrenchPulses::default(),
         model: believed.arm.clone(),
-        effects: [JointEffects::default(); 7],
+        effects: [JointEffects::default(); N],
         start,
         impedance: ImpedanceSettings::default(),
         reference: SinusoidReference::paper(centre, PAPER_PHASES_RAD),

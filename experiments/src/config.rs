@@ -1,18 +1,20 @@
 //! Settings of a campaign: as written, and as validated.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
+use nalgebra::SVector;
 use serde::{Deserialize, Serialize};
 use tribo_control::{ImpedanceSettings, PAPER_PHASES_RAD, SinusoidReference};
 use tribo_ekf::{MeasurementNoise, WrenchEkfSettings};
 use tribo_friction::{JointEffects, VelocitySource};
-use tribo_robot::{Kinematics, presets};
-use tribo_sim::{DEFAULT_SUB_STEPS, WrenchPulses};
+use tribo_robot::Kinematics;
+use tribo_sim::{DEFAULT_SUB_STEPS, TorqueSide, WrenchPulses};
 
 use crate::files::{FieldError, FileError, ModelFile};
-use crate::scenario::{LoadedTruth, ModelError, POSES, TruthName, frozen_model, pose, random_phases};
+use crate::robot::{POSES, joints_of_preset};
+use crate::scenario::{LoadedTruth, ModelError, TruthName, freeze, random_phases, within};
 use crate::strategy::StrategyName;
-use crate::{Believed, Bounds, EstimatorName, ParameterSpace, PenaltyLimits, Trial, TunedLaw};
+use crate::{Believed, Bounds, ByJoints, EstimatorName, ParameterSpace, PenaltyLimits, Robot, Trial, TunedLaw};
 
 /// Schema name of campaign settings.
 const SCHEMA: &str = "tribo.tune/1";
@@ -36,6 +38,12 @@ pub struct TuneConfig {
     pub schema: String,
     /// Version of Tribo that wrote the file; empty in files written by hand.
     pub tribo_version: String,
+    /// The arm: a preset or the path of a URDF; none is that of `model`, else that of the file of `truth`, else the Panda.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub robot: Option<String>,
+    /// What a robot that is no preset is like, as it was when the campaign began.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub robot_content: Option<ModelFile>,
     /// Seed of everything random.
     pub seed: u64,
     /// What chooses the next parameters.
@@ -57,8 +65,8 @@ pub struct TuneConfig {
     /// Content of the file that `truth` names, as it was when the campaign began.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub truth_content: Option<ModelFile>,
-    /// Model file that the controller believes in: its arm, and its effects on top of the tuned law; none is the bare
-    /// arm of the preset.
+    /// Model file that the controller believes in: its arm, and its effects on top of the tuned law; none is the
+    /// bare arm.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub model: Option<PathBuf>,
     /// Content of the file that `model` names, as it was when the campaign began.
@@ -85,6 +93,8 @@ impl Default for TuneConfig {
         Self {
             schema: SCHEMA.to_owned(),
             tribo_version: String::new(),
+            robot: None,
+            robot_content: None,
             seed: 1,
             strategy: StrategyName::GreyBox,
             friction: TunedLaw::CoulombViscous,
@@ -122,22 +132,85 @@ pub enum ConfigError {
 
 /// Validated settings with everything they refer to.
 #[derive(Clone, Debug)]
-pub struct ValidTune {
+pub struct ValidTune<const N: usize> {
     /// The settings, resolved.
     pub config: TuneConfig,
     /// The parameters that are tuned.
     pub space: ParameterSpace,
     /// The trial that is repeated.
-    pub trial: Trial<7>,
+    pub trial: Trial<N>,
     /// What an oracle believes of the truth.
-    pub oracle: Believed,
+    pub oracle: Believed<N>,
     /// What the controller believes, where a model file says it; its friction law is not in the trial.
-    pub believed: Option<Believed>,
+    pub believed: Option<Believed<N>>,
 }
 
+/// Validated settings about an arm with as many joints as it happens to have.
+pub type AnyTune = ByJoints<ValidTune<6>, ValidTune<7>>;
+
 impl TuneConfig {
-    /// Checks every field against its range and loads the truth.
-    pub fn validate(mut self) -> Result<ValidTune, ConfigError> {
+    /// Reads the files that the settings name into them, settles which robot is meant, and says how many joints it has.
+    ///
+    /// # Errors
+    /// A file that cannot be used, or files about robots with different numbers of joints.
+    pub fn load(&mut self) -> Result<usize, ConfigError> {
+        freeze(self.truth.path(), &mut self.truth_content)?;
+        freeze(self.model.as_ref(), &mut self.model_content)?;
+        let file = self.robot_file()?;
+        let joints = file.arm_joints()?;
+        for (field, content) in [("model", &self.model_content), ("truth", &self.truth_content)] {
+            let other = content.as_ref().map_or(Ok(joints), ModelFile::arm_joints)?;
+            if other != joints {
+                let allowed = format!("a model of a robot with {joints} joints, as {} has", file.robot);
+                return Err(FieldError::new(field, format!("about a robot with {other} joints"), allowed).into());
+            }
+        }
+        self.robot_content = joints_of_preset(&file.robot).is_none().then(|| file.robot_alone());
+        self.robot = Some(file.robot);
+        Ok(joints)
+    }
+
+    /// What says which robot it is.
+    fn robot_file(&self) -> Result<ModelFile, ConfigError> {
+        let named = |file: &&ModelFile| self.robot.as_ref().is_none_or(|robot| *robot == file.robot);
+        let frozen = self.robot_content.as_ref().filter(named);
+        let files = [frozen, self.model_content.as_ref(), self.truth_content.as_ref()];
+        if let Some(file) = files.into_iter().flatten().find(named) {
+            return Ok(file.clone());
+        }
+        let mut file = ModelFile::bare(self.robot.as_deref().unwrap_or("panda"), TorqueSide::Motor, &[]);
+        file.resolve(Path::new(""))?;
+        Ok(file)
+    }
+
+    /// Checks every field against its range and loads the truth, for an arm with as many joints as it has.
+    ///
+    /// # Errors
+    /// Those of [`Self::validate`].
+    pub fn validate_any(mut self) -> Result<AnyTune, ConfigError> {
+        Ok(match self.load()? {
+            6 => AnyTune::Six(self.validate()?),
+            _ => AnyTune::Seven(self.validate()?),
+        })
+    }
+
+    /// The robot; of a preset nothing but the preset counts, whatever the model makes of it.
+    fn valid_robot<const N: usize>(&mut self) -> Result<Robot<N>, ConfigError> {
+        let joints = self.load()?;
+        let name = self.robot.as_deref().unwrap_or_default();
+        if let Some(content) = &self.robot_content {
+            return Ok(within("robot_content", content.validate::<N>())?.robot);
+        }
+        let wrong =
+            || FieldError::new("robot", format!("{name} with {joints} joints"), format!("a robot with {N} joints"));
+        Ok(Robot::preset(name).ok_or_else(wrong)?)
+    }
+
+    /// Checks every field against its range and loads the truth; the robot must have N joints.
+    ///
+    /// # Errors
+    /// The first field out of its range, or the file that cannot be used.
+    pub fn validate<const N: usize>(mut self) -> Result<ValidTune<N>, ConfigError> {
         if self.schema != SCHEMA {
             return Err(FieldError::new("schema", &self.schema, SCHEMA).into());
         }
@@ -193,20 +266,23 @@ impl TuneConfig {
         positive("limits.saturation_s", l.saturation_s, 100.0)?;
         positive("limits.acceleration_cutoff_hz", l.acceleration_cutoff_hz, 500.0)?;
 
+        let robot = self.valid_robot::<N>()?;
         if self.strategy == StrategyName::Gaz {
+            if robot.arm.name != "panda" {
+                let allowed = "another strategy: gaz holds the constants of one Panda";
+                return Err(FieldError::new("strategy", "gaz", allowed).into());
+            }
             self.friction = TunedLaw::GazSigmoid;
         }
-        let LoadedTruth { truth, oracle } = self.truth.load(&mut self.truth_content)?;
+        let LoadedTruth { truth, oracle } = self.truth.of(&robot, self.truth_content.as_ref())?;
         let truth = self.model_error.apply(truth, self.seed);
-        let believed = match &self.model {
-            Some(path) => Some(Believed::by_controller(&frozen_model(path, &mut self.model_content, "model_content")?)),
-            None => {
-                self.model_content = None;
-                None
-            }
+        let believed = match &self.model_content {
+            Some(file) => Some(Believed::by_controller(&within("model_content", file.validate())?)),
+            None => None,
         };
-        let start = pose(self.pose).ok_or_else(|| FieldError::new("pose", self.pose, "0 to 2"))?;
-        let model = presets::panda();
+        let start: SVector<f64, N> = robot.poses_rad[self.pose];
+        let box_scale = robot.box_scale().to_vec();
+        let model = robot.arm;
         let phase_rad = match self.phases {
             Phases::Documented => PAPER_PHASES_RAD,
             Phases::Random => random_phases(self.seed),
@@ -218,7 +294,7 @@ impl TuneConfig {
             sub_steps: self.sub_steps,
             pulses: WrenchPulses::default(),
             model,
-            effects: [JointEffects::default(); 7],
+            effects: [JointEffects::default(); N],
             start,
             impedance: self.impedance,
             reference: SinusoidReference::paper(centre, phase_rad),
@@ -228,7 +304,7 @@ impl TuneConfig {
         };
         let trial = believed.as_ref().map_or(trial.clone(), |believed| trial.believing(believed));
         let trial = if self.residual == EstimatorName::DoubleEncoder { trial.with_two_encoders() } else { trial };
-        let space = ParameterSpace { law: self.friction, bounds: self.bounds, joints: 7 };
+        let space = ParameterSpace { law: self.friction, bounds: self.bounds, box_scale };
         self.tribo_version = env!("CARGO_PKG_VERSION").to_owned();
         Ok(ValidTune { config: self, space, trial, oracle, believed })
     }

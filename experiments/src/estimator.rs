@@ -13,7 +13,7 @@ use tribo_residual::{
     MomentumEstimator, MomentumSettings, QpEstimator, QpSettings, ThermalEstimator, ThermalSettings,
     ThermalSettingsError, diagonal_prior,
 };
-use tribo_robot::presets::PANDA_JOINT_STIFFNESS_NM_PER_RAD;
+use tribo_robot::presets::joint_stiffness_nm_per_rad;
 use tribo_robot::{Arm, ControlTerms, EstimatorInput, SensorFrame, WrenchEstimate, WrenchEstimator};
 
 /// Name of a wrench estimator; whose wrench is the tuning cost.
@@ -67,21 +67,21 @@ pub fn believed_band<const N: usize>(friction: &FrictionModel<N>) -> FrictionBan
 
 /// An estimator of one of the names, in the tick of a trial or on a log.
 #[derive(Clone, Debug)]
-pub enum AnyEstimator {
+pub enum AnyEstimator<const N: usize> {
     /// The filter alone; its covariance knows nothing of friction.
     Ekf(Box<WrenchEkf>),
     /// The filter with a friction band in its covariance.
-    FrictionAwareEkf(Box<FrictionAwareEkf<7>>),
+    FrictionAwareEkf(Box<FrictionAwareEkf<N>>),
     /// The momentum observer.
-    Momentum(Box<MomentumEstimator<7>>),
+    Momentum(Box<MomentumEstimator<N>>),
     /// The friction-band programme.
-    Qp(Box<QpEstimator<7>>),
+    Qp(Box<QpEstimator<N>>),
     /// The thermal virtual force sensor.
-    Thermal(Box<ThermalEstimator<7>>),
+    Thermal(Box<ThermalEstimator<N>>),
     /// Two encoders per joint.
-    DoubleEncoder(Box<DoubleEncoderEstimator<7>>),
+    DoubleEncoder(Box<DoubleEncoderEstimator<N>>),
     /// What the motors say less what the gears say.
-    FrictionLeft(Box<FrictionLeft<7>>),
+    FrictionLeft(Box<FrictionLeft<N>>),
 }
 
 /// Why there is no estimator.
@@ -98,7 +98,7 @@ pub enum EstimatorError {
     DoubleEncoder(#[from] CalibrationError),
 }
 
-impl AnyEstimator {
+impl<const N: usize> AnyEstimator<N> {
     /// The estimator whose wrench in free motion judges a compensator.
     ///
     /// Where a joint may stick, `momentum` and `qp` expect anything up to 0.6 Nm; at speed their bands are closed: what the
@@ -110,8 +110,8 @@ impl AnyEstimator {
     pub fn for_tuning(
         name: EstimatorName,
         ekf: WrenchEkfSettings,
-        arm: &Arm<7>,
-        friction: &FrictionModel<7>,
+        arm: &Arm<N>,
+        friction: &FrictionModel<N>,
     ) -> Result<Self, EstimatorError> {
         let unknown = CoulombViscous { coulomb_nm: UNKNOWN_COULOMB_NM, viscous_nm_s_per_rad: 0.0 };
         let band = believed_band(&FrictionModel::uniform(unknown.into()));
@@ -142,9 +142,9 @@ impl AnyEstimator {
     pub fn with_confidence(
         name: EstimatorName,
         ekf: WrenchEkfSettings,
-        arm: &Arm<7>,
-        friction: &FrictionModel<7>,
-        band: &FrictionBand<7>,
+        arm: &Arm<N>,
+        friction: &FrictionModel<N>,
+        band: &FrictionBand<N>,
         noise_factor: f64,
     ) -> Result<Self, EstimatorError> {
         let band = band.with_noise_times(noise_factor);
@@ -160,7 +160,7 @@ impl AnyEstimator {
         })
     }
 
-    fn thermal(friction: &FrictionModel<7>, noise_factor: f64) -> Result<Self, EstimatorError> {
+    fn thermal(friction: &FrictionModel<N>, noise_factor: f64) -> Result<Self, EstimatorError> {
         let mut settings = ThermalSettings::without_temperature(friction)?;
         settings.torque_sd_nm *= noise_factor;
         settings.velocity_sd_rad_s = SVector::repeat(VELOCITY_SD_RAD_S);
@@ -173,10 +173,10 @@ impl AnyEstimator {
     /// at qd (rad/s) and `belief` (Nm) is compensated.
     pub fn wrench_from_torque(
         &self,
-        terms: &ControlTerms<7>,
-        qd: &SVector<f64, 7>,
-        belief: &SVector<f64, 7>,
-    ) -> Option<SMatrix<f64, 6, 7>> {
+        terms: &ControlTerms<N>,
+        qd: &SVector<f64, N>,
+        belief: &SVector<f64, N>,
+    ) -> Option<SMatrix<f64, 6, N>> {
         match self {
             Self::Ekf(_) | Self::FrictionAwareEkf(_) => wrench_from_torque(terms),
             Self::Momentum(momentum) => momentum.wrench_from_torque(terms, qd, belief, PERIOD_S),
@@ -189,20 +189,22 @@ impl AnyEstimator {
     }
 }
 
-fn momentum(band: FrictionBand<7>, band_of: BandOf) -> MomentumEstimator<7> {
+fn momentum<const N: usize>(band: FrictionBand<N>, band_of: BandOf) -> MomentumEstimator<N> {
     let settings = MomentumSettings { band_of, ..MomentumSettings::new(band) };
     let velocity_sd_rad_s = SVector::repeat(VELOCITY_SD_RAD_S);
     MomentumEstimator::new(MomentumSettings { velocity_sd_rad_s, ..settings })
 }
 
 /// Two encoders on springs that nobody has calibrated: the assumed stiffness, to 2 %; all noise multiplied.
-fn double_encoder(arm: &Arm<7>, noise_factor: f64) -> Result<DoubleEncoderEstimator<7>, CalibrationError> {
+fn double_encoder<const N: usize>(
+    arm: &Arm<N>,
+    noise_factor: f64,
+) -> Result<DoubleEncoderEstimator<N>, CalibrationError> {
     let mut settings = DoubleEncoderSettings::default();
     settings.encoder_sd_rad *= noise_factor;
     settings.velocity_sd_rad_s *= noise_factor;
     let stiffness_part = STIFFNESS_PART * noise_factor;
-    let model =
-        DoubleEncoderModel::nominal(arm, PANDA_JOINT_STIFFNESS_NM_PER_RAD, stiffness_part, settings.validate()?);
+    let model = DoubleEncoderModel::nominal(arm, joint_stiffness_nm_per_rad(arm), stiffness_part, settings.validate()?);
     Ok(DoubleEncoderEstimator::new(Arc::new(model)))
 }
 
@@ -211,8 +213,8 @@ const STIFFNESS_PART: f64 = 0.02;
 /// Period of the control loop (s).
 const PERIOD_S: f64 = 1e-3;
 
-impl WrenchEstimator<7> for AnyEstimator {
-    fn reset(&mut self, frame: &SensorFrame<7>, terms: &ControlTerms<7>) {
+impl<const N: usize> WrenchEstimator<N> for AnyEstimator<N> {
+    fn reset(&mut self, frame: &SensorFrame<N>, terms: &ControlTerms<N>) {
         match self {
             Self::Ekf(ekf) => ekf.reset(frame, terms),
             Self::FrictionAwareEkf(ekf) => ekf.reset(frame, terms),
@@ -225,7 +227,7 @@ impl WrenchEstimator<7> for AnyEstimator {
     }
 
     #[inline]
-    fn step(&mut self, input: &EstimatorInput<'_, 7>) -> WrenchEstimate {
+    fn step(&mut self, input: &EstimatorInput<'_, N>) -> WrenchEstimate {
         match self {
             Self::Ekf(ekf) => ekf.step(input),
             Self::FrictionAwareEkf(ekf) => ekf.step(input),
@@ -239,7 +241,7 @@ impl WrenchEstimator<7> for AnyEstimator {
 
     fn delay_s(&self) -> f64 {
         match self {
-            Self::Ekf(ekf) => WrenchEstimator::<7>::delay_s(ekf.as_ref()),
+            Self::Ekf(ekf) => WrenchEstimator::<N>::delay_s(ekf.as_ref()),
             Self::FrictionAwareEkf(ekf) => ekf.delay_s(),
             Self::Momentum(momentum) => momentum.delay_s(),
             Self::Qp(qp) => qp.delay_s(),

@@ -14,13 +14,13 @@ use crate::{AbortReason, Trial};
 
 /// How well a motion was followed; errors are those of the true joints.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Followed {
+pub struct Followed<const N: usize> {
     /// Time that was run (s).
     pub duration_s: f64,
     /// RMS of `q − q_d` per joint (rad).
-    pub rms_error_rad: SVector<f64, 7>,
+    pub rms_error_rad: SVector<f64, N>,
     /// Largest |q − q_d| per joint (rad).
-    pub max_error_rad: SVector<f64, 7>,
+    pub max_error_rad: SVector<f64, N>,
     /// Ticks at which a torque limit was hit.
     pub saturated_ticks: u64,
     /// Why and when (s) the run was stopped, if it was.
@@ -32,12 +32,12 @@ pub struct Followed {
 ///
 /// Of the trial it takes plant, sensors, the controller's belief, velocity source and period. A joint that leaves its
 /// limits ends the run.
-pub fn follow(
-    trial: &Trial<7>,
-    friction: &FrictionModel<7>,
-    motion: &dyn JointTrajectory<7>,
+pub fn follow<const N: usize>(
+    trial: &Trial<N>,
+    friction: &FrictionModel<N>,
+    motion: &dyn JointTrajectory<N>,
     seed: u64,
-) -> Result<(Followed, RobotLog), LogError> {
+) -> Result<(Followed<N>, RobotLog), LogError> {
     let dt_s = trial.dt_s;
     let mut plant = BoxFrictionPlant::new(trial.truth.clone(), trial.sensors, motion.at(0.0).q, seed)
         .with_sub_steps(trial.sub_steps)
@@ -45,8 +45,8 @@ pub fn follow(
     let compensator = Compensator::new(*friction, trial.velocity).with_effects(trial.effects);
     let (tracking, mut bristles) = (JointTracking::default(), Bristles::default());
     let mut limiter = TorqueLimiter::new(&trial.model.limits);
-    let mut recorder = LogRecorder::new();
-    let (mut sum, mut max_error_rad) = (SVector::<f64, 7>::zeros(), SVector::<f64, 7>::zeros());
+    let mut recorder = LogRecorder::new(N);
+    let (mut sum, mut max_error_rad) = (SVector::<f64, N>::zeros(), SVector::<f64, N>::zeros());
     let (mut saturated_ticks, mut aborted) = (0, None);
     let ticks = (motion.duration_s() / dt_s).round() as u64;
     let mut done = 0;

@@ -7,10 +7,10 @@ use crate::strategy::{FinishedTrial, LogSource};
 use crate::{CampaignError, TrialLog, ValidTune, run_numbered};
 
 /// Logs of a campaign that never touches the disk.
-struct LogsInMemory(Vec<TrialLog<7>>);
+struct LogsInMemory<const N: usize>(Vec<TrialLog<N>>);
 
-impl LogSource for LogsInMemory {
-    fn log(&self, number: usize) -> Result<TrialLog<7>, FileError> {
+impl<const N: usize> LogSource<N> for LogsInMemory<N> {
+    fn log(&self, number: usize) -> Result<TrialLog<N>, FileError> {
         self.0.get(number).cloned().ok_or_else(|| FileError::Campaign {
             path: PathBuf::new(),
             message: format!("trial {number} has not run yet"),
@@ -19,7 +19,7 @@ impl LogSource for LogsInMemory {
 }
 
 /// Runs all trials of a campaign one after the other, without directory, journal or reference costs.
-pub fn run_in_memory(tune: &ValidTune) -> Result<Vec<FinishedTrial>, CampaignError> {
+pub fn run_in_memory<const N: usize>(tune: &ValidTune<N>) -> Result<Vec<FinishedTrial>, CampaignError> {
     let strategy = tune.config.strategy.build(tune).map_err(|source| CampaignError::Strategy { trial: 0, source })?;
     let (mut trials, mut logs) = (Vec::new(), LogsInMemory(Vec::new()));
     for number in 0..tune.config.trials {

@@ -11,7 +11,7 @@
 //! ```
 //! use tribo_experiments::{TuneConfig, run_numbered};
 //!
-//! let tune = TuneConfig::default().validate()?;
+//! let tune = TuneConfig::default().validate::<7>()?;
 //! let outcome = run_numbered(&tune, 0, &tune.space.zero())?;
 //! assert!(outcome.aborted.is_none());
 //! assert!((outcome.cost.total() - 24.2).abs() < 0.5); // the cost of not compensating friction
@@ -19,7 +19,9 @@
 //! ```
 
 mod against_ekf;
+mod any_tune;
 mod believed;
+mod by_joints;
 mod calibration;
 mod campaign;
 mod closed_loop_gain;
@@ -40,6 +42,7 @@ mod parameters;
 mod reference_costs;
 mod report;
 pub mod reproduce;
+mod robot;
 pub mod scenario;
 mod simulate;
 mod stored_logs;
@@ -53,10 +56,11 @@ pub mod watch;
 
 pub use against_ekf::{AgainstEkf, against_ekf};
 pub use believed::{Believed, NotCancelled, joint_effects};
+pub use by_joints::ByJoints;
 pub use calibration::Calibration;
 pub use campaign::{Campaign, CampaignError, CampaignObserver, CampaignResult};
 pub use closed_loop_gain::{ClosedLoopGain, closed_loop_gain};
-pub use config::{ConfigError, Phases, TuneConfig, ValidTune};
+pub use config::{AnyTune, ConfigError, Phases, TuneConfig, ValidTune};
 pub use cost::{Cost, CostAccumulator};
 pub use estimator::{AnyEstimator, EstimatorError, EstimatorName, VELOCITY_SD_RAD_S, believed_band};
 pub use follow::{Followed, follow};
@@ -67,6 +71,7 @@ use numbered_trial::noise_seed;
 pub use numbered_trial::run_numbered;
 pub use parameters::{Bounds, ParameterSpace, TunedLaw};
 pub use reference_costs::{References, references, uncompensated_trial};
+pub use robot::{POSES, Robot};
 pub use simulate::simulate_log;
 pub use switched_off::switched_off_without;
 pub use transmission_friction::{TransmissionError, TransmissionFriction, TransmissionJoint};

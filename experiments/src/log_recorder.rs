@@ -13,14 +13,14 @@ pub(crate) struct LogRecorder {
 }
 
 impl LogRecorder {
-    /// Nothing yet.
-    pub(crate) fn new() -> Self {
-        let seven = || vec![Vec::new(); 7];
+    /// Nothing yet, of an arm with so many joints.
+    pub(crate) fn new(joints: usize) -> Self {
+        let empty = || vec![Vec::new(); joints];
         let columns = LogColumns {
-            q_rad: seven(),
-            dq_rad_s: seven(),
-            tau_j_nm: seven(),
-            tau_j_d_nm: Some(seven()),
+            q_rad: empty(),
+            dq_rad_s: empty(),
+            tau_j_nm: empty(),
+            tau_j_d_nm: Some(empty()),
             o_f_ext: Some(Default::default()),
             ..LogColumns::default()
         };
@@ -28,16 +28,21 @@ impl LogRecorder {
     }
 
     /// One tick, after the plant has moved on.
-    pub(crate) fn push(&mut self, frame: &SensorFrame<7>, command: &SVector<f64, 7>, plant: &BoxFrictionPlant<7>) {
+    pub(crate) fn push<const N: usize>(
+        &mut self,
+        frame: &SensorFrame<N>,
+        command: &SVector<f64, N>,
+        plant: &BoxFrictionPlant<N>,
+    ) {
         let columns = &mut self.columns;
         columns.time_s.push(frame.time_s);
         if let Some(theta) = &frame.theta {
-            let logged = columns.theta_rad.get_or_insert_with(|| vec![Vec::new(); 7]);
-            for j in 0..7 {
+            let logged = columns.theta_rad.get_or_insert_with(|| vec![Vec::new(); N]);
+            for j in 0..N {
                 logged[j].push(theta[j]);
             }
         }
-        for j in 0..7 {
+        for j in 0..N {
             columns.q_rad[j].push(frame.q[j]);
             columns.dq_rad_s[j].push(frame.qd[j]);
             columns.tau_j_nm[j].push(frame.tau[j]);

@@ -37,9 +37,9 @@ const SETTLE_S: f64 = 0.5;
 /// The torque given to it is `tau_J` less the effects believed, and as friction the law believed, at the logged velocity; `believed` must
 /// be [`Believed::on_log`], the arm on the same side of the gears as that torque. The torque that acted over a period is
 /// taken as the mean of its two ends. Friction that grows with the load takes gravity and Coriolis torque as the load.
-pub fn wrench_on_log<E: WrenchEstimator<7>>(
+pub fn wrench_on_log<const N: usize, E: WrenchEstimator<N>>(
     log: &RobotLog,
-    believed: &Believed,
+    believed: &Believed<N>,
     smoothing_rad_s: f64,
     estimator: &mut E,
 ) -> LogWrench {
@@ -99,7 +99,11 @@ pub fn wrench_on_log<E: WrenchEstimator<7>>(
 }
 
 /// The log with the torques of the believed effects taken off tau_J; the friction law stays in it.
-pub fn without_effects(log: &RobotLog, believed: &Believed, smoothing_rad_s: f64) -> Result<RobotLog, LogError> {
+pub fn without_effects<const N: usize>(
+    log: &RobotLog,
+    believed: &Believed<N>,
+    smoothing_rad_s: f64,
+) -> Result<RobotLog, LogError> {
     let law = Compensator { smoothing_rad_s, ..Compensator::new(believed.friction, VelocitySource::Measured) };
     let with = law.with_effects(believed.effects);
     if with == law {
@@ -115,7 +119,7 @@ pub fn without_effects(log: &RobotLog, believed: &Believed, smoothing_rad_s: f64
             let dt_s = if k == first { 0.0 } else { log.time_s[k] - log.time_s[k - 1] };
             let input = CompensatorInput { q, qd_measured: qd, qd_reference: qd, load_nm, dt_s };
             let effects = with.tick(&mut bristles, &input).effects_nm;
-            for j in 0..7 {
+            for j in 0..N {
                 columns.tau_j_nm[j][k] -= effects[j];
             }
         }
@@ -123,8 +127,8 @@ pub fn without_effects(log: &RobotLog, believed: &Believed, smoothing_rad_s: f64
     columns.validate()
 }
 
-/// Row k of seven columns.
-fn at(columns: &[Vec<f64>], k: usize) -> SVector<f64, 7> {
+/// Row k of the columns, one per joint.
+fn at<const N: usize>(columns: &[Vec<f64>], k: usize) -> SVector<f64, N> {
     SVector::from_fn(|j, _| columns[j][k])
 }
 

@@ -9,7 +9,11 @@ use crate::{AnyEstimator, EstimatorError, Trial, TrialOutcome, ValidTune, run_tr
 ///
 /// # Errors
 /// Parameters that the estimator cannot work with.
-pub fn run_numbered(tune: &ValidTune, number: usize, theta: &[f64]) -> Result<TrialOutcome<7>, EstimatorError> {
+pub fn run_numbered<const N: usize>(
+    tune: &ValidTune<N>,
+    number: usize,
+    theta: &[f64],
+) -> Result<TrialOutcome<N>, EstimatorError> {
     let mut trial = tune.trial.clone();
     if let Some(warm_up) = &mut trial.truth.warm_up {
         warm_up.operated_s = number as f64 * trial.reference.total_s();
@@ -17,12 +21,12 @@ pub fn run_numbered(tune: &ValidTune, number: usize, theta: &[f64]) -> Result<Tr
     run_estimated(tune, &trial, &tune.space.friction(theta), noise_seed(tune.config.seed, number as u64))
 }
 
-pub(crate) fn run_estimated(
-    tune: &ValidTune,
-    trial: &Trial<7>,
-    friction: &FrictionModel<7>,
+pub(crate) fn run_estimated<const N: usize>(
+    tune: &ValidTune<N>,
+    trial: &Trial<N>,
+    friction: &FrictionModel<N>,
     seed: u64,
-) -> Result<TrialOutcome<7>, EstimatorError> {
+) -> Result<TrialOutcome<N>, EstimatorError> {
     let estimator = AnyEstimator::for_tuning(tune.config.residual, tune.config.ekf, &trial.model, friction)?;
     Ok(run_trial(trial, friction, estimator, seed))
 }

@@ -29,23 +29,23 @@ pub enum Bounds {
     UnitConsistent,
 }
 
-/// One tuned parameter of a joint: its name in files and its bounds.
+/// One tuned parameter: its name in files and its bounds.
 type Entry = (&'static str, f64, f64);
 
 /// The space of one campaign: a law, its box, N joints; joint by joint, in the order of the paper's indices.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct ParameterSpace {
     /// The law.
     pub law: TunedLaw,
-    /// The box.
+    /// The box, of joints as large as a Panda's.
     pub bounds: Bounds,
-    /// Number of joints.
-    pub joints: usize,
+    /// How many times as wide as that the box of each joint is in torque.
+    pub box_scale: Vec<f64>,
 }
 
 impl ParameterSpace {
-    /// Parameters of one joint: (name, lower, upper).
-    pub fn entries(&self) -> &'static [Entry] {
+    /// Parameters of one joint as large as a Panda's: (name, lower, upper).
+    fn of_joint(&self) -> &'static [Entry] {
         match (self.law, self.bounds) {
             (TunedLaw::CoulombViscous, Bounds::Literal) => {
                 &[("viscous_nm_s_per_rad", 0.0, 5.0), ("coulomb_nm", 0.0, 2.5)]
@@ -74,38 +74,75 @@ impl ParameterSpace {
         }
     }
 
+    /// Number of joints.
+    pub fn joints(&self) -> usize {
+        self.box_scale.len()
+    }
+
+    /// Number of parameters of one joint.
+    pub fn parameters_per_joint(&self) -> usize {
+        self.of_joint().len()
+    }
+
+    /// Names of the parameters of one joint.
+    pub fn names_of_joint(&self) -> impl Iterator<Item = &'static str> + use<> {
+        self.of_joint().iter().map(|entry| entry.0)
+    }
+
+    /// All parameters, joint by joint: (name, lower, upper).
+    pub fn entries(&self) -> Vec<Entry> {
+        let scaled = |scale: f64| {
+            move |&(name, low, high): &Entry| match name {
+                "viscous_nm_s_per_rad" | "coulomb_nm" | "breakaway_minus_coulomb_nm" | "phi1_nm" => {
+                    (name, scale * low, scale * high)
+                }
+                _ => (name, low, high),
+            }
+        };
+        self.box_scale.iter().flat_map(|scale| self.of_joint().iter().map(scaled(*scale))).collect()
+    }
+
     /// Number of parameters of all joints.
     pub fn dimension(&self) -> usize {
-        self.joints * self.entries().len()
+        self.joints() * self.parameters_per_joint()
     }
 
     /// Names `joint_0.coulomb_nm` … of all parameters.
     pub fn names(&self) -> Vec<String> {
-        let joint = |j: usize| self.entries().iter().map(move |(name, _, _)| format!("joint_{j}.{name}"));
-        (0..self.joints).flat_map(joint).collect()
+        let joint = |j: usize| self.names_of_joint().map(move |name| format!("joint_{j}.{name}"));
+        (0..self.joints()).flat_map(joint).collect()
     }
 
     /// The box as the optimiser's domain.
     pub fn domain(&self) -> Result<Domain, BayesoptError> {
-        let bound = |pick: fn(&Entry) -> f64| (0..self.joints).flat_map(|_| self.entries().iter().map(pick)).collect();
-        Domain::new(self.names(), bound(|entry| entry.1), bound(|entry| entry.2))
+        let (lower, upper) = self.entries().into_iter().map(|entry| (entry.1, entry.2)).unzip();
+        Domain::new(self.names(), lower, upper)
     }
 
     /// No compensation: every torque zero (speeds and shapes at the middle of their ranges).
     pub fn zero(&self) -> Vec<f64> {
-        let value = |entry: &Entry| match entry.0 {
+        let value = |entry: Entry| match entry.0 {
             "inverse_stribeck_velocity_s_per_rad" | "stribeck_velocity_rad_s" | "shape" | "phi2_s_per_rad" => {
                 0.5 * (entry.1 + entry.2)
             }
             _ => 0.0,
         };
-        (0..self.joints).flat_map(|_| self.entries().iter().map(value)).collect()
+        self.entries().into_iter().map(value).collect()
     }
 
     /// The friction model of a parameter vector of length [`Self::dimension`].
     pub fn friction<const N: usize>(&self, theta: &[f64]) -> FrictionModel<N> {
-        let k = self.entries().len();
-        FrictionModel { joints: std::array::from_fn(|j| self.joint(theta.get(j * k..(j + 1) * k).unwrap_or(&[]))) }
+        FrictionModel { joints: std::array::from_fn(|j| self.law_of(theta, j)) }
+    }
+
+    /// The friction law of every joint in a parameter vector.
+    pub fn joint_laws(&self, theta: &[f64]) -> Vec<JointFriction> {
+        (0..self.joints()).map(|j| self.law_of(theta, j)).collect()
+    }
+
+    fn law_of(&self, theta: &[f64], joint: usize) -> JointFriction {
+        let k = self.parameters_per_joint();
+        self.joint(theta.get(joint * k..(joint + 1) * k).unwrap_or(&[]))
     }
 
     fn joint(&self, theta: &[f64]) -> JointFriction {
@@ -129,8 +166,7 @@ impl ParameterSpace {
 
     /// The parameter vector that comes closest to a friction model inside the box.
     pub fn theta<const N: usize>(&self, friction: &FrictionModel<N>) -> Vec<f64> {
-        let zero = self.zero();
-        let k = self.entries().len();
+        let (zero, entries, k) = (self.zero(), self.entries(), self.parameters_per_joint());
         let joint = |j: usize| {
             let (coulomb, viscous, stribeck) = match friction.joints[j] {
                 JointFriction::CoulombViscous(law) => (law.coulomb_nm, law.viscous_nm_s_per_rad, None),
@@ -159,9 +195,10 @@ impl ParameterSpace {
                     vec![viscous, coulomb, law.breakaway_minus_coulomb_nm, speed, law.shape]
                 }
             };
-            self.entries().iter().zip(values).map(|(entry, value)| value.clamp(entry.1, entry.2)).collect::<Vec<_>>()
+            let own = entries[j * k..(j + 1) * k].iter();
+            own.zip(values).map(|(entry, value)| value.clamp(entry.1, entry.2)).collect::<Vec<_>>()
         };
-        (0..self.joints).flat_map(joint).collect()
+        (0..self.joints()).flat_map(joint).collect()
     }
 }
 
@@ -173,7 +210,7 @@ mod tests {
     fn vectors_and_models_are_inverse_inside_the_box() {
         for law in [TunedLaw::CoulombViscous, TunedLaw::Stribeck] {
             for bounds in [Bounds::Literal, Bounds::UnitConsistent] {
-                let space = ParameterSpace { law, bounds, joints: 7 };
+                let space = ParameterSpace { law, bounds, box_scale: vec![1.0, 1.0, 1.0, 1.5, 1.0, 1.0, 1.0] };
                 let domain = space.domain().unwrap();
                 let unit: Vec<f64> = (0..space.dimension()).map(|i| 0.2 + 0.6 * ((i * 7) % 11) as f64 / 11.0).collect();
                 let theta = domain.from_unit(&unit).unwrap();

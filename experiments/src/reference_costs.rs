@@ -22,14 +22,14 @@ pub struct References {
 ///
 /// # Errors
 /// A friction that the estimator cannot work with.
-pub fn references(tune: &ValidTune) -> Result<References, EstimatorError> {
+pub fn references<const N: usize>(tune: &ValidTune<N>) -> Result<References, EstimatorError> {
     let none = FrictionModel::none();
-    let no_effects = [JointEffects::default(); 7];
+    let no_effects = [JointEffects::default(); N];
     let uncompensated = without_compensation(tune);
     let oracle = tune.trial.clone().believing(&tune.oracle);
     let mut smooth = Trial { effects: no_effects, ..oracle.clone() };
     smooth.truth.friction = none;
-    smooth.truth.effects.retain(stays_without_friction);
+    smooth.truth.effects.retain(stays_without_friction::<N>);
     let runs = [(&uncompensated, none), (&oracle, tune.oracle.friction), (&smooth, none)];
     let costs: Vec<f64> = runs
         .par_iter()
@@ -46,17 +46,17 @@ pub fn references(tune: &ValidTune) -> Result<References, EstimatorError> {
 ///
 /// # Errors
 /// A campaign whose estimator cannot be had.
-pub fn uncompensated_trial(tune: &ValidTune) -> Result<TrialOutcome<7>, EstimatorError> {
+pub fn uncompensated_trial<const N: usize>(tune: &ValidTune<N>) -> Result<TrialOutcome<N>, EstimatorError> {
     let none = FrictionModel::none();
     run_estimated(tune, &without_compensation(tune), &none, noise_seed(tune.config.seed, u64::MAX))
 }
 
-fn without_compensation(tune: &ValidTune) -> Trial<7> {
-    Trial { effects: [JointEffects::default(); 7], ..tune.trial.clone() }
+fn without_compensation<const N: usize>(tune: &ValidTune<N>) -> Trial<N> {
+    Trial { effects: [JointEffects::default(); N], ..tune.trial.clone() }
 }
 
 /// Whether an effect belongs to the arm even when nothing acts in its joints.
-fn stays_without_friction(effect: &Effect) -> bool {
+fn stays_without_friction<const N: usize>(effect: &Effect) -> bool {
     !matches!(effect, Effect::ThermalFriction { .. })
-        && joint_effects(std::slice::from_ref(effect)).0 == [JointEffects::default(); 7]
+        && joint_effects(std::slice::from_ref(effect)).0 == [JointEffects::default(); N]
 }

@@ -8,7 +8,7 @@ impl CampaignResult {
     /// The document of `tribo tune --json`; `against_ekf` is what the EKF says of another estimator's campaign, `wall_s` the
     /// time the run took (s).
     pub fn to_json(&self, against_ekf: Option<AgainstEkf>, wall_s: f64) -> Value {
-        let space = ParameterSpace { law: self.config.friction, bounds: self.config.bounds, joints: 7 };
+        let space = &self.space;
         let trials: Vec<Value> = self
             .trials
             .iter()
@@ -21,15 +21,16 @@ impl CampaignResult {
                     "penalty": trial.cost.penalty,
                     "reason": trial.aborted,
                     "origin": trial.origin,
-                    "params": nested(&space, &trial.theta),
+                    "params": nested(space, &trial.theta),
                 })
             })
             .collect();
         let best = self.best.map(|(trial, cost)| json!({"trial": trial, "cost": cost}));
-        let params = self.best.map(|(trial, _)| nested(&space, &self.trials[trial].theta));
+        let params = self.best.map(|(trial, _)| nested(space, &self.trials[trial].theta));
         json!({
             "schema": "tribo.campaign/1",
             "tribo_version": self.config.tribo_version,
+            "robot": self.config.robot,
             "seed": self.config.seed,
             "strategy": self.config.strategy,
             "friction": self.config.friction,
@@ -53,9 +54,8 @@ impl CampaignResult {
 
 /// `{joint_0: {coulomb_nm: …, …}, …}`.
 fn nested(space: &ParameterSpace, theta: &[f64]) -> Value {
-    let entries = space.entries();
-    let joints = theta.chunks(entries.len()).enumerate().map(|(j, values)| {
-        let joint = entries.iter().zip(values).map(|(entry, value)| (entry.0.to_owned(), json!(value)));
+    let joints = theta.chunks(space.parameters_per_joint()).enumerate().map(|(j, values)| {
+        let joint = space.names_of_joint().zip(values).map(|(name, value)| (name.to_owned(), json!(value)));
         (format!("joint_{j}"), Value::Object(joint.collect()))
     });
     Value::Object(joints.collect())

@@ -1,29 +1,19 @@
-//! Poses, truths and model errors a campaign can be run on.
+//! Truths and model errors a campaign can be run on.
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use nalgebra::{Matrix3, SVector, Vector3};
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64;
 use serde::{Deserialize, Serialize};
-use tribo_robot::{Payload, presets};
+use tribo_friction::FrictionModel;
+use tribo_robot::Payload;
 use tribo_sim::{Sensors, Truth};
 
-use crate::files::{FieldError, Model, ModelFile, YamlDocument};
-use crate::{Believed, ConfigError};
-
-/// The three configurations about which the tool moves (rad): the ready pose and two others of the workspace.
-pub fn pose(index: usize) -> Option<SVector<f64, 7>> {
-    match index {
-        0 => Some(presets::panda_ready_pose()),
-        1 => Some(SVector::from([0.4, -0.3, 0.2, -2.0, 0.3, 1.9, 0.5])),
-        2 => Some(SVector::from([-0.5, 0.1, -0.3, -1.8, -0.2, 1.8, 1.0])),
-        _ => None,
-    }
-}
-
-/// Number of poses.
-pub const POSES: usize = 3;
+use crate::files::{FieldError, ModelFile};
+pub use crate::robot::POSES;
+use crate::strategy::published_gaz;
+use crate::{Believed, ConfigError, Robot};
 
 /// What the simulated arm is like.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -75,45 +65,77 @@ impl From<TruthName> for String {
 
 /// A truth, and the model of it that leaves nothing to wish for.
 #[derive(Clone, Debug, PartialEq)]
-pub struct LoadedTruth {
+pub struct LoadedTruth<const N: usize> {
     /// What the plant obeys.
-    pub truth: Truth<7>,
+    pub truth: Truth<N>,
     /// What an oracle knows of it.
-    pub oracle: Believed,
+    pub oracle: Believed<N>,
 }
 
 impl TruthName {
-    /// The truth. A file is read, unless its `content` is given already, validated, and left in `content`.
-    pub fn load(&self, content: &mut Option<ModelFile>) -> Result<LoadedTruth, ConfigError> {
-        let truth = match self {
-            Self::CoulombViscous => Truth::panda_coulomb_viscous(),
-            Self::Stribeck => Truth::panda_stribeck(),
-            Self::Lugre => Truth::panda_lugre(),
-            Self::Gaz => Truth::panda_gaz(),
-            Self::Thermal => Truth::panda_thermal(),
-            Self::Frictionless => Truth::panda_frictionless(),
-            Self::File(path) => {
-                let model = frozen_model(path, content, "truth_content")?;
-                return Ok(LoadedTruth { truth: model.to_truth(), oracle: Believed::by_controller(&model) });
-            }
+    /// The path of a model file.
+    pub fn path(&self) -> Option<&PathBuf> {
+        match self {
+            Self::File(path) => Some(path),
+            _ => None,
+        }
+    }
+
+    /// The truth of this name about a robot; `content` is that of the file, where the name is one.
+    ///
+    /// # Errors
+    /// A friction that nobody knows of this robot, or a file about one with another number of joints.
+    pub fn of<const N: usize>(
+        &self,
+        robot: &Robot<N>,
+        content: Option<&ModelFile>,
+    ) -> Result<LoadedTruth<N>, FieldError> {
+        if let Some(file) = content {
+            let model = within("truth_content", file.validate())?;
+            return Ok(LoadedTruth { truth: model.to_truth(), oracle: Believed::by_controller(&model) });
+        }
+        let unknown = |allowed: &str| FieldError::new("truth", String::from(self.clone()), allowed);
+        let friction = || {
+            let why = "a model file or frictionless: nobody says what friction this robot has";
+            robot.friction.ok_or_else(|| unknown(why))
         };
-        *content = None;
+        let arm = robot.arm.clone();
+        let truth = match self {
+            Self::CoulombViscous => Truth::new(arm, friction()?.coulomb_viscous()),
+            Self::Stribeck => Truth::new(arm, friction()?.stribeck()),
+            Self::Lugre => Truth::new(arm, friction()?.lugre()),
+            Self::Gaz if arm.name == "panda" => Truth::new(arm, published_gaz().map_err(|_| unknown(GAZ))?),
+            Self::Gaz => return Err(unknown(GAZ)),
+            Self::Thermal => Truth::new(arm, friction()?.coulomb_viscous()).warming_up(),
+            Self::Frictionless => Truth::new(arm, FrictionModel::none()),
+            Self::File(_) => return Err(unknown("a model file that has been read")),
+        };
         let oracle = Believed::of(truth.clone());
         Ok(LoadedTruth { truth, oracle })
     }
 }
 
-/// The model of a file. What `content` holds goes before what the disk holds: a campaign keeps the file it began with.
-pub fn frozen_model(path: &Path, content: &mut Option<ModelFile>, field: &str) -> Result<Model<7>, ConfigError> {
-    if let Some(file) = content {
-        let within = |error: FieldError| FieldError { field: format!("{field}.{}", error.field), ..error };
-        return Ok(file.validate().map_err(within)?);
+/// What goes where the friction published by Gaz et al. does not.
+const GAZ: &str = "another truth: gaz is the friction of a Panda";
+
+/// Puts the field that holds a file before the field of the file that an error is about.
+pub(crate) fn within<T>(field: &str, result: Result<T, FieldError>) -> Result<T, FieldError> {
+    result.map_err(|error| FieldError { field: format!("{field}.{}", error.field), ..error })
+}
+
+/// Reads a model file into `content`, unless that holds it already: a campaign keeps the file it began with. Its numbers
+/// are checked where errors can still name file and line.
+pub fn freeze(path: Option<&PathBuf>, content: &mut Option<ModelFile>) -> Result<(), ConfigError> {
+    let Some(path) = path else {
+        *content = None;
+        return Ok(());
+    };
+    if content.is_none() {
+        let (file, document) = ModelFile::read(path)?;
+        file.validate_any().map_err(|error| document.explain(error))?;
+        *content = Some(file);
     }
-    let document = YamlDocument::read(path)?;
-    let file: ModelFile = document.parse()?;
-    let model = file.validate().map_err(|error| document.explain(error))?;
-    *content = Some(file);
-    Ok(model)
+    Ok(())
 }
 
 /// What the controller's model gets wrong, and how noisy the sensors are.
@@ -136,7 +158,7 @@ impl Default for ModelError {
 
 impl ModelError {
     /// The truth that differs from the controller's model by this error; `seed` draws the link errors.
-    pub fn apply(&self, mut truth: Truth<7>, seed: u64) -> Truth<7> {
+    pub fn apply<const N: usize>(&self, mut truth: Truth<N>, seed: u64) -> Truth<N> {
         if self.link_mass_error > 0.0 {
             let mut rng = Pcg64::seed_from_u64(seed ^ 0x6c69_6e6b);
             // Uniform on ±1, as "±3 %" is meant.

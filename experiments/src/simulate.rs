@@ -11,13 +11,13 @@ use crate::{Trial, TrialOutcome, run_trial_observed};
 /// as tau_J_d, and as O_F_ext the **true** wrench by the robot on the environment, which a simulation knows.
 ///
 /// tau_J is on the side of the gears that the trial's sensors say. A trial aborted on its first ticks gives an error.
-pub fn simulate_log<E: WrenchEstimator<7>>(
-    trial: &Trial<7>,
-    friction: &FrictionModel<7>,
+pub fn simulate_log<const N: usize, E: WrenchEstimator<N>>(
+    trial: &Trial<N>,
+    friction: &FrictionModel<N>,
     estimator: E,
     seed: u64,
-) -> Result<(TrialOutcome<7>, RobotLog), LogError> {
-    let mut recorder = LogRecorder::new();
+) -> Result<(TrialOutcome<N>, RobotLog), LogError> {
+    let mut recorder = LogRecorder::new(N);
     let outcome = run_trial_observed(trial, friction, estimator, seed, |record, plant| {
         recorder.push(&record.frame, &record.command, plant);
     });

@@ -9,19 +9,19 @@ use crate::strategy::LogSource;
 use crate::trial_store::{read_trial_log, trial_log_path};
 
 /// Logs of trials: the last few in memory, all on disk. Both hold the same bits.
-pub(crate) struct StoredLogs {
+pub(crate) struct StoredLogs<const N: usize> {
     directory: PathBuf,
-    recent: Mutex<Vec<(usize, TrialLog<7>)>>,
+    recent: Mutex<Vec<(usize, TrialLog<N>)>>,
 }
 
-impl StoredLogs {
+impl<const N: usize> StoredLogs<N> {
     /// Logs of the campaign in this directory.
     pub(crate) fn new(directory: PathBuf) -> Self {
         Self { directory, recent: Mutex::new(Vec::new()) }
     }
 
     /// Keeps the log of a trial that has just been written.
-    pub(crate) fn remember(&self, number: usize, log: TrialLog<7>) {
+    pub(crate) fn remember(&self, number: usize, log: TrialLog<N>) {
         let mut recent = self.recent.lock().unwrap_or_else(PoisonError::into_inner);
         recent.push((number, log));
         if recent.len() > 4 {
@@ -30,8 +30,8 @@ impl StoredLogs {
     }
 }
 
-impl LogSource for StoredLogs {
-    fn log(&self, number: usize) -> Result<TrialLog<7>, FileError> {
+impl<const N: usize> LogSource<N> for StoredLogs<N> {
+    fn log(&self, number: usize) -> Result<TrialLog<N>, FileError> {
         let recent = self.recent.lock().unwrap_or_else(PoisonError::into_inner);
         match recent.iter().find(|(held, _)| *held == number) {
             Some((_, log)) => Ok(log.clone()),

@@ -3,7 +3,7 @@
 use nalgebra::SVector;
 use tribo_control::{ImpedanceSettings, SinusoidReference};
 use tribo_friction::{Compensator, FrictionModel, JointEffects, VelocitySource};
-use tribo_robot::presets::PANDA_JOINT_STIFFNESS_NM_PER_RAD;
+use tribo_robot::presets::joint_stiffness_nm_per_rad;
 use tribo_robot::{Arm, WrenchEstimator};
 use tribo_runtime::{ControlLoop, LoopSettings, TickRecord};
 use tribo_sim::{BoxFrictionPlant, Sensors, Truth, WrenchPulses};
@@ -57,22 +57,23 @@ const JOINT_DAMPING_NM_S_PER_RAD: f64 = 10.0;
 /// Ticks between two samples of the trial log.
 const LOG_DECIMATION: u64 = 10;
 
-impl Trial<7> {
+impl<const N: usize> Trial<N> {
     /// The same trial with the tool held where it starts.
     pub fn holding(mut self) -> Self {
         self.reference = SinusoidReference::fixed(self.reference.centre);
         self
     }
 
-    /// The same trial on a Panda with springs in its joints and an encoder on either side of them.
+    /// The same trial with springs in the joints of the arm and an encoder on either side of them.
     pub fn with_two_encoders(mut self) -> Self {
-        self.truth = self.truth.with_elastic_joints(PANDA_JOINT_STIFFNESS_NM_PER_RAD, JOINT_DAMPING_NM_S_PER_RAD);
+        let stiffness = joint_stiffness_nm_per_rad(&self.truth.arm);
+        self.truth = self.truth.with_elastic_joints(stiffness, JOINT_DAMPING_NM_S_PER_RAD);
         self.sensors = self.sensors.with_motor_encoders();
         self
     }
 
     /// The same trial with a controller that believes in another arm and other effects.
-    pub fn believing(mut self, believed: &Believed) -> Self {
+    pub fn believing(mut self, believed: &Believed<N>) -> Self {
         self.model = believed.arm.clone();
         self.effects = believed.effects;
         self

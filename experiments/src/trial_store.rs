@@ -31,7 +31,7 @@ const WRENCH: [(&str, usize); 6] = [("fx_n", 3), ("fy_n", 4), ("fz_n", 5), ("mx_
 const ERROR: [(&str, usize); 6] = [("x_m", 3), ("y_m", 4), ("z_m", 5), ("rx_rad", 0), ("ry_rad", 1), ("rz_rad", 2)];
 
 /// Writes a log atomically, to the last bit.
-pub fn write_trial_log(path: &Path, log: &TrialLog<7>) -> Result<(), FileError> {
+pub fn write_trial_log<const N: usize>(path: &Path, log: &TrialLog<N>) -> Result<(), FileError> {
     let mut columns = vec![("time_s".to_owned(), log.time_s.clone())];
     let joint_groups = [
         &log.q,
@@ -44,7 +44,7 @@ pub fn write_trial_log(path: &Path, log: &TrialLog<7>) -> Result<(), FileError> 
         &log.tau_coriolis,
     ];
     for (name, rows) in JOINT_GROUPS.iter().zip(joint_groups) {
-        columns.extend((0..7).map(|j| (format!("{name}_{j}"), component(rows, j))));
+        columns.extend((0..N).map(|j| (format!("{name}_{j}"), component(rows, j))));
     }
     for (axis, place) in WRENCH {
         columns.push((format!("wrench_{axis}"), component(&log.wrench, place)));
@@ -61,7 +61,7 @@ pub fn write_trial_log(path: &Path, log: &TrialLog<7>) -> Result<(), FileError> 
 }
 
 /// Reads a log back.
-pub fn read_trial_log(path: &Path) -> Result<TrialLog<7>, FileError> {
+pub fn read_trial_log<const N: usize>(path: &Path) -> Result<TrialLog<N>, FileError> {
     let table = read_table(path)?;
     let missing = |what: &str| FileError::Campaign {
         path: path.to_owned(),
@@ -69,8 +69,8 @@ pub fn read_trial_log(path: &Path) -> Result<TrialLog<7>, FileError> {
     };
     let column = |name: String| table.column(&name).ok_or_else(|| missing(&name));
     let rows = table.rows();
-    let joints = |stem: &str| -> Result<Vec<SVector<f64, 7>>, FileError> {
-        let columns: Vec<&[f64]> = (0..7).map(|j| column(format!("{stem}_{j}"))).collect::<Result<_, _>>()?;
+    let joints = |stem: &str| -> Result<Vec<SVector<f64, N>>, FileError> {
+        let columns: Vec<&[f64]> = (0..N).map(|j| column(format!("{stem}_{j}"))).collect::<Result<_, _>>()?;
         Ok((0..rows).map(|r| SVector::from_fn(|j, _| columns[j][r])).collect())
     };
     let six = |stem: &str, axes: &[(&str, usize); 6]| -> Result<Vec<SVector<f64, 6>>, FileError> {

@@ -7,17 +7,14 @@ use std::sync::Arc;
 
 use tribo_experiments::strategy::StrategyName;
 use tribo_experiments::watch::{CampaignWatch, Surrogate, TrialSnapshot, loop_times, write_report};
-use tribo_experiments::{
-    Campaign, CampaignResult, PenaltyLimits, TuneConfig, read_trial_log, references, trial_log_path,
-    uncompensated_trial,
-};
+use tribo_experiments::{Campaign, CampaignResult, PenaltyLimits, TuneConfig, read_trial_log, trial_log_path};
 
 fn clock() -> String {
     "2026-01-01T00:00:00.000000+00:00".to_owned()
 }
 
 fn run(directory: &Path, config: TuneConfig) -> CampaignResult {
-    Campaign::create(directory, config.validate().unwrap(), clock).unwrap().run(&mut ()).unwrap()
+    Campaign::create(directory, config.validate::<7>().unwrap(), clock).unwrap().run(&mut ()).unwrap()
 }
 
 fn config(strategy: StrategyName, trials: usize) -> TuneConfig {
@@ -35,7 +32,7 @@ fn a_snapshot_is_the_campaign() {
     let trials: Vec<_> = snapshot.trials.iter().map(|watched| watched.trial.clone()).collect();
     assert_eq!(trials, result.trials);
     assert_eq!(snapshot.references, Some(result.references));
-    assert_eq!(snapshot.references, Some(references(watch.tune()).unwrap()));
+    assert_eq!(snapshot.references, Some(watch.tune().references().unwrap()));
     assert_eq!(snapshot.best().map(|best| best.trial.number), result.best.map(|best| best.0));
     assert!(snapshot.is_complete() && !snapshot.torn && snapshot.running.is_empty());
 }
@@ -43,26 +40,27 @@ fn a_snapshot_is_the_campaign() {
 /// Where the arm moves, what the rigid-body model leaves unexplained is the plant's friction.
 #[test]
 fn friction_torque_is_the_truth() {
-    let tune = Arc::new(config(StrategyName::Zero, 1).validate().unwrap());
+    let truth = config(StrategyName::Zero, 1).validate::<7>().unwrap().trial.truth;
     let dir = tempfile::tempdir().unwrap();
     run(dir.path(), config(StrategyName::Zero, 1));
     let snapshot = CampaignWatch::open(dir.path()).unwrap().poll().unwrap().unwrap();
-    let without = Arc::new(uncompensated_trial(&tune).unwrap().log);
-    let trial = TrialSnapshot::read(dir.path(), Arc::clone(&tune), snapshot.trials[0].clone(), Some(without)).unwrap();
+    let without = Arc::new(snapshot.tune.uncompensated().unwrap());
+    let trial =
+        TrialSnapshot::read(dir.path(), Arc::clone(&snapshot.tune), snapshot.trials[0].clone(), Some(without)).unwrap();
     for joint in 0..7 {
-        let law = &tune.trial.truth.friction.joints[joint];
+        let law = &truth.friction.joints[joint];
         // Well above the speeds at which a filter of 0.17 s smears the jump of Coulomb friction.
         for sign in [-1.0, 1.0] {
             let sliding: Vec<f64> = (20..trial.log.len() - 20)
-                .filter(|k| (k - 12..k + 12).all(|near| sign * trial.qd[near][joint] > 0.02))
-                .map(|k| trial.friction_torque[k][joint] - law.torque(trial.qd[k][joint], 0.0))
+                .filter(|k| (k - 12..k + 12).all(|near| sign * trial.log.qd[joint][near] > 0.02))
+                .map(|k| trial.log.friction_torque[joint][k] - law.torque(trial.log.qd[joint][k], 0.0))
                 .collect();
             // Twice differentiated encoder noise scatters by 0.1 Nm; over 100 samples and more it averages out.
             let mean = sliding.iter().sum::<f64>() / sliding.len().max(1) as f64;
             assert!(sliding.len() < 100 || mean.abs() < 0.05, "joint {joint}: {mean} Nm over {}", sliding.len());
         }
     }
-    let moving = (0..7).filter(|&j| trial.qd.iter().filter(|qd| qd[j].abs() > 0.02).count() > 300).count();
+    let moving = (0..7).filter(|&j| trial.log.qd[j].iter().filter(|qd| qd.abs() > 0.02).count() > 300).count();
     assert!(moving >= 4, "{moving} joints move enough to be judged");
     assert_eq!(trial.row_at(-100.0), 0);
     assert_eq!(trial.row_at(100.0), trial.log.len() - 1);
@@ -72,7 +70,7 @@ fn friction_torque_is_the_truth() {
 /// One reading per tick of 33 s at 1 kHz, ascending.
 #[test]
 fn every_tick_is_timed() {
-    let tune = config(StrategyName::Zero, 1).validate().unwrap();
+    let tune = config(StrategyName::Zero, 1).validate::<7>().unwrap();
     let times = loop_times(&tune, &tune.space.zero()).unwrap();
     assert_eq!(times.tick_us.len(), 33_000);
     assert!(times.tick_us.windows(2).all(|pair| pair[0] <= pair[1]) && times.quantile(0.5).unwrap() > 0.0);
@@ -97,7 +95,7 @@ fn the_report_stands_alone() {
     run(&free, config(StrategyName::Random, 4));
     let mut largest: Vec<f64> = (0..4)
         .map(|number| {
-            let log = read_trial_log(&trial_log_path(&free, number)).unwrap();
+            let log = read_trial_log::<7>(&trial_log_path(&free, number)).unwrap();
             log.error.iter().map(|error| error.fixed_rows::<3>(3).amax()).fold(0.0, f64::max)
         })
         .collect();

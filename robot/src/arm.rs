@@ -21,6 +21,37 @@ pub struct ModifiedDh {
     pub alpha_rad: f64,
 }
 
+/// One row of a standard Denavit–Hartenberg table (Denavit & Hartenberg 1955, as Paul 1981 writes it).
+///
+/// ```text
+/// T(k−1, k) = RotZ(q_k) TransZ(d) TransX(a) RotX(alpha)
+/// ```
+///
+/// Its frames sit at the **far** end of their links; ours sit at the joint that moves the link, the near end.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct StandardDh {
+    /// Link length a (m), along the x axis of the far frame.
+    pub a_m: f64,
+    /// Link offset d (m), along the joint axis.
+    pub d_m: f64,
+    /// Link twist alpha (rad), about the x axis of the far frame.
+    pub alpha_rad: f64,
+}
+
+impl StandardDh {
+    /// The far frame in the near one: `TransZ(d) TransX(a) RotX(alpha)`.
+    pub fn near_from_far(&self) -> JointPlacement {
+        let turn = JointPlacement::from(ModifiedDh { a_m: 0.0, d_m: 0.0, alpha_rad: self.alpha_rad });
+        JointPlacement { rotation: turn.rotation, translation: Vector3::new(self.a_m, 0.0, self.d_m) }
+    }
+
+    /// Placements of the joints of a table: each sits at the far end of the link before.
+    pub fn placements<const N: usize>(rows: &[Self; N]) -> [JointPlacement; N] {
+        let base = JointPlacement { rotation: Matrix3::identity(), translation: Vector3::zeros() };
+        std::array::from_fn(|k| if k == 0 { base } else { rows[k - 1].near_from_far() })
+    }
+}
+
 /// Where a joint sits on its parent: `parent_from_joint(q) = (rotation · RotZ(q), translation)`.
 ///
 /// More general than a DH row (a URDF joint fits too, once its axis is turned onto z).
@@ -105,13 +136,9 @@ impl<const N: usize> Arm<N> {
 
     /// The same arm with a rigid body bolted to its flange (`payload` in the flange frame).
     pub fn with_payload(mut self, payload: &Payload) -> Self {
-        let body = LinkInertia {
-            mass_kg: payload.mass_kg,
-            com_m: self.link_from_flange_rotation * payload.com_m + self.link_from_flange_translation,
-            inertia_kg_m2: self.link_from_flange_rotation
-                * payload.inertia_kg_m2
-                * self.link_from_flange_rotation.transpose(),
-        };
+        let Payload { mass_kg, com_m, inertia_kg_m2 } = *payload;
+        let body = LinkInertia { mass_kg, com_m, inertia_kg_m2 }
+            .placed(&self.link_from_flange_rotation, &self.link_from_flange_translation);
         self.links[N - 1] = self.links[N - 1].combined(&body);
         self
     }

@@ -39,6 +39,16 @@ impl LinkInertia {
         SVector::from([self.mass_kg, h.x, h.y, h.z, i[(0, 0)], i[(0, 1)], i[(0, 2)], i[(1, 1)], i[(1, 2)], i[(2, 2)]])
     }
 
+    /// The same body in another frame, in which the axes of this one are the columns of `rotation` and its origin is at
+    /// `translation` (m).
+    pub fn placed(&self, rotation: &Matrix3<f64>, translation: &Vector3<f64>) -> Self {
+        Self {
+            mass_kg: self.mass_kg,
+            com_m: rotation * self.com_m + translation,
+            inertia_kg_m2: rotation * self.inertia_kg_m2 * rotation.transpose(),
+        }
+    }
+
     /// Both bodies welded together, about their common centre of mass. Same frame for both.
     pub fn combined(&self, other: &Self) -> Self {
         let mass_kg = self.mass_kg + other.mass_kg;

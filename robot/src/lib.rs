@@ -24,6 +24,8 @@
 //! assert!(mass_matrix(&arm, &q).cholesky().is_some());
 //! ```
 //!
+//! Arms come from [`presets`], whose every number has a source, or from a URDF ([`urdf`]).
+//!
 //! Leaves out: prismatic joints, branching trees, joint flexibility.
 
 mod aba;
@@ -39,9 +41,11 @@ mod regressor;
 mod rnea;
 pub mod so3;
 mod spatial;
+pub mod urdf;
+mod well_conditioned;
 
 pub use aba::forward_dynamics;
-pub use arm::{Arm, JointPlacement, Limits, ModifiedDh};
+pub use arm::{Arm, JointPlacement, Limits, ModifiedDh, StandardDh};
 pub use control_terms::ControlTerms;
 pub use crba::mass_matrix;
 pub use estimator::{EstimateFault, EstimatorInput, LAMBDA_95, WrenchEstimate, WrenchEstimator, WrenchLimits};
@@ -51,3 +55,4 @@ pub use plant::{Plant, SensorFrame};
 pub use regressor::inverse_dynamics_regressor;
 pub use rnea::{bias_torque, gravity_torque, rnea};
 pub use spatial::{Pose, Twist, Wrench};
+pub use well_conditioned::well_conditioned_poses;

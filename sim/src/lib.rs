@@ -39,6 +39,7 @@ mod quasi_static;
 mod recording;
 mod sensors;
 mod truth;
+mod typical_friction;
 mod warm_joint;
 mod warm_up;
 
@@ -51,5 +52,6 @@ pub use quasi_static::{QuasiStaticArm, Transmission};
 pub use recording::{ExtraTorque, Recorder, Recording, RecordingError, Session, record};
 pub use sensors::Sensors;
 pub use truth::{TorqueSide, Truth, panda_gaz_joints};
+pub use typical_friction::{AnyTypicalFriction, TypicalFriction};
 pub use warm_joint::{JointWarmth, WarmJoint};
 pub use warm_up::WarmUp;

@@ -2,10 +2,10 @@
 
 use serde::{Deserialize, Serialize};
 use tribo_friction::FrictionModel;
-use tribo_friction::law::{CoulombViscous, GazSigmoid, Lugre, Stribeck};
+use tribo_friction::law::GazSigmoid;
 use tribo_robot::{Arm, presets};
 
-use crate::{Effect, WarmUp};
+use crate::{Effect, TypicalFriction, WarmUp};
 
 /// Side of the gears on which the torque sensors sit.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
@@ -31,68 +31,15 @@ pub struct Truth<const N: usize> {
     pub effects: Vec<Effect>,
 }
 
-/// Motor-side Coulomb friction of the examples (Nm).
-const COULOMB_NM: [f64; 7] = [0.60, 0.90, 0.55, 0.80, 0.40, 0.30, 0.35];
-/// Motor-side viscous friction of the examples [Nm s/rad].
-const VISCOUS_NM_S: [f64; 7] = [1.0, 1.4, 0.8, 1.1, 0.5, 0.4, 0.3];
-/// Presliding distance of the LuGre example (rad).
-const PRESLIDING_RAD: f64 = 5e-4;
-
-impl Truth<7> {
-    /// Panda without friction.
-    pub fn panda_frictionless() -> Self {
-        let none = CoulombViscous::default().into();
-        Self { arm: presets::panda(), friction: FrictionModel::uniform(none), warm_up: None, effects: Vec::new() }
-    }
-
-    /// Panda with motor-side Coulomb and viscous friction: Fc .60 .90 .55 .80 .40 .30 .35 Nm.
-    pub fn panda_coulomb_viscous() -> Self {
-        let joints = std::array::from_fn(|j| {
-            CoulombViscous { coulomb_nm: COULOMB_NM[j], viscous_nm_s_per_rad: VISCOUS_NM_S[j] }.into()
-        });
-        Self { friction: FrictionModel { joints }, ..Self::panda_frictionless() }
-    }
-
-    /// Panda with Stribeck friction: Fc .50 .75 .45 .65 .33 .25 .28, dF .35 .50 .30 .40 .20 .15 .15 Nm.
-    pub fn panda_stribeck() -> Self {
-        let coulomb = [0.5, 0.75, 0.45, 0.65, 0.33, 0.25, 0.28];
-        let breakaway = [0.35, 0.5, 0.3, 0.4, 0.2, 0.15, 0.15];
-        let inverse_velocity = [6.0, 6.5, 7.0, 7.5, 8.0, 8.5, 9.0];
-        let shape = [1.4, 1.5, 1.6, 1.7, 1.8, 1.9, 2.0];
-        let joints = std::array::from_fn(|j| {
-            Stribeck {
-                coulomb_nm: coulomb[j],
-                viscous_nm_s_per_rad: VISCOUS_NM_S[j],
-                breakaway_minus_coulomb_nm: breakaway[j],
-                inverse_stribeck_velocity_s_per_rad: inverse_velocity[j],
-                shape: shape[j],
-            }
-            .into()
-        });
-        Self { friction: FrictionModel { joints }, ..Self::panda_frictionless() }
-    }
-
-    /// Panda with bristle friction: the Coulomb-viscous values and a presliding distance of 5e-4 rad.
-    pub fn panda_lugre() -> Self {
-        let joints = std::array::from_fn(|j| {
-            Lugre {
-                coulomb_nm: COULOMB_NM[j],
-                viscous_nm_s_per_rad: VISCOUS_NM_S[j],
-                presliding_distance_rad: PRESLIDING_RAD,
-            }
-            .into()
-        });
-        Self { friction: FrictionModel { joints }, ..Self::panda_frictionless() }
-    }
-
-    /// Panda with the smooth, asymmetric friction identified by Gaz et al. 2019 (link side of one real arm).
-    pub fn panda_gaz() -> Self {
-        Self { friction: FrictionModel { joints: panda_gaz_joints().map(Into::into) }, ..Self::panda_frictionless() }
+impl<const N: usize> Truth<N> {
+    /// An arm with this friction and nothing else.
+    pub fn new(arm: Arm<N>, friction: FrictionModel<N>) -> Self {
+        Self { arm, friction, warm_up: None, effects: Vec::new() }
     }
 
     /// The same truth with a spring and damper in every joint: with [`crate::Sensors::with_motor_encoders`] a robot with
     /// two encoders per joint.
-    pub fn with_elastic_joints(mut self, stiffness_nm_per_rad: [f64; 7], damping_nm_s_per_rad: f64) -> Self {
+    pub fn with_elastic_joints(mut self, stiffness_nm_per_rad: [f64; N], damping_nm_s_per_rad: f64) -> Self {
         let springs = stiffness_nm_per_rad.into_iter().enumerate();
         self.effects.extend(springs.map(|(joint, stiffness_nm_per_rad)| Effect::JointElasticity {
             joint,
@@ -102,10 +49,42 @@ impl Truth<7> {
         self
     }
 
+    /// The same truth warming up: it loses 28 % of its friction with a time constant of 10 min, 26 % over 50 trials.
+    pub fn warming_up(self) -> Self {
+        let warm_up = WarmUp { drop_fraction: 0.28, time_constant_s: 600.0, operated_s: 0.0 };
+        Self { warm_up: Some(warm_up), ..self }
+    }
+}
+
+impl Truth<7> {
+    /// Panda without friction.
+    pub fn panda_frictionless() -> Self {
+        Self::new(presets::panda(), FrictionModel::none())
+    }
+
+    /// Panda with motor-side Coulomb and viscous friction: Fc .60 .90 .55 .80 .40 .30 .35 Nm.
+    pub fn panda_coulomb_viscous() -> Self {
+        Self::new(presets::panda(), TypicalFriction::panda().coulomb_viscous())
+    }
+
+    /// Panda with Stribeck friction: Fc .50 .75 .45 .65 .33 .25 .28, dF .35 .50 .30 .40 .20 .15 .15 Nm.
+    pub fn panda_stribeck() -> Self {
+        Self::new(presets::panda(), TypicalFriction::panda().stribeck())
+    }
+
+    /// Panda with bristle friction: the Coulomb-viscous values and a presliding distance of 5e-4 rad.
+    pub fn panda_lugre() -> Self {
+        Self::new(presets::panda(), TypicalFriction::panda().lugre())
+    }
+
+    /// Panda with the smooth, asymmetric friction identified by Gaz et al. 2019 (link side of one real arm).
+    pub fn panda_gaz() -> Self {
+        Self::new(presets::panda(), FrictionModel { joints: panda_gaz_joints().map(Into::into) })
+    }
+
     /// The Coulomb-viscous Panda, losing 28 % of its friction with a time constant of 10 min: 26 % over 50 trials.
     pub fn panda_thermal() -> Self {
-        let warm_up = WarmUp { drop_fraction: 0.28, time_constant_s: 600.0, operated_s: 0.0 };
-        Self { warm_up: Some(warm_up), ..Self::panda_coulomb_viscous() }
+        Self::panda_coulomb_viscous().warming_up()
     }
 }
 

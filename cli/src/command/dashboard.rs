@@ -3,6 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use tribo_dashboard::{LogSource, Options, screenshot};
+use tribo_experiments::files::ModelChoice;
 
 use super::{CAMPAIGNS, named, now};
 use crate::arguments::Dashboard;
@@ -10,11 +11,12 @@ use crate::failure::BadInput;
 
 /// Opens the window, or draws it.
 pub fn run(arguments: &Dashboard) -> anyhow::Result<()> {
-    let open = arguments.open.as_ref().map(|path| LogSource {
-        path: path.clone(),
+    let model = ModelChoice {
         model: arguments.model.clone(),
-        link_side: arguments.torque_side == "link",
-    });
+        robot: arguments.robot.clone(),
+        torque_side: named(&arguments.torque_side)?,
+    };
+    let open = arguments.open.as_ref().map(|path| LogSource { path: path.clone(), model });
     if let Some(path) = arguments.open.as_ref().filter(|path| !path.exists()) {
         return Err(BadInput(format!("{}: there is no such file or directory", path.display())).into());
     }

@@ -7,17 +7,17 @@ use tribo_diagnose::{
     BlockSettings, FrictionReport, FrictionSettings, JointReport, ResidualError, ResidualSettings, TorqueResidual,
 };
 use tribo_ekf::WrenchEkfSettings;
-use tribo_experiments::files::Model;
+use tribo_experiments::files::{AnyModel, Model, ModelChoice, SIGN_SMOOTHING_RAD_S};
 use tribo_experiments::{
     AnyEstimator, Believed, Calibration, EstimatorError, EstimatorName, LogWrench, TransmissionFriction, WrenchSummary,
     believed_band, without_effects, wrench_on_log,
 };
-use tribo_friction::{FrictionBand, FrictionModel};
+use tribo_friction::{FrictionBand, FrictionModel, JointFriction};
 use tribo_logs::{LogSummary, RobotLog, Table, read_log, write_table};
 use tribo_residual::{OBSERVER_GAIN_RAD_S, identify_band};
 use tribo_sim::panda_gaz_joints;
 
-use super::{named, transmission, warn_not_cancelled};
+use super::{check_joints, named, transmission, warn_not_cancelled};
 use crate::arguments::{Common, Estimate};
 use crate::failure::BadInput;
 use crate::output::{print, print_json, significant, table};
@@ -30,17 +30,19 @@ const OVERCONFIDENT_NIS: f64 = 8.0;
 
 /// Runs the estimators over a log and prints what they say.
 pub fn run(arguments: &Estimate, common: &Common) -> anyhow::Result<()> {
-    let model = match &arguments.model {
-        Some(path) => Model::read(path)?,
-        None => Model::panda(named(&arguments.torque_side)?),
+    let choice = ModelChoice {
+        model: arguments.model.clone(),
+        robot: arguments.robot.clone(),
+        torque_side: named(&arguments.torque_side)?,
     };
-    let believed = Believed::on_log(&model);
-    warn_not_cancelled(&believed.not_cancelled, common);
+    let given = choice.given()?;
     let (log, summary) = read_log(&arguments.log)?;
     let everything = arguments.residual == "all";
-    let gears = match TransmissionFriction::of_log(&log, model.smoothing_rad_s) {
+    let nameless = given.is_none() && choice.robot.is_none();
+    let smoothing_rad_s = given.as_ref().map_or(SIGN_SMOOTHING_RAD_S, |(_, model)| model.smoothing_rad_s());
+    let gears = match TransmissionFriction::of_log(&log, smoothing_rad_s) {
         Ok(gears) => gears,
-        Err(error) if arguments.model.is_none() && everything => {
+        Err(error) if nameless && everything => {
             return Err(BadInput(format!("{}: {error}", arguments.log.display())).into());
         }
         Err(error) => {
@@ -51,25 +53,48 @@ pub fn run(arguments: &Estimate, common: &Common) -> anyhow::Result<()> {
         }
     };
     // Where nobody says what robot it is, torque on both sides says that it is no Panda.
-    if let (Some(gears), None, true) = (&gears, &arguments.model, everything) {
+    if let (Some(gears), true) = (&gears, nameless && everything) {
         transmission::show_alone(gears, &summary, common);
         return Ok(());
     }
-    if log.joints() != 7 {
-        let message = format!("{}: {} joints; the model has 7", arguments.log.display(), log.joints());
-        return Err(BadInput(message).into());
+    let (_, model) = given.map_or_else(|| choice.bare(&arguments.log, log.joints(), &[]), Ok)?;
+    check_joints(&arguments.log, &log, &model)?;
+    let measured = Measured { log, summary, gears };
+    match &model {
+        AnyModel::Six(model) => estimate(arguments, common, &measured, model),
+        AnyModel::Seven(model) => estimate(arguments, common, &measured, model),
     }
+}
+
+/// A log, and what it says of its gears without a model.
+struct Measured {
+    log: RobotLog,
+    summary: LogSummary,
+    gears: Option<TransmissionFriction>,
+}
+
+fn estimate<const N: usize>(
+    arguments: &Estimate,
+    common: &Common,
+    Measured { log, summary, gears }: &Measured,
+    model: &Model<N>,
+) -> anyhow::Result<()> {
+    let believed = Believed::on_log(model);
+    warn_not_cancelled(&believed.not_cancelled, common);
     if !(arguments.block_s > 0.0 && arguments.block_s.is_finite()) {
         let message = format!("--block-s is {}; allowed: greater than 0", arguments.block_s);
         return Err(BadInput(message).into());
     }
+    let everything = arguments.residual == "all";
     let wants = |name: &str| everything || arguments.residual == name;
-    let torque = wants("torque").then(|| torque_residual(arguments, &log, &model, &believed)).transpose()?;
+    let torque = wants("torque").then(|| torque_residual(arguments, log, model, &believed)).transpose()?;
     let free = arguments.free.as_deref().map(|path| FreeLog::read(path, &believed)).transpose()?;
     let one_encoder = wants(EstimatorName::DoubleEncoder.as_str())
-        .then(|| [Some((&arguments.log, &log)), free.as_ref().map(|free| (&free.path, &free.log))])
+        .then(|| [Some((&arguments.log, log)), free.as_ref().map(|free| (&free.path, &free.log))])
         .and_then(|logs| logs.into_iter().flatten().find(|(_, log)| log.theta_rad.is_none()))
-        .map(|(path, _)| format!("{}: missing columns theta_0 to theta_6, which double_encoder needs", path.display()));
+        .map(|(path, _)| {
+            format!("{}: missing columns theta_0 to theta_{}, which double_encoder needs", path.display(), N - 1)
+        });
     match &one_encoder {
         Some(message) if !everything => return Err(BadInput(message.clone()).into()),
         Some(message) if !common.quiet => eprintln!("tribo: {message}; it is left out"),
@@ -92,7 +117,7 @@ pub fn run(arguments: &Estimate, common: &Common) -> anyhow::Result<()> {
                 .map(|free| Calibration::of_free_stretch(|factor| watch(name, factor, &free.log)))
                 .transpose()?;
             let used = calibration.unwrap_or_default();
-            let mut wrench = watch(name, used.noise_factor, &log)?;
+            let mut wrench = watch(name, used.noise_factor, log)?;
             used.apply(&mut wrench);
             Ok(Estimated { name, calibration, summary: wrench.summary(), wrench })
         })
@@ -101,19 +126,19 @@ pub fn run(arguments: &Estimate, common: &Common) -> anyhow::Result<()> {
         write_table(out, &wrench_table(&wrenches))?;
     }
     if common.json {
-        let mut document = document(&summary, torque.as_ref(), &wrenches);
-        if let Some(gears) = &gears {
+        let mut document = document(summary, torque.as_ref(), &wrenches);
+        if let Some(gears) = gears {
             document["transmission"] = transmission::json(gears);
         }
         print_json(&document);
     } else if !common.quiet {
-        print(&summary);
-        if let Some(gears) = &gears {
+        print(summary);
+        if let Some(gears) = gears {
             transmission::show(gears);
         }
         if let Some(report) = &torque {
             let rigid = if model.effects.is_empty() { "rigid model" } else { "rigid model and effects" };
-            show_torque(report, rigid, model_label(arguments));
+            show_torque(report, rigid, if arguments.model.is_some() { "model friction" } else { "Gaz 2019 friction" });
         }
         if !wrenches.is_empty() {
             show_wrenches(&wrenches, arguments.out.as_deref());
@@ -131,14 +156,14 @@ struct Estimated {
 }
 
 /// A log of strokes that nobody touches, and the friction band that it shows.
-struct FreeLog {
+struct FreeLog<const N: usize> {
     path: PathBuf,
     log: RobotLog,
-    band: FrictionBand<7>,
+    band: FrictionBand<N>,
 }
 
-impl FreeLog {
-    fn read(path: &Path, believed: &Believed) -> anyhow::Result<Self> {
+impl<const N: usize> FreeLog<N> {
+    fn read(path: &Path, believed: &Believed<N>) -> anyhow::Result<Self> {
         let (log, _) = read_log(path)?;
         let bad = |error: &dyn std::fmt::Display| BadInput(format!("{}: {error}", path.display()));
         let fits = identify_band(&log, &believed.arm, OBSERVER_GAIN_RAD_S).map_err(|error| bad(&error))?;
@@ -147,23 +172,20 @@ impl FreeLog {
     }
 }
 
-/// Friction model that the residual is compared with: the given model's, or the published one of the Panda.
-fn comparison(arguments: &Estimate, model: &Model<7>) -> FrictionModel<7> {
-    match arguments.model {
-        Some(_) => model.friction,
-        None => FrictionModel { joints: panda_gaz_joints().map(Into::into) },
-    }
+/// Friction model that the residual is compared with: the given model's, or the published one of the Panda; none of other
+/// arms.
+fn comparison<const N: usize>(arguments: &Estimate, model: &Model<N>) -> FrictionModel<N> {
+    let published: [JointFriction; 7] = panda_gaz_joints().map(Into::into);
+    let joints = published.as_slice().try_into().ok();
+    let published = joints.filter(|_| arguments.model.is_none() && model.robot.arm.name == "panda");
+    published.map_or(model.friction, |joints| FrictionModel { joints })
 }
 
-fn model_label(arguments: &Estimate) -> &'static str {
-    if arguments.model.is_some() { "model friction" } else { "Gaz 2019 friction" }
-}
-
-fn torque_residual(
+fn torque_residual<const N: usize>(
     arguments: &Estimate,
     log: &RobotLog,
-    model: &Model<7>,
-    believed: &Believed,
+    model: &Model<N>,
+    believed: &Believed<N>,
 ) -> anyhow::Result<FrictionReport> {
     let settings = ResidualSettings { band_hz: arguments.band_hz, ..ResidualSettings::default() };
     let bad = |error: ResidualError| BadInput(format!("{}: {error}", arguments.log.display()));

@@ -15,10 +15,12 @@ pub mod tune;
 use std::path::Path;
 
 use serde::de::DeserializeOwned;
-use tribo_experiments::files::YamlDocument;
-use tribo_experiments::{ConfigError, NotCancelled, TuneConfig, ValidTune};
+use tribo_experiments::files::{AnyModel, YamlDocument};
+use tribo_experiments::{AnyTune, ConfigError, NotCancelled, TuneConfig};
+use tribo_logs::RobotLog;
 
 use crate::arguments::{Common, Scenario};
+use crate::failure::BadInput;
 
 /// Where campaigns go when nobody says where.
 const CAMPAIGNS: &str = "campaigns";
@@ -45,6 +47,10 @@ fn set<T: DeserializeOwned>(field: &mut T, name: Option<&String>) -> anyhow::Res
 impl Scenario {
     /// Puts the flags that were given over the settings.
     fn apply(&self, config: &mut TuneConfig) -> anyhow::Result<()> {
+        if self.robot.is_some() {
+            config.robot.clone_from(&self.robot);
+            config.robot_content = None;
+        }
         if self.truth.is_some() {
             set(&mut config.truth, self.truth.as_ref())?;
             config.truth_content = None;
@@ -60,6 +66,15 @@ impl Scenario {
     }
 }
 
+/// Refuses a log of another robot than the model's.
+fn check_joints(path: &Path, log: &RobotLog, model: &AnyModel) -> anyhow::Result<()> {
+    if log.joints() == model.joints() {
+        return Ok(());
+    }
+    let message = format!("{}: {} joints; the model has {}", path.display(), log.joints(), model.joints());
+    Err(BadInput(message).into())
+}
+
 /// Says what a believed model holds that its controller cannot act on.
 fn warn_not_cancelled(left: &[NotCancelled], common: &Common) {
     if !common.quiet {
@@ -73,11 +88,11 @@ fn warn_not_cancelled(left: &[NotCancelled], common: &Common) {
 fn configured(
     path: Option<&Path>,
     overrides: impl FnOnce(&mut TuneConfig) -> anyhow::Result<()>,
-) -> anyhow::Result<ValidTune> {
+) -> anyhow::Result<AnyTune> {
     let document = path.map(YamlDocument::read).transpose()?;
     let mut config = document.as_ref().map(YamlDocument::parse::<TuneConfig>).transpose()?.unwrap_or_default();
     overrides(&mut config)?;
-    let valid = config.validate().map_err(|error| match (error, &document) {
+    let valid = config.validate_any().map_err(|error| match (error, &document) {
         (ConfigError::Field(field), Some(document)) if document.line_of(&field.field).is_some() => {
             ConfigError::File(document.explain(field))
         }

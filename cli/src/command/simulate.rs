@@ -3,9 +3,9 @@
 use std::path::{Path, PathBuf};
 
 use serde_json::{Map, Value, json};
-use tribo_experiments::files::{Model, TrajectoryFile, TunedFile, YamlDocument};
-use tribo_experiments::{AnyEstimator, Believed, NotCancelled, ValidTune, follow, simulate_log};
-use tribo_friction::FrictionModel;
+use tribo_experiments::files::{ModelFile, TrajectoryFile, TunedFile, YamlDocument};
+use tribo_experiments::{AnyEstimator, AnyTune, Believed, NotCancelled, ValidTune, follow, simulate_log};
+use tribo_friction::{FrictionModel, JointEffects};
 use tribo_logs::RobotLog;
 use tribo_sim::WrenchPulses;
 
@@ -20,7 +20,13 @@ pub fn run(arguments: &Simulate, common: &Common) -> anyhow::Result<()> {
     if let Some(log) = &arguments.log {
         target_of(log)?;
     }
-    let mut tune = configured(arguments.config.as_deref(), |config| arguments.scenario.apply(config))?;
+    match configured(arguments.config.as_deref(), |config| arguments.scenario.apply(config))? {
+        AnyTune::Six(tune) => simulate(arguments, common, tune),
+        AnyTune::Seven(tune) => simulate(arguments, common, tune),
+    }
+}
+
+fn simulate<const N: usize>(arguments: &Simulate, common: &Common, mut tune: ValidTune<N>) -> anyhow::Result<()> {
     let trial = &mut tune.trial;
     trial.sensors.torque_side = named(&arguments.torque_side)?;
     if arguments.fixed {
@@ -44,17 +50,20 @@ pub fn run(arguments: &Simulate, common: &Common) -> anyhow::Result<()> {
 }
 
 /// The friction that the compensator believes and what it believes in vain; arm and effects go into the trial.
-fn belief(arguments: &Simulate, tune: &mut ValidTune) -> anyhow::Result<(FrictionModel<7>, Vec<NotCancelled>)> {
+fn belief<const N: usize>(
+    arguments: &Simulate,
+    tune: &mut ValidTune<N>,
+) -> anyhow::Result<(FrictionModel<N>, Vec<NotCancelled>)> {
     let name = arguments.compensation.as_str();
     let given = tune.believed.take();
     let whole = match name {
         "none" => {
             // The arm may still be that of --model.
-            tune.trial.effects = Default::default();
+            tune.trial.effects = [JointEffects::default(); N];
             return Ok((FrictionModel::none(), Vec::new()));
         }
         "oracle" => Some(tune.oracle.clone()),
-        file if is_model(Path::new(file))? => Some(Believed::by_controller(&Model::read(Path::new(file))?)),
+        file if is_model(Path::new(file))? => Some(believed_file(Path::new(file))?),
         _ => None,
     };
     if let Some(whole) = whole {
@@ -82,6 +91,12 @@ fn belief(arguments: &Simulate, tune: &mut ValidTune) -> anyhow::Result<(Frictio
     Ok((friction, believed.map_or_else(Vec::new, |believed| believed.not_cancelled)))
 }
 
+/// What a controller makes of a model file about a robot with N joints.
+fn believed_file<const N: usize>(path: &Path) -> anyhow::Result<Believed<N>> {
+    let (file, document) = ModelFile::read(path)?;
+    Ok(Believed::by_controller(&file.validate().map_err(|error| document.explain(error))?))
+}
+
 /// Whether a YAML file calls itself a model; what it is otherwise, its own reader says.
 fn is_model(path: &Path) -> anyhow::Result<bool> {
     let document = YamlDocument::read(path)?;
@@ -104,11 +119,11 @@ fn written(path: Option<&PathBuf>, log: &RobotLog) {
     }
 }
 
-fn run_trial(
+fn run_trial<const N: usize>(
     arguments: &Simulate,
     common: &Common,
-    tune: &ValidTune,
-    friction: &FrictionModel<7>,
+    tune: &ValidTune<N>,
+    friction: &FrictionModel<N>,
     left: &[NotCancelled],
 ) -> anyhow::Result<()> {
     let config = &tune.config;
@@ -144,15 +159,15 @@ fn run_trial(
     Ok(())
 }
 
-fn run_trajectory(
+fn run_trajectory<const N: usize>(
     path: &Path,
     arguments: &Simulate,
     common: &Common,
-    tune: &ValidTune,
-    friction: &FrictionModel<7>,
+    tune: &ValidTune<N>,
+    friction: &FrictionModel<N>,
     left: &[NotCancelled],
 ) -> anyhow::Result<()> {
-    let motion = TrajectoryFile::read(path)?.path();
+    let motion = TrajectoryFile::read(path, &tune.trial.model)?.path();
     let (followed, log) = follow(&tune.trial, friction, &motion, tune.config.seed)?;
     if let Some(path) = &arguments.log {
         write_log(path, &log)?;
@@ -172,7 +187,7 @@ fn run_trajectory(
         print_json(&finish_document(document, arguments.log.as_ref(), left));
     } else if !common.quiet {
         let mut rows = table(&["joint", "rms error [mrad]", "largest [mrad]"]);
-        for j in 0..7 {
+        for j in 0..N {
             let mrad = |value: f64| significant(1e3 * value, 3);
             rows.add_row([j.to_string(), mrad(followed.rms_error_rad[j]), mrad(followed.max_error_rad[j])]);
         }

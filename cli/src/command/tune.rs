@@ -6,7 +6,7 @@ use std::time::Instant;
 use anyhow::Context;
 use tribo_experiments::watch::write_report;
 use tribo_experiments::{
-    AgainstEkf, Campaign, CampaignError, CampaignResult, EstimatorName, ParameterSpace, against_ekf,
+    AgainstEkf, AnyTune, Campaign, CampaignError, CampaignResult, EstimatorName, TuneConfig, against_ekf,
 };
 
 use super::{CAMPAIGNS, configured, now, set, warn_not_cancelled};
@@ -18,8 +18,42 @@ use crate::progress::{TrialProgress, stop_on_signal};
 /// Runs or resumes a campaign.
 pub fn run(arguments: &Tune, common: &Common) -> anyhow::Result<()> {
     let started = Instant::now();
-    let campaign = if arguments.resume { resume(arguments)? } else { create(arguments)? };
-    let (directory, campaign) = campaign;
+    if arguments.resume {
+        let directory = resumed(arguments)?;
+        return match TuneConfig::joints_of_campaign(&directory)? {
+            6 => finish(
+                Campaign::<6>::resume(&directory, arguments.trials, now)?,
+                &directory,
+                arguments,
+                common,
+                started,
+            ),
+            _ => finish(
+                Campaign::<7>::resume(&directory, arguments.trials, now)?,
+                &directory,
+                arguments,
+                common,
+                started,
+            ),
+        };
+    }
+    let (directory, tune) = configured_campaign(arguments)?;
+    match tune {
+        AnyTune::Six(tune) => finish(Campaign::create(&directory, tune, now)?, &directory, arguments, common, started),
+        AnyTune::Seven(tune) => {
+            finish(Campaign::create(&directory, tune, now)?, &directory, arguments, common, started)
+        }
+    }
+}
+
+/// Runs what is left of a campaign and shows what came of it.
+fn finish<const N: usize>(
+    campaign: Campaign<N>,
+    directory: &Path,
+    arguments: &Tune,
+    common: &Common,
+    started: Instant,
+) -> anyhow::Result<()> {
     let (total, finished) = (campaign.tune().config.trials, campaign.finished());
     if !common.quiet {
         eprintln!("campaign {} ({} of {total} trials done)", directory.display(), finished);
@@ -39,10 +73,10 @@ pub fn run(arguments: &Tune, common: &Common) -> anyhow::Result<()> {
         let running = scope.spawn(|| {
             let result = pool.install(|| campaign.run(&mut progress));
             // The report does not wait for somebody to close the window.
-            let report = result.is_ok().then(|| write_report(&directory, None, false));
+            let report = result.is_ok().then(|| write_report(directory, None, false));
             (result, report)
         });
-        let window = if arguments.dashboard { super::dashboard::watch(&directory) } else { Ok(()) };
+        let window = if arguments.dashboard { super::dashboard::watch(directory) } else { Ok(()) };
         (running.join(), window)
     });
     let (result, window) = result;
@@ -70,7 +104,7 @@ pub fn run(arguments: &Tune, common: &Common) -> anyhow::Result<()> {
     if common.json {
         print_json(&result.to_json(judged, wall_s));
     } else if !common.quiet {
-        show(&result, judged.as_ref(), &directory, &report, wall_s);
+        show(&result, judged.as_ref(), directory, &report, wall_s);
     }
     match arguments.check {
         Some(limit) => check(&result, limit),
@@ -78,7 +112,8 @@ pub fn run(arguments: &Tune, common: &Common) -> anyhow::Result<()> {
     }
 }
 
-fn create(arguments: &Tune) -> anyhow::Result<(PathBuf, Campaign)> {
+/// The settings of a new campaign, and its directory.
+fn configured_campaign(arguments: &Tune) -> anyhow::Result<(PathBuf, AnyTune)> {
     let tune = configured(arguments.config.as_deref(), |config| {
         set(&mut config.strategy, arguments.strategy.as_ref())?;
         set(&mut config.friction, arguments.friction.as_ref())?;
@@ -96,14 +131,15 @@ fn create(arguments: &Tune) -> anyhow::Result<(PathBuf, Campaign)> {
             Path::new(CAMPAIGNS).join(format!("{next:04}"))
         }
     };
-    let campaign = Campaign::create(&directory, tune, now)?;
-    Ok((directory, campaign))
+    Ok((directory, tune))
 }
 
-fn resume(arguments: &Tune) -> anyhow::Result<(PathBuf, Campaign)> {
+/// The directory of the campaign to go on with.
+fn resumed(arguments: &Tune) -> anyhow::Result<PathBuf> {
     // What is frozen within a campaign cannot be changed half-way.
     let frozen = [
         ("a settings file", arguments.config.is_some()),
+        ("--robot", arguments.scenario.robot.is_some()),
         ("--seed", arguments.scenario.seed.is_some()),
         ("--friction", arguments.friction.is_some()),
         ("--residual", arguments.residual.is_some()),
@@ -120,14 +156,11 @@ fn resume(arguments: &Tune) -> anyhow::Result<(PathBuf, Campaign)> {
         let message = format!("{name} cannot be combined with --resume; a campaign keeps the settings it began with");
         return Err(BadInput(message).into());
     }
-    let directory = match &arguments.out {
-        Some(directory) => directory.clone(),
-        None => last_campaign()
-            .map(|(_, directory)| directory)
-            .ok_or_else(|| BadInput(format!("no campaign in {CAMPAIGNS}/ to resume; name one with --out")))?,
-    };
-    let campaign = Campaign::resume(&directory, arguments.trials, now)?;
-    Ok((directory, campaign))
+    if let Some(directory) = &arguments.out {
+        return Ok(directory.clone());
+    }
+    let last = last_campaign().map(|(_, directory)| directory);
+    Ok(last.ok_or_else(|| BadInput(format!("no campaign in {CAMPAIGNS}/ to resume; name one with --out")))?)
 }
 
 /// The numbered campaign directory with the highest number.
@@ -177,11 +210,10 @@ fn show(result: &CampaignResult, judged: Option<&AgainstEkf>, directory: &Path, 
     summary.add_row(["no friction at all".to_owned(), significant(references.frictionless, 4)]);
     print(format_args!("\n{summary}"));
     if let Some(best) = best {
-        let space = ParameterSpace { law: result.config.friction, bounds: result.config.bounds, joints: 7 };
-        let entries = space.entries();
-        let header: Vec<&str> = std::iter::once("joint").chain(entries.iter().map(|entry| entry.0)).collect();
+        let space = &result.space;
+        let header: Vec<&str> = std::iter::once("joint").chain(space.names_of_joint()).collect();
         let mut parameters = table(&header);
-        for (joint, values) in result.trials[best].theta.chunks(entries.len()).enumerate() {
+        for (joint, values) in result.trials[best].theta.chunks(space.parameters_per_joint()).enumerate() {
             let row = std::iter::once(joint.to_string()).chain(values.iter().map(|value| significant(*value, 4)));
             parameters.add_row(row);
         }

@@ -1,15 +1,16 @@
-//! The Panda as capsules, following a trial or a log, with the wrench as an arrow.
+//! The arm as capsules, following a trial or a log, with the wrench as an arrow.
 
 use egui::{Color32, Pos2, Rect, RichText, Sense, Shape, Stroke, Ui, pos2, vec2};
-use nalgebra::{SVector, Vector3};
+use nalgebra::Vector3;
 use tribo_experiments::EstimatorName;
-use tribo_experiments::watch::arm_figures::{self, ARROW_M_PER_N};
+use tribo_experiments::watch::arm_figures::ARROW_M_PER_N;
 use tribo_figure::number::{fixed, significant};
-use tribo_robot::{Kinematics, presets};
 
 use crate::snapshot::Snapshot;
 use crate::theme::ink;
 
+/// Length of a Panda along its links (m); longer arms are drawn from further away.
+const PANDA_LENGTH_M: f64 = 1.33;
 /// Radii of the capsules from link to link (m): base to flange.
 const RADII_M: [f64; 8] = [0.075, 0.07, 0.065, 0.06, 0.055, 0.05, 0.045, 0.04];
 
@@ -35,7 +36,10 @@ impl Default for ArmView {
 
 /// What is drawn at one moment.
 struct Moment {
-    q: SVector<f64, 7>,
+    /// Joint positions (rad).
+    q: Vec<f64>,
+    /// Base, origins of the link frames, flange (m), base axes.
+    points: Vec<Vector3<f64>>,
     /// Force then moment, by the robot on the environment, base axes.
     wrench: Option<[f64; 6]>,
 }
@@ -45,10 +49,11 @@ struct Motion<'a> {
     name: String,
     span_s: [f64; 2],
     at: Box<dyn Fn(f64) -> Option<Moment> + 'a>,
-    path: Vec<SVector<f64, 7>>,
+    /// Origins of the flange (m), base axes.
+    path: Vec<Vector3<f64>>,
 }
 
-/// Configurations along the path that is drawn.
+/// Points of the path that is drawn.
 const PATH_POINTS: usize = 200;
 
 fn motion(snapshot: &Snapshot, estimator: EstimatorName) -> Option<Motion<'_>> {
@@ -58,20 +63,24 @@ fn motion(snapshot: &Snapshot, estimator: EstimatorName) -> Option<Motion<'_>> {
         let at = move |time_s: f64| {
             let row = trial.row_at(time_s);
             let h = log.wrench.get(row)?;
-            Some(Moment { q: *log.q.get(row)?, wrench: Some([h[3], h[4], h[5], h[0], h[1], h[2]]) })
+            let (q, points) = (log.q.iter().map(|q| q[row]).collect(), log.skeleton.get(row)?.clone());
+            Some(Moment { q, points, wrench: Some([h[3], h[4], h[5], h[0], h[1], h[2]]) })
         };
-        let path = log.q.iter().step_by((log.len() / PATH_POINTS).max(1)).copied().collect();
-        return Some(Motion { name: format!("trial {}", trial.watched.trial.number), span_s, at: Box::new(at), path });
+        let flange = |points: &Vec<Vector3<f64>>| points.last().copied().unwrap_or_default();
+        let path = log.skeleton.iter().step_by((log.len() / PATH_POINTS).max(1)).map(flange).collect();
+        let name = format!("{}, trial {}", trial.tune.robot(), trial.watched.trial.number);
+        return Some(Motion { name, span_s, at: Box::new(at), path });
     }
     let log = snapshot.log.as_ref()?;
-    let q = |row: usize| SVector::from_fn(|j, _| log.log.q_rad[j][row]);
     let at = move |time_s: f64| {
         let row = log.log.time_s.partition_point(|t| *t < time_s).min(log.log.rows() - 1);
         let wrench = snapshot.wrench(estimator).and_then(|wrench| wrench.as_ref().ok()?.at(row));
-        Some(Moment { q: q(row), wrench })
+        Some(Moment { q: log.log.q_rad.iter().map(|q| q[row]).collect(), points: log.skeleton(row), wrench })
     };
-    let path = (0..log.log.rows()).step_by((log.log.rows() / PATH_POINTS).max(1)).map(q).collect();
-    Some(Motion { name: "log".to_owned(), span_s: log.signals.span_s(), at: Box::new(at), path })
+    let rows = (0..log.log.rows()).step_by((log.log.rows() / PATH_POINTS).max(1));
+    let path = rows.map(|row| log.skeleton(row).last().copied().unwrap_or_default()).collect();
+    let name = format!("{}, log", log.model.robot());
+    Some(Motion { name, span_s: log.signals.span_s(), at: Box::new(at), path })
 }
 
 impl ArmView {
@@ -104,7 +113,7 @@ impl ArmView {
 
     fn controls(&mut self, ui: &mut Ui, motion: &Motion<'_>) {
         ui.horizontal(|ui| {
-            ui.label(RichText::new(format!("Panda, {}", motion.name)).heading());
+            ui.label(RichText::new(&motion.name).heading());
             if ui.button(if self.playing { "Pause" } else { "Play" }).on_hover_text("Space").clicked() {
                 self.playing = !self.playing;
             }
@@ -150,32 +159,33 @@ impl ArmView {
         }
         let response = response.on_hover_text_at_pointer("Drag to turn, Ctrl + wheel to zoom");
         let dark = ui.visuals().dark_mode;
-        let camera = Camera::new(response.rect, self.yaw, self.pitch, self.zoom);
+        let points = &moment.points;
+        let length_m: f64 = points.windows(2).map(|ends| (ends[1] - ends[0]).norm()).sum();
+        let size = (length_m / PANDA_LENGTH_M).max(1.0);
+        let camera = Camera::new(response.rect, self.yaw, self.pitch, self.zoom, size);
         ground(&painter, &camera, ui.visuals().widgets.noninteractive.bg_stroke.color);
 
         // The links, back to front, then the path of the flange.
-        let arm = presets::panda();
-        let at = Kinematics::at(&arm, &moment.q);
-        let points = arm_figures::skeleton(&moment.q);
+        let Some((flange, joints)) = points.split_last().map(|(flange, rest)| (*flange, &rest[1..])) else { return };
         let mut capsules: Vec<(f64, usize)> = (0..points.len() - 1)
             .filter(|k| (points[k + 1] - points[*k]).norm() > 1e-6)
             .map(|k| (camera.project(&((points[k] + points[k + 1]) * 0.5)).1, k))
             .collect();
         capsules.sort_by(|a, b| b.0.total_cmp(&a.0));
         for (_, k) in capsules {
-            let radius_m = RADII_M[k.min(RADII_M.len() - 1)];
+            let radius_m = size * RADII_M[k.min(RADII_M.len() - 1)];
             capsule(&painter, &camera, [&points[k], &points[k + 1]], radius_m, dark);
         }
-        let flange = |q: &SVector<f64, 7>| camera.project(&Kinematics::at(&arm, q).flange_origin).0;
-        painter.add(Shape::line(motion.path.iter().map(flange).collect(), Stroke::new(1.2, ink(2, dark))));
-        for origin in &at.origins {
+        let seen = |point: &Vector3<f64>| camera.project(point).0;
+        painter.add(Shape::line(motion.path.iter().map(seen).collect(), Stroke::new(1.2, ink(2, dark))));
+        for origin in joints {
             let (centre, _) = camera.project(origin);
             painter.circle_filled(centre, 3.0, if dark { Color32::WHITE } else { Color32::BLACK });
         }
         frame_axes(&painter, &camera, dark);
         if let Some(h) = moment.wrench {
-            let tip = at.flange_origin + Vector3::new(h[0], h[1], h[2]) * ARROW_M_PER_N;
-            let (from, to) = (camera.project(&at.flange_origin).0, camera.project(&tip).0);
+            let tip = flange + Vector3::new(h[0], h[1], h[2]) * ARROW_M_PER_N;
+            let (from, to) = (camera.project(&flange).0, camera.project(&tip).0);
             painter.arrow(from, to - from, Stroke::new(3.0, ink(1, dark)));
             let corner = response.rect.left_bottom() + vec2(12.0, -24.0);
             let text = format!(
@@ -196,6 +206,8 @@ impl ArmView {
 /// Parallel projection: no part of the arm hides by being far.
 struct Camera {
     centre: Pos2,
+    /// Point that is looked at, in base axes (m).
+    target_m: Vector3<f64>,
     scale: f64,
     right: Vector3<f64>,
     up: Vector3<f64>,
@@ -203,20 +215,21 @@ struct Camera {
 }
 
 impl Camera {
-    /// Middle of what is looked at, in base axes (m).
+    /// Middle of what is looked at of an arm as long as a Panda, in base axes (m).
     const TARGET_M: [f64; 3] = [0.25, 0.0, 0.4];
 
-    fn new(rect: Rect, yaw: f64, pitch: f64, zoom: f64) -> Self {
+    fn new(rect: Rect, yaw: f64, pitch: f64, zoom: f64, size: f64) -> Self {
         let forward = Vector3::new(pitch.cos() * yaw.cos(), pitch.cos() * yaw.sin(), -pitch.sin());
         let right = Vector3::new(yaw.sin(), -yaw.cos(), 0.0);
         let up = right.cross(&forward);
-        let scale = zoom * f64::from(rect.height().min(rect.width() * 0.8)) / 1.05;
-        Self { centre: rect.center(), scale, right, up, forward }
+        let scale = zoom * f64::from(rect.height().min(rect.width() * 0.8)) / (1.05 * size);
+        let target_m = Vector3::from(Self::TARGET_M) * size;
+        Self { centre: rect.center(), target_m, scale, right, up, forward }
     }
 
     /// Place on the screen, and depth (m).
     fn project(&self, point: &Vector3<f64>) -> (Pos2, f64) {
-        let from_target = point - Vector3::from(Self::TARGET_M);
+        let from_target = point - self.target_m;
         let (x, y) = (self.right.dot(&from_target) * self.scale, self.up.dot(&from_target) * self.scale);
         (pos2(self.centre.x + x as f32, self.centre.y - y as f32), self.forward.dot(&from_target))
     }

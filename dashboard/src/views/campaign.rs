@@ -49,7 +49,7 @@ impl CampaignView {
             ui.horizontal(|ui| {
                 ui.label(RichText::new("Parameters").heading());
                 ui.add_space(12.0);
-                super::joint_row(ui, &mut layout.joint);
+                super::joint_row(ui, &mut layout.joint, campaign.tune.space().joints());
             });
             let joint = layout.joint;
             let key = (vec![address(Some(&campaign))], vec![joint]);
@@ -148,7 +148,7 @@ impl CampaignView {
         };
         let chosen = self.parameter.unwrap_or_else(|| surrogate_figures::most_relevant(&surrogate));
         let key = (vec![address(Some(&surrogate)), campaign.trials.len()], vec![chosen]);
-        let joints = campaign.tune.space.joints;
+        let joints = campaign.tune.space().joints();
         let figures = self.belief.get(key, || {
             let mut figures: Vec<_> = surrogate_figures::slice(&surrogate, campaign, chosen).into_iter().collect();
             figures.extend(surrogate_figures::acquisition(&surrogate, chosen));

@@ -68,10 +68,10 @@ impl CompareCampaigns {
                     cells[k].push_id(k, |ui| facts(ui, campaign));
                 }
             });
-            if one.tune.space.entries() == two.tune.space.entries() {
+            if one.tune.space().names() == two.tune.space().names() {
                 parameters(ui, &names, &one, &two);
             } else {
-                ui.weak("Their friction laws differ; parameters cannot be compared.");
+                ui.weak("Their friction laws or numbers of joints differ; parameters cannot be compared.");
             }
         });
     }
@@ -107,23 +107,23 @@ fn facts(ui: &mut Ui, campaign: &CampaignSnapshot) {
 
 fn parameters(ui: &mut Ui, names: &[String; 2], one: &CampaignSnapshot, two: &CampaignSnapshot) {
     let (Some(a), Some(b)) = (one.best(), two.best()) else { return };
-    let entries = one.tune.space.entries();
+    let space = one.tune.space();
     ui.add_space(8.0);
     ui.label(RichText::new("Best parameters").heading());
     Grid::new("compared parameters").striped(true).spacing([22.0, 4.0]).show(ui, |ui| {
         ui.strong("joint");
-        for entry in entries {
-            let (quantity, unit) = quantity_and_unit(entry.0);
+        for name in space.names_of_joint() {
+            let (quantity, unit) = quantity_and_unit(name);
             for name in names {
                 ui.strong(format!("{quantity} [{unit}], {name}"));
             }
         }
         ui.end_row();
-        for joint in 0..one.tune.space.joints {
+        for joint in 0..space.joints() {
             ui.label(joint.to_string());
-            for k in 0..entries.len() {
+            for k in 0..space.parameters_per_joint() {
                 for theta in [&a.trial.theta, &b.trial.theta] {
-                    ui.label(significant(theta[joint * entries.len() + k], 4));
+                    ui.label(significant(theta[joint * space.parameters_per_joint() + k], 4));
                 }
             }
             ui.end_row();

@@ -54,7 +54,7 @@ impl LogView {
 fn head(ui: &mut Ui, log: &LogSnapshot) {
     let [first, last] = log.signals.span_s();
     ui.label(RichText::new(log.source.path.display().to_string()).heading());
-    let model = log.source.model_name();
+    let model = log.model_name();
     ui.label(format!(
         "{} samples over {} s, {} channels; model: {model}",
         log.log.rows(),

@@ -56,10 +56,12 @@ fn estimator_law(name: EstimatorName) -> String {
     format!("{}: {law}", name.as_str())
 }
 
-/// A row to choose a joint from.
-fn joint_row(ui: &mut Ui, joint: &mut usize) {
+/// A row to choose one of so many joints from.
+fn joint_row(ui: &mut Ui, joint: &mut usize, joints: usize) {
+    // The choice may come from a robot with more of them.
+    *joint = (*joint).min(joints.saturating_sub(1));
     ui.label("Joint");
-    for j in 0..7 {
+    for j in 0..joints {
         ui.selectable_value(joint, j, RichText::new(format!("{j}")));
     }
 }

@@ -11,6 +11,13 @@ use crate::source::Source;
 /// Choices as they are spelt in files, each with a word of explanation.
 type Choices = &'static [(&'static str, &'static str)];
 
+const ROBOTS: Choices = &[
+    ("panda", "Franka Emika Panda, 7 joints"),
+    ("fr3", "Franka Research 3, 7 joints"),
+    ("ur10e", "Universal Robots UR10e, 6 joints"),
+    ("kinova_gen3", "Kinova Gen3, 7 joints"),
+    ("iiwa14", "KUKA LBR iiwa 14, 7 joints"),
+];
 const STRATEGIES: Choices = &[
     ("grey_box", "least squares on past logs, then local search"),
     ("bo", "Bayesian optimisation grown from zero compensation"),
@@ -46,6 +53,7 @@ const VELOCITIES: Choices = &[
 /// The form.
 #[derive(Debug)]
 pub struct StartView {
+    robot: &'static str,
     strategy: &'static str,
     law: &'static str,
     truth: &'static str,
@@ -63,6 +71,7 @@ impl StartView {
     pub fn new(campaigns: &Path) -> Self {
         let defaults = TuneConfig::default();
         Self {
+            robot: ROBOTS[0].0,
             strategy: STRATEGIES[0].0,
             law: LAWS[0].0,
             truth: TRUTHS[0].0,
@@ -82,12 +91,13 @@ impl StartView {
         let mut started = false;
         ui.vertical_centered(|ui| {
             ui.set_max_width(640.0);
-            ui.heading("Tune the friction compensator of a simulated Panda");
+            ui.heading("Tune the friction compensator of a simulated arm");
             ui.add_space(4.0);
             ui.label("Every trial is 33 s of a 1 kHz loop, simulated in a fraction of a second. What the estimator reports in free motion is friction that was not compensated: its cost is J.");
             ui.add_space(12.0);
             ui.group(|ui| {
                 Grid::new("campaign").num_columns(2).spacing([16.0, 8.0]).show(ui, |ui| {
+                    choose(ui, "Robot", &mut self.robot, ROBOTS);
                     choose(ui, "Friction law", &mut self.law, LAWS);
                     choose(ui, "Estimator", &mut self.estimator, ESTIMATORS);
                     choose(ui, "Strategy", &mut self.strategy, STRATEGIES);
@@ -120,6 +130,7 @@ impl StartView {
 
     fn config(&self) -> Result<TuneConfig, String> {
         Ok(TuneConfig {
+            robot: Some(self.robot.to_owned()),
             strategy: named(self.strategy)?,
             friction: named(self.law)?,
             residual: named(self.estimator)?,
@@ -181,6 +192,7 @@ mod tests {
         }
         let estimators: Vec<&str> = ESTIMATORS.iter().map(|(name, _)| *name).collect();
         assert_eq!(estimators, EstimatorName::ALL.map(EstimatorName::as_str));
+        assert_eq!(ROBOTS.iter().map(|(name, _)| *name).collect::<Vec<_>>(), tribo_robot::presets::NAMES);
         for (name, _) in TRUTHS {
             let _: tribo_experiments::scenario::TruthName = named(name).expect("a truth");
         }

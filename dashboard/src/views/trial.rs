@@ -63,7 +63,7 @@ impl TrialView {
             }
             ui.separator();
             if matches!(layout.trial_part, 2 | 3) {
-                super::joint_row(ui, &mut layout.joint);
+                super::joint_row(ui, &mut layout.joint, trial.log.joints());
             }
             if layout.trial_part < 3 {
                 ui.checkbox(&mut self.cursor, "mark the moment of the arm");

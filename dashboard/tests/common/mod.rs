@@ -31,7 +31,7 @@ pub fn strict(trials: usize) -> TuneConfig {
 
 /// A finished campaign.
 pub fn campaign(directory: &Path, config: TuneConfig) -> PathBuf {
-    Campaign::create(directory, config.validate().unwrap(), clock).unwrap().run(&mut ()).unwrap();
+    Campaign::create(directory, config.validate::<7>().unwrap(), clock).unwrap().run(&mut ()).unwrap();
     directory.to_owned()
 }
 

@@ -2,19 +2,19 @@
 
 use nalgebra::Cholesky;
 use tribo_friction::MAX_RIPPLES;
-use tribo_robot::{mass_matrix, presets};
+use tribo_robot::mass_matrix;
 use tribo_sim::{Effect, EffectError};
 
 use super::{FieldError, Model, ModelFile};
 
 /// Checks that every effect, on top of those before it, leaves something that can be simulated.
-pub(super) fn validate_effects(effects: &[Effect], model: &Model<7>) -> Result<(), FieldError> {
+pub(super) fn validate_effects<const N: usize>(effects: &[Effect], model: &Model<N>) -> Result<(), FieldError> {
     let mut truth = model.to_truth();
     for (k, effect) in effects.iter().enumerate() {
         truth.effects.push(effect.clone());
         truth.validate().map_err(|error| field_error(k, effect, &error))?;
         let rigid = truth.true_arm();
-        if rigid != truth.arm && Cholesky::new(mass_matrix(&rigid, &presets::panda_ready_pose())).is_none() {
+        if rigid != truth.arm && Cholesky::new(mass_matrix(&rigid, &model.robot.poses_rad[0])).is_none() {
             let allowed = "values that leave the mass matrix positive definite";
             return Err(FieldError::new(format!("effects[{k}]"), effect.cause(), allowed));
         }
@@ -227,7 +227,7 @@ mod tests {
         let text = to_yaml(&file).unwrap();
         let back: ModelFile = YamlDocument::embedded("m.yaml", &text).parse().unwrap();
         assert_eq!(back, file);
-        let model = back.validate().unwrap();
+        let model = back.validate::<7>().unwrap();
         assert_eq!(model.effects, file.effects);
         assert_eq!(model.to_nominal().effects, file.effects);
         assert_eq!(model.to_truth().effects, file.effects);
@@ -260,7 +260,8 @@ mod tests {
         for (old, new) in pairs {
             let file = bare().extended(std::slice::from_ref(&old)).extended(std::slice::from_ref(&new));
             assert_eq!(file.effects.len(), 1, "{old:?}");
-            let torque = |effects: &[Effect], q, qd| joint_effects(effects).0[2].steady_torque_nm(q, qd, 5.0, 1e-3);
+            let torque =
+                |effects: &[Effect], q, qd| joint_effects::<7>(effects).0[2].steady_torque_nm(q, qd, 5.0, 1e-3);
             for (q, qd) in [(0.3, 0.05), (-0.9, -0.2), (1.3, 0.001)] {
                 let apart = torque(std::slice::from_ref(&old), q, qd) + torque(std::slice::from_ref(&new), q, qd);
                 assert!((torque(&file.effects, q, qd) - apart).abs() < 1e-12, "{old:?} and {new:?}");
@@ -272,7 +273,7 @@ mod tests {
     #[test]
     fn an_extended_file_is_valid_and_other_places_are_left_alone() {
         let file = bare().extended(&every_cause()).extended(&every_cause());
-        assert!(file.validate().is_ok(), "{:?}", file.validate());
+        assert!(file.validate::<7>().is_ok(), "{:?}", file.validate::<7>());
         let payloads = file.effects.iter().filter(|effect| effect.cause() == "payload").count();
         assert_eq!(payloads, 4);
         let coulomb = |joint| Effect::Coulomb { joint, delta_coulomb_nm: 0.1 };
@@ -294,7 +295,7 @@ mod tests {
             let document = YamlDocument::embedded("m.yaml", &text);
             match document.parse::<ModelFile>() {
                 Err(error) => error.to_string(),
-                Ok(file) => document.explain(file.validate().unwrap_err()).to_string(),
+                Ok(file) => document.explain(file.validate::<7>().unwrap_err()).to_string(),
             }
         };
         let cases = [

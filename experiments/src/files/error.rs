@@ -39,6 +39,22 @@ pub enum FileError {
         /// The allowed range.
         allowed: String,
     },
+    /// A log of which nobody says whose it is.
+    #[error("{}: {joints} joints; say which robot that is: --robot NAME or URDF, or --model FILE", path.display())]
+    NoRobot {
+        /// The log.
+        path: PathBuf,
+        /// Its number of joints.
+        joints: usize,
+    },
+    /// A robot description that is no arm.
+    #[error("{}: {source}", path.display())]
+    Urdf {
+        /// The file.
+        path: PathBuf,
+        /// What is wrong with it.
+        source: Box<tribo_robot::urdf::UrdfError>,
+    },
     /// A line of a journal that is not what it should be.
     #[error("{}:{line}: corrupt journal: {message}", path.display())]
     Journal {

@@ -4,7 +4,7 @@ use serde::{Deserialize, Serialize};
 use tribo_friction::law::{Asymmetric, CoulombViscous, GazSigmoid, Lugre, Stribeck};
 use tribo_friction::{FrictionModel, JointFriction};
 
-use super::FieldError;
+use super::{FieldError, SIGN_SMOOTHING_RAD_S};
 
 /// Name of a friction law in files.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -36,7 +36,7 @@ pub struct FrictionSection {
 }
 
 fn default_smoothing() -> f64 {
-    0.005
+    SIGN_SMOOTHING_RAD_S
 }
 
 macro_rules! joint_parameters {

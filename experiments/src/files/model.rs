@@ -4,14 +4,17 @@ use std::path::Path;
 
 use tribo_diagnose::Nominal;
 use tribo_friction::FrictionModel;
-use tribo_robot::{Arm, presets};
+use tribo_robot::Arm;
 use tribo_sim::{Effect, TorqueSide, Truth};
 
-use super::{FileError, ModelFile, YamlDocument};
+use super::{FileError, ModelFile};
+use crate::{ByJoints, Robot};
 
 /// What a model file says, `tau = M qdd + C qd + g + Ir qdd + friction(qd) + effects`.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Model<const N: usize> {
+    /// The robot, bare and with its motors.
+    pub robot: Robot<N>,
     /// The arm with the file's payload, but without its effects; without rotor inertia if the torques are link-side.
     pub arm: Arm<N>,
     /// Side of the gears on which torques are meant.
@@ -24,25 +27,25 @@ pub struct Model<const N: usize> {
     pub effects: Vec<Effect>,
 }
 
-impl Model<7> {
-    /// The bare Panda without friction, torques on the given side.
-    pub fn panda(torque_side: TorqueSide) -> Self {
+/// A model of an arm with as many joints as it happens to have.
+pub type AnyModel = ByJoints<Model<6>, Model<7>>;
+
+/// Width of the smooth sign on logs (rad/s) where no model says another: above the noise of a velocity.
+pub const SIGN_SMOOTHING_RAD_S: f64 = 0.005;
+
+impl<const N: usize> Model<N> {
+    /// The bare robot without friction, torques on the given side.
+    pub fn bare(robot: Robot<N>, torque_side: TorqueSide) -> Self {
         let arm = match torque_side {
-            TorqueSide::Motor => presets::panda(),
-            TorqueSide::Link => presets::panda().link_side(),
+            TorqueSide::Motor => robot.arm.clone(),
+            TorqueSide::Link => robot.arm.clone().link_side(),
         };
         let friction = FrictionModel::none();
-        Self { arm, torque_side, friction, smoothing_rad_s: 0.005, effects: Vec::new() }
-    }
-
-    /// Reads and validates a model file.
-    pub fn read(path: &Path) -> Result<Self, FileError> {
-        let document = YamlDocument::read(path)?;
-        document.parse::<ModelFile>()?.validate().map_err(|error| document.explain(error))
+        Self { robot, arm, torque_side, friction, smoothing_rad_s: SIGN_SMOOTHING_RAD_S, effects: Vec::new() }
     }
 
     /// The model as a diagnosis holds a log against it.
-    pub fn to_nominal(&self) -> Nominal<7> {
+    pub fn to_nominal(&self) -> Nominal<N> {
         Nominal {
             arm: self.arm.clone(),
             friction: self.friction,
@@ -53,21 +56,51 @@ impl Model<7> {
     }
 
     /// The plant that the model describes. A plant is always driven by its motors: a link-side model, which has no rotor
-    /// inertia, gets the preset's.
-    pub fn to_truth(&self) -> Truth<7> {
-        Truth {
-            arm: motor_side(self.arm.clone()),
-            friction: self.friction,
-            warm_up: None,
-            effects: self.effects.clone(),
+    /// inertia, gets the robot's.
+    pub fn to_truth(&self) -> Truth<N> {
+        let mut arm = self.arm.clone();
+        if arm.rotor_inertia_kg_m2.amax() == 0.0 {
+            arm.rotor_inertia_kg_m2 = self.robot.arm.rotor_inertia_kg_m2;
         }
+        Truth { arm, friction: self.friction, warm_up: None, effects: self.effects.clone() }
     }
 }
 
-/// The same arm with the preset's rotor inertia if it has none.
-pub(crate) fn motor_side(mut arm: Arm<7>) -> Arm<7> {
-    if arm.rotor_inertia_kg_m2.amax() == 0.0 {
-        arm.rotor_inertia_kg_m2 = presets::panda().rotor_inertia_kg_m2;
+impl Model<7> {
+    /// The bare Panda without friction, torques on the given side.
+    pub fn panda(torque_side: TorqueSide) -> Self {
+        Self::bare(Robot::panda(), torque_side)
     }
-    arm
+}
+
+impl AnyModel {
+    /// Reads and validates a model file.
+    pub fn read(path: &Path) -> Result<Self, FileError> {
+        let (file, document) = ModelFile::read(path)?;
+        file.validate_any().map_err(|error| document.explain(error))
+    }
+
+    /// Width of the smooth sign on logs (rad/s).
+    pub fn smoothing_rad_s(&self) -> f64 {
+        match self {
+            Self::Six(model) => model.smoothing_rad_s,
+            Self::Seven(model) => model.smoothing_rad_s,
+        }
+    }
+
+    /// Number of joints.
+    pub fn joints(&self) -> usize {
+        match self {
+            Self::Six(_) => 6,
+            Self::Seven(_) => 7,
+        }
+    }
+
+    /// Name of the arm.
+    pub fn robot(&self) -> &str {
+        match self {
+            Self::Six(model) => &model.robot.arm.name,
+            Self::Seven(model) => &model.robot.arm.name,
+        }
+    }
 }

@@ -1,12 +1,16 @@
 //! A robot model on disk.
 
-use nalgebra::{Matrix3, SVector, Vector3};
+use std::path::Path;
+
+use nalgebra::{Matrix3, Vector3};
 use serde::{Deserialize, Serialize};
+use tribo_logs::RobotLog;
 use tribo_robot::Payload;
 use tribo_sim::{Effect, TorqueSide};
 
 use super::effects_section::validate_effects;
-use super::{FieldError, FrictionSection, Model};
+use super::{AnyModel, FieldError, FileError, FrictionSection, LimitsSection, Model, YamlDocument};
+use crate::ConfigError;
 
 /// Schema name of model files.
 const SCHEMA: &str = "tribo.model/1";
@@ -17,8 +21,17 @@ const SCHEMA: &str = "tribo.model/1";
 pub struct ModelFile {
     /// `tribo.model/1`.
     pub schema: String,
-    /// Name of a preset: `panda`.
+    /// Name of a preset (see [`tribo_robot::presets`]), or the path of a URDF, relative to this file.
     pub robot: String,
+    /// Content of that URDF, as it was when the file was written by Tribo; goes before what the disk holds.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub urdf: Option<String>,
+    /// Link of the URDF at which the arm begins; its root if left out.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub base_link: Option<String>,
+    /// Link of the URDF whose frame is the flange; the only end if left out.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub tip_link: Option<String>,
     /// Number of joints, for the reader; must match the robot.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub joints: Option<usize>,
@@ -31,6 +44,12 @@ pub struct ModelFile {
     /// Reflected rotor inertia [kg m²], one per joint; the preset's if left out.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub rotor_inertia_kg_m2: Option<Vec<f64>>,
+    /// Limits in place of the robot's.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub limits: Option<LimitsSection>,
+    /// Configurations (rad) about which trials move, up to three; the robot's if left out.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub poses_rad: Option<Vec<Vec<f64>>>,
     /// Friction; none if left out.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub friction: Option<FrictionSection>,
@@ -57,34 +76,62 @@ pub struct PayloadSection {
 }
 
 impl ModelFile {
-    /// Checks every field and builds the model.
-    pub fn validate(&self) -> Result<Model<7>, FieldError> {
+    /// The bare robot of a name without friction: what logs without a model file are held against. Where every one of
+    /// `logs` has torque on both sides of the gears, there is only the transmission between: rotors that weigh nothing.
+    pub fn bare(robot: &str, torque_side: TorqueSide, logs: &[RobotLog]) -> Self {
+        let between_gears = !logs.is_empty() && logs.iter().all(|log| log.tau_link_nm.is_some());
+        let joints = logs.first().map_or(0, |log| log.joints());
+        Self {
+            schema: SCHEMA.to_owned(),
+            robot: robot.to_owned(),
+            urdf: None,
+            base_link: None,
+            tip_link: None,
+            joints: None,
+            torque_side,
+            gravity_m_s2: None,
+            rotor_inertia_kg_m2: between_gears.then(|| vec![0.0; joints]),
+            limits: None,
+            poses_rad: None,
+            friction: None,
+            payload: None,
+            effects: Vec::new(),
+        }
+    }
+
+    /// Reads a file, and the URDF that it names.
+    pub fn read(path: &Path) -> Result<(Self, YamlDocument), FileError> {
+        let document = YamlDocument::read(path)?;
+        let mut file: Self = document.parse()?;
+        file.resolve(path.parent().unwrap_or(Path::new(""))).map_err(|error| match error {
+            ConfigError::Field(error) => document.explain(error),
+            ConfigError::File(error) => error,
+        })?;
+        Ok((file, document))
+    }
+
+    /// Checks every field and builds the model of an arm with as many joints as it has.
+    pub fn validate_any(&self) -> Result<AnyModel, FieldError> {
+        Ok(match self.arm_joints()? {
+            6 => AnyModel::Six(self.validate()?),
+            _ => AnyModel::Seven(self.validate()?),
+        })
+    }
+
+    /// Checks every field and builds the model; the robot must have N joints.
+    pub fn validate<const N: usize>(&self) -> Result<Model<N>, FieldError> {
         if self.schema != SCHEMA {
             return Err(FieldError::new("schema", &self.schema, SCHEMA));
         }
-        if self.robot != "panda" {
-            return Err(FieldError::new("robot", &self.robot, "panda"));
-        }
-        if self.joints.is_some_and(|joints| joints != 7) {
-            return Err(FieldError::new("joints", self.joints.unwrap_or_default(), "7"));
-        }
-        let mut model = Model::panda(self.torque_side);
+        let mut model = Model::bare(self.to_robot()?, self.torque_side);
         if let Some(gravity) = self.gravity_m_s2 {
             for value in gravity {
                 FieldError::check("gravity_m_s2", value, -100.0, 100.0)?;
             }
             model.arm.gravity_m_s2 = Vector3::from(gravity);
         }
-        if let Some(inertia) = &self.rotor_inertia_kg_m2 {
-            if inertia.len() != 7 {
-                return Err(FieldError::new("rotor_inertia_kg_m2", format!("{} entries", inertia.len()), "7 entries"));
-            }
-            for &value in inertia {
-                FieldError::check("rotor_inertia_kg_m2", value, 0.0, 1e3)?;
-            }
-            if self.torque_side == TorqueSide::Motor {
-                model.arm.rotor_inertia_kg_m2 = SVector::from_column_slice(inertia);
-            }
+        if self.rotor_inertia_kg_m2.as_ref().is_some_and(|inertia| inertia.iter().all(|value| *value == 0.0)) {
+            model.arm = model.arm.link_side();
         }
         if let Some(payload) = &self.payload {
             FieldError::check("payload.mass_kg", payload.mass_kg, 0.0, 100.0)?;

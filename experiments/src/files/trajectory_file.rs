@@ -4,7 +4,7 @@ use std::path::Path;
 
 use nalgebra::SVector;
 use serde::{Deserialize, Serialize};
-use tribo_robot::presets;
+use tribo_robot::Arm;
 use tribo_sim::excitation::ViaPoints;
 
 use super::{FieldError, FileError, YamlDocument};
@@ -22,7 +22,7 @@ const SCHEMA: &str = "tribo.trajectory/1";
 pub struct TrajectoryFile {
     /// `tribo.trajectory/1`.
     pub schema: String,
-    /// Name of a preset: `panda`.
+    /// Name of the arm: of a preset, or the one that its URDF gives it.
     pub robot: String,
     /// What it is for.
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -48,35 +48,35 @@ const LONGEST_S: f64 = 3600.0;
 
 impl TrajectoryFile {
     /// The file of these points.
-    pub fn new(points: &ViaPoints<7>, comment: Option<String>) -> Self {
-        let point = |(&time_s, q): (&f64, &SVector<f64, 7>)| ViaPoint { time_s, q_rad: q.iter().copied().collect() };
+    pub fn new<const N: usize>(arm: &Arm<N>, points: &ViaPoints<N>, comment: Option<String>) -> Self {
+        let point = |(&time_s, q): (&f64, &SVector<f64, N>)| ViaPoint { time_s, q_rad: q.iter().copied().collect() };
         Self {
             schema: SCHEMA.to_owned(),
-            robot: "panda".to_owned(),
+            robot: arm.name.clone(),
             comment,
             via_points: points.time_s.iter().zip(&points.q_rad).map(point).collect(),
         }
     }
 
-    /// Reads and validates a file.
-    pub fn read(path: &Path) -> Result<ViaPoints<7>, FileError> {
+    /// Reads a file and validates it for `arm`.
+    pub fn read<const N: usize>(path: &Path, arm: &Arm<N>) -> Result<ViaPoints<N>, FileError> {
         let document = YamlDocument::read(path)?;
-        document.parse::<Self>()?.validate().map_err(|error| document.explain(error))
+        document.parse::<Self>()?.validate(arm).map_err(|error| document.explain(error))
     }
 
-    /// Checks every point against the limits of the robot, positions and the speed of the move to it.
-    pub fn validate(&self) -> Result<ViaPoints<7>, FieldError> {
+    /// Checks every point against the limits of `arm`, positions and the speed of the move to it.
+    pub fn validate<const N: usize>(&self, arm: &Arm<N>) -> Result<ViaPoints<N>, FieldError> {
         if self.schema != SCHEMA {
             return Err(FieldError::new("schema", &self.schema, SCHEMA));
         }
-        if self.robot != "panda" {
-            return Err(FieldError::new("robot", &self.robot, "panda"));
+        if self.robot != arm.name {
+            return Err(FieldError::new("robot", &self.robot, &arm.name));
         }
         if self.via_points.len() < 2 {
             let value = format!("{} entries", self.via_points.len());
             return Err(FieldError::new("via_points", value, "at least 2 entries"));
         }
-        let limits = presets::panda().limits;
+        let limits = arm.limits;
         let mut points = ViaPoints { time_s: Vec::new(), q_rad: Vec::new(), resting: true };
         for (k, point) in self.via_points.iter().enumerate() {
             let field = |name: &str| format!("via_points[{k}].{name}");
@@ -89,12 +89,12 @@ impl TrajectoryFile {
                 }
                 Some(_) => {}
             }
-            if point.q_rad.len() != 7 {
+            if point.q_rad.len() != N {
                 let value = format!("{} entries", point.q_rad.len());
-                return Err(FieldError::new(field("q_rad"), value, "7 entries, one per joint"));
+                return Err(FieldError::new(field("q_rad"), value, format!("{N} entries, one per joint")));
             }
-            let q = SVector::<f64, 7>::from_column_slice(&point.q_rad);
-            for j in 0..7 {
+            let q = SVector::<f64, N>::from_column_slice(&point.q_rad);
+            for j in 0..N {
                 FieldError::check(&field(&format!("q_rad[{j}]")), q[j], limits.q_min_rad[j], limits.q_max_rad[j])?;
                 if let (Some(before), Some(from)) = (before, points.q_rad.last()) {
                     let reach = limits.qd_max_rad_s[j] * (point.time_s - before) / PEAK_OVER_MEAN;
@@ -115,6 +115,7 @@ impl TrajectoryFile {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use tribo_robot::presets;
     use tribo_sim::excitation::JointTrajectory;
 
     fn two(q: f64, time_s: f64) -> TrajectoryFile {
@@ -122,7 +123,7 @@ mod tests {
         let mut end = start;
         end[1] += q;
         let points = ViaPoints { time_s: vec![0.0, time_s], q_rad: vec![start, end], resting: true };
-        TrajectoryFile::new(&points, Some("to the right".to_owned()))
+        TrajectoryFile::new(&presets::panda(), &points, Some("to the right".to_owned()))
     }
 
     #[test]
@@ -130,8 +131,8 @@ mod tests {
         let file = two(0.5, 2.0);
         let text = crate::files::to_yaml(&file).unwrap();
         assert_eq!(YamlDocument::embedded("t.yaml", &text).parse::<TrajectoryFile>().unwrap(), file);
-        let points = file.validate().unwrap();
-        assert_eq!(TrajectoryFile::new(&points, file.comment.clone()), file);
+        let points = file.validate(&presets::panda()).unwrap();
+        assert_eq!(TrajectoryFile::new(&presets::panda(), &points, file.comment.clone()), file);
         assert!((points.path().at(1.0).qd[1] - PEAK_OVER_MEAN * 0.25).abs() < 1e-12);
     }
 
@@ -140,10 +141,10 @@ mod tests {
     fn the_speed_limit_is_the_peak_of_the_path() {
         let limits = presets::panda().limits;
         let reach = limits.qd_max_rad_s[1] * 0.5 / PEAK_OVER_MEAN;
-        let path = two(0.999 * reach, 0.5).validate().unwrap().path();
+        let path = two(0.999 * reach, 0.5).validate(&presets::panda()).unwrap().path();
         let peak = (0..500).map(|k| path.at(1e-3 * f64::from(k)).qd[1].abs()).fold(0.0, f64::max);
         assert!(peak < limits.qd_max_rad_s[1] && peak > 0.998 * limits.qd_max_rad_s[1], "{peak}");
-        let error = two(1.001 * reach, 0.5).validate().unwrap_err();
+        let error = two(1.001 * reach, 0.5).validate(&presets::panda()).unwrap_err();
         assert_eq!(error.field, "via_points[1].q_rad[1]");
         assert!(error.allowed.contains("rad/s"), "{error}");
     }
@@ -153,7 +154,7 @@ mod tests {
         let refused = |change: &dyn Fn(&mut TrajectoryFile)| {
             let mut file = two(0.1, 2.0);
             change(&mut file);
-            file.validate().unwrap_err().field
+            file.validate(&presets::panda()).unwrap_err().field
         };
         assert_eq!(refused(&|file| file.schema = "tribo.trajectory/9".to_owned()), "schema");
         assert_eq!(refused(&|file| file.robot = "ur5".to_owned()), "robot");

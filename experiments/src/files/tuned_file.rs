@@ -6,6 +6,7 @@ use serde::{Deserialize, Serialize};
 use tribo_friction::{Compensator, FrictionModel, VelocitySource};
 
 use super::{FieldError, FileError, FrictionSection, Model, ModelFile, YamlDocument};
+use crate::robot::joints_of_preset;
 
 /// Schema name of tuned parameters.
 const SCHEMA: &str = "tribo.tuned/1";
@@ -18,7 +19,7 @@ pub struct TunedFile {
     pub schema: String,
     /// Version of Tribo that wrote it.
     pub tribo_version: String,
-    /// Robot preset.
+    /// Name of the arm: of a preset, or the one that its URDF gives it.
     pub robot: String,
     /// Seed of the campaign.
     pub seed: u64,
@@ -67,13 +68,27 @@ impl TunedFile {
     pub fn read(path: &Path) -> Result<Self, FileError> {
         let document = YamlDocument::read(path)?;
         let tuned: Self = document.parse()?;
-        tuned.compensator::<7>().map_err(|error| document.explain(error))?;
-        tuned.believed().map_err(|error| document.explain(error))?;
+        match tuned.joints() {
+            6 => tuned.check::<6>(),
+            _ => tuned.check::<7>(),
+        }
+        .map_err(|error| document.explain(error))?;
         Ok(tuned)
     }
 
+    /// Number of joints of the robot.
+    fn joints(&self) -> usize {
+        joints_of_preset(&self.robot).unwrap_or(self.friction.joints.len())
+    }
+
+    fn check<const N: usize>(&self) -> Result<(), FieldError> {
+        self.compensator::<N>()?;
+        self.believed::<N>()?;
+        Ok(())
+    }
+
     /// The model that the controller believed, if the file has one.
-    pub fn believed(&self) -> Result<Option<Model<7>>, FieldError> {
+    pub fn believed<const N: usize>(&self) -> Result<Option<Model<N>>, FieldError> {
         let within = |error: FieldError| FieldError { field: format!("model.{}", error.field), ..error };
         self.model.as_ref().map(ModelFile::validate).transpose().map_err(within)
     }

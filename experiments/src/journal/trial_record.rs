@@ -7,7 +7,7 @@ use serde_json::{Value, json};
 use super::JournalTrial;
 use crate::files::FileError;
 use crate::strategy::{FinishedTrial, Origin};
-use crate::{AbortReason, Cost, ValidTune};
+use crate::{AbortReason, Cost, ParameterSpace};
 
 /// What the journal keeps of a trial besides parameters and J.
 pub(crate) fn attributes(trial: &FinishedTrial, aborted_at_s: Option<f64>) -> [(&'static str, Value); 6] {
@@ -23,7 +23,7 @@ pub(crate) fn attributes(trial: &FinishedTrial, aborted_at_s: Option<f64>) -> [(
 
 /// The inverse of [`attributes`].
 pub(crate) fn finished_trial(
-    tune: &ValidTune,
+    space: &ParameterSpace,
     path: &Path,
     number: usize,
     trial: &JournalTrial,
@@ -35,7 +35,7 @@ pub(crate) fn finished_trial(
     fn attribute<T: serde::de::DeserializeOwned>(trial: &JournalTrial, key: &str) -> Option<T> {
         serde_json::from_value(trial.attributes.get(key)?.clone()).ok()
     }
-    let names = tune.space.names();
+    let names = space.names();
     let theta = names
         .iter()
         .map(|name| trial.params.get(name).copied().ok_or_else(|| broken(name)))

@@ -240,7 +240,7 @@ fn pushes(seed: u64, stream: u64, force_n: f64, moment_nm: f64) -> WrenchPulses 
 /// A trial of an arm with friction that nobody compensates.
 fn trial(seed: u64, moving: bool, pulses: WrenchPulses) -> Result<Trial<7>, ExperimentError> {
     let config = TuneConfig { seed, phases: Phases::Random, ..TuneConfig::default() };
-    let mut trial = config.validate()?.trial;
+    let mut trial = config.validate::<7>()?.trial;
     trial.truth = Truth::panda_coulomb_viscous();
     trial.pulses = pulses;
     Ok(if moving { trial } else { trial.holding() })

@@ -169,7 +169,7 @@ impl Roveda2022 {
             phases: Phases::Random,
             ..TuneConfig::default()
         };
-        let tune = config.validate().map_err(CampaignError::Config)?;
+        let tune = config.validate::<7>().map_err(CampaignError::Config)?;
         let mut oracle = 0.0;
         let mut uncompensated = 0.0;
         for run in 0..self.oracle_runs {

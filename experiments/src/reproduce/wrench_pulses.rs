@@ -28,8 +28,8 @@ pub struct PushedTool {
     pub schema: String,
     /// Seeds 1 to this one: sensor noise and phases of the reference.
     pub seeds: u64,
-    /// Configuration about which the tool moves.
-    pub pose: usize,
+    /// Configurations about which the tool moves; every one has all seeds.
+    pub poses: Vec<usize>,
     /// What is simulated.
     pub cases: Vec<PushCase>,
 }
@@ -48,20 +48,22 @@ pub struct PushCase {
     pub payload_kg: f64,
 }
 
-/// What one estimator made of one situation, over all seeds.
+/// What one estimator made of one situation, over all poses and seeds.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct PushRow {
     /// The situation.
     pub case: PushCase,
     /// The estimator.
     pub estimator: EstimatorName,
-    /// Noise of the band after calibration, as a part of the assumed one.
+    /// Noise of the band after calibration, as a part of the assumed one; mean over poses.
     pub noise_factor: f64,
     /// RMS error of the force, mean over axes (N).
     pub rmse_force_n: f64,
     /// The same of the moment (Nm).
     pub rmse_moment_nm: f64,
-    /// Largest mean force reported on an axis while nobody pushes (N).
+    /// Both, of each pose [N, Nm].
+    pub rmse_by_pose: Vec<[f64; 2]>,
+    /// Largest mean force reported on an axis in a pose while nobody pushes (N).
     pub bias_force_n: f64,
     /// The same of the moment (Nm).
     pub bias_moment_nm: f64,
@@ -87,13 +89,14 @@ impl PushedTool {
             return Err(FieldError::new("schema", &self.schema, "tribo.reproduce/1"));
         }
         FieldError::check("seeds", self.seeds as f64, 1.0, 10_000.0)?;
-        FieldError::check("pose", self.pose as f64, 0.0, (POSES - 1) as f64)?;
+        FieldError::check("number of poses", self.poses.len() as f64, 1.0, 100.0)?;
+        self.poses.iter().try_for_each(|&pose| FieldError::check("poses", pose as f64, 0.0, (POSES - 1) as f64))?;
         self.cases.iter().try_for_each(|case| FieldError::check("cases.payload_kg", case.payload_kg, 0.0, 3.0))
     }
 
     /// Number of trials.
     pub fn trials(&self) -> usize {
-        self.cases.len() * EstimatorName::ALL.len() * self.seeds as usize
+        self.cases.len() * EstimatorName::ALL.len() * self.poses.len() * self.seeds as usize
     }
 
     /// Runs everything on the threads of the current rayon pool; `done` is told of each trial.
@@ -108,28 +111,40 @@ impl PushedTool {
             .collect();
         keys.into_par_iter()
             .map(|(case, estimator)| {
-                let moving = PushCase { moving: true, ..case };
-                let free = Stretch { case: moving, seed: FREE_SEED, pushed: false };
-                let trial = free.trial(self.pose, estimator)?;
-                let calibration = Calibration::of_free_stretch(|factor| free.watch(&trial, estimator, factor))?;
-                let pushes = (1..=self.seeds)
-                    .into_par_iter()
-                    .map(|seed| {
-                        let stretch = Stretch { case, seed, pushed: true };
-                        let mut log = stretch.watch(
-                            &stretch.trial(self.pose, estimator)?,
-                            estimator,
-                            calibration.noise_factor,
-                        )?;
-                        calibration.apply(&mut log);
-                        done();
-                        Ok(log)
-                    })
-                    .collect::<Result<Vec<LogWrench>, ExperimentError>>()?;
-                Ok(row(case, estimator, calibration.noise_factor, &pushes))
+                let poses = self.poses.par_iter().map(|&pose| self.watch(case, estimator, pose, &done));
+                Ok(row(case, estimator, &poses.collect::<Result<Vec<PoseRun>, ExperimentError>>()?))
             })
             .collect()
     }
+
+    /// Calibration and all seeds of one pose.
+    fn watch(
+        &self,
+        case: PushCase,
+        estimator: EstimatorName,
+        pose: usize,
+        done: &(impl Fn() + Sync),
+    ) -> Result<PoseRun, ExperimentError> {
+        let free = Stretch { case: PushCase { moving: true, ..case }, seed: FREE_SEED, pushed: false };
+        let trial = free.trial(pose, estimator)?;
+        let calibration = Calibration::of_free_stretch(|factor| free.watch(&trial, estimator, factor))?;
+        let watched = (1..=self.seeds).into_par_iter().map(|seed| {
+            let stretch = Stretch { case, seed, pushed: true };
+            let trial = stretch.trial(pose, estimator)?;
+            let mut log = stretch.watch(&trial, estimator, calibration.noise_factor)?;
+            calibration.apply(&mut log);
+            done();
+            Ok(log)
+        });
+        Ok(PoseRun { calibration, logs: watched.collect::<Result<Vec<LogWrench>, ExperimentError>>()? })
+    }
+}
+
+/// One estimator in one situation and one pose.
+struct PoseRun {
+    calibration: Calibration,
+    /// One log per seed, calibrated.
+    logs: Vec<LogWrench>,
 }
 
 /// What is true of a case but for the payload.
@@ -148,7 +163,7 @@ struct Stretch {
 impl Stretch {
     fn trial(&self, pose: usize, estimator: EstimatorName) -> Result<Trial<7>, ExperimentError> {
         let config = TuneConfig { seed: self.seed, pose, phases: Phases::Random, ..TuneConfig::default() };
-        let mut trial = config.validate()?.trial;
+        let mut trial = config.validate::<7>()?.trial;
         let payload = ModelError { payload_kg: self.case.payload_kg, ..ModelError::default() };
         trial.truth = payload.apply(truth_of(self.case), self.seed);
         if estimator == EstimatorName::DoubleEncoder {
@@ -190,31 +205,39 @@ impl Stretch {
 /// Seed of the stretch that calibrates, no trial's.
 const FREE_SEED: u64 = 1_000_003;
 
-fn row(case: PushCase, estimator: EstimatorName, noise_factor: f64, pushes: &[LogWrench]) -> PushRow {
-    let n = pushes.len().max(1) as f64;
-    let (mut mean_square, mut coverage, mut half_width, mut bias) = ([0.0; 6], [0.0; 6], [0.0; 6], [0.0; 6]);
-    let mut delay_s = 0.0;
-    for log in pushes {
-        let summary = log.summary();
-        let free = free_mean(log);
-        let errors = summary.against_reference.unwrap_or_default();
-        delay_s += errors.delay_s.unwrap_or(0.0) / n;
-        for i in 0..6 {
-            mean_square[i] += errors.rmse[i].powi(2) / n;
-            coverage[i] += errors.coverage95[i] / n;
-            half_width[i] += summary.half_width95[i] / n;
-            bias[i] += free[i] / n;
-        }
-    }
+fn row(case: PushCase, estimator: EstimatorName, poses: &[PoseRun]) -> PushRow {
+    let n = poses.iter().map(|run| run.logs.len()).sum::<usize>().max(1) as f64;
+    let (mut mean_square, mut coverage, mut half_width, mut bias) = ([0.0; 6], [0.0; 6], [0.0; 6], [0.0_f64; 6]);
+    let (mut delay_s, mut noise_factor, mut rmse_by_pose) = (0.0, 0.0, Vec::new());
     let root_of_mean = |x: &[f64]| (x.iter().sum::<f64>() / 3.0).sqrt();
+    for run in poses {
+        let (mut free, mut own_square) = ([0.0; 6], [0.0; 6]);
+        for log in &run.logs {
+            let summary = log.summary();
+            let errors = summary.against_reference.unwrap_or_default();
+            delay_s += errors.delay_s.unwrap_or(0.0) / n;
+            let own = free_mean(log);
+            for i in 0..6 {
+                mean_square[i] += errors.rmse[i].powi(2) / n;
+                coverage[i] += errors.coverage95[i] / n;
+                half_width[i] += summary.half_width95[i] / n;
+                free[i] += own[i] / run.logs.len() as f64;
+                own_square[i] += errors.rmse[i].powi(2) / run.logs.len() as f64;
+            }
+        }
+        bias = std::array::from_fn(|i| bias[i].max(free[i].abs()));
+        rmse_by_pose.push([root_of_mean(&own_square[..3]), root_of_mean(&own_square[3..])]);
+        noise_factor += run.calibration.noise_factor / poses.len() as f64;
+    }
     let mean = |x: &[f64]| x.iter().sum::<f64>() / x.len() as f64;
-    let largest = |x: &[f64]| x.iter().fold(0.0, |most: f64, value| most.max(value.abs()));
+    let largest = |x: &[f64]| x.iter().copied().fold(0.0, f64::max);
     PushRow {
         case,
         estimator,
         noise_factor,
         rmse_force_n: root_of_mean(&mean_square[..3]),
         rmse_moment_nm: root_of_mean(&mean_square[3..]),
+        rmse_by_pose,
         bias_force_n: largest(&bias[..3]),
         bias_moment_nm: largest(&bias[3..]),
         delay_ms: 1e3 * delay_s,
@@ -252,7 +275,7 @@ mod tests {
     fn judged(case: PushCase, estimator: EstimatorName) -> PushRow {
         let stretch = Stretch { case, seed: 1, pushed: true };
         let log = stretch.watch(&stretch.trial(0, estimator).unwrap(), estimator, 1.0).unwrap();
-        row(case, estimator, 1.0, &[log])
+        row(case, estimator, &[PoseRun { calibration: Calibration::default(), logs: vec![log] }])
     }
 
     #[test]
@@ -296,9 +319,11 @@ mod tests {
     fn settings_out_of_range_are_named() {
         let shipped = shipped();
         shipped.validate().unwrap();
-        assert_eq!(shipped.trials(), 8 * 5 * 5);
-        let error = PushedTool { pose: POSES, ..shipped.clone() }.validate().unwrap_err().to_string();
-        assert!(error.contains("pose"), "{error}");
+        assert_eq!(shipped.trials(), 8 * 5 * 3 * 5);
+        for poses in [vec![], vec![0, POSES]] {
+            let error = PushedTool { poses, ..shipped.clone() }.validate().unwrap_err().to_string();
+            assert!(error.contains("poses"), "{error}");
+        }
         let cases = vec![PushCase { payload_kg: -0.1, ..SMOOTH }];
         let error = PushedTool { cases, ..shipped }.validate().unwrap_err().to_string();
         assert!(error.contains("cases.payload_kg"), "{error}");

@@ -31,7 +31,7 @@ impl Search {
     }
 }
 
-impl Strategy for Search {
+impl<const N: usize> Strategy<N> for Search {
     fn design(&self, number: usize) -> Result<Option<Proposal>, StrategyError> {
         if self.settings.model.is_some() && number >= self.settings.init_trials {
             return Ok(None);
@@ -44,7 +44,7 @@ impl Strategy for Search {
         &self,
         _number: usize,
         history: &[FinishedTrial],
-        _logs: &dyn LogSource,
+        _logs: &dyn LogSource<N>,
     ) -> Result<Proposal, StrategyError> {
         let suggestion = suggest(&self.settings, &self.domain, &observations(history), self.seed)?;
         let origin = match suggestion.phase {

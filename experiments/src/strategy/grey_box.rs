@@ -6,6 +6,7 @@ use std::sync::{Mutex, PoisonError};
 use nalgebra::SVector;
 use tribo_bayesopt::{Domain, Settings, suggest};
 use tribo_friction::identify::{Basis, GlsFit, GlsSample, GlsSettings, SavitzkyGolay, fit_from_wrench};
+use tribo_friction::law::CoulombViscous;
 use tribo_robot::{Arm, ControlTerms, WrenchEstimator};
 
 use super::bayes::observations;
@@ -30,33 +31,38 @@ const LOGS: usize = 2;
 /// every trial and so follows a robot that warms up; the correction δ is what a law of the wrong shape, the estimator's
 /// noise and the maxima in J leave to gain. S holds the standard deviations of the first fit, so a correction never
 /// leaves what the data allow.
-pub struct GreyBox {
+pub struct GreyBox<const N: usize> {
     space: ParameterSpace,
     domain: Domain,
-    model: Arm<7>,
-    estimator: AnyEstimator,
+    model: Arm<N>,
+    estimator: AnyEstimator<N>,
     gls: GlsSettings,
     seed: u64,
     /// Fits by trial number: each is a pure function of the logs before it, so remembering them changes nothing.
-    fits: Mutex<BTreeMap<usize, GlsFit<7>>>,
+    fits: Mutex<BTreeMap<usize, GlsFit<N>>>,
 }
 
-impl GreyBox {
+impl<const N: usize> GreyBox<N> {
     /// The strategy for these settings.
-    pub fn new(tune: &ValidTune) -> Result<Self, StrategyError> {
-        let space = tune.space;
+    pub fn new(tune: &ValidTune<N>) -> Result<Self, StrategyError> {
+        let space = tune.space.clone();
         let basis = match space.law {
             TunedLaw::CoulombViscous | TunedLaw::GazSigmoid => Basis::CoulombViscous,
             TunedLaw::Stribeck => Basis::Stribeck,
         };
         let mut gls = GlsSettings::new(basis);
-        for (name, low, high) in space.entries() {
+        // The fit has one box and one prior for all joints: those of the joint with the widest.
+        for (name, low, high) in space.entries().into_iter().take(space.parameters_per_joint()) {
             if let Some(column) = basis_column(name) {
-                (gls.lower[column], gls.upper[column]) = (*low, *high);
+                let widest =
+                    space.entries().into_iter().filter(|entry| entry.0 == name).fold(high, |most, it| most.max(it.2));
+                (gls.lower[column], gls.upper[column]) = (low, widest);
             }
         }
+        let widest = space.box_scale.iter().fold(1.0_f64, |most, scale| most.max(*scale));
+        gls.prior_sd = gls.prior_sd.map(|sd| sd * widest);
+        gls.stuck_coulomb_nm *= widest;
         Ok(Self {
-            space,
             domain: space.domain()?,
             model: tune.trial.model.clone(),
             estimator: AnyEstimator::for_tuning(
@@ -65,35 +71,46 @@ impl GreyBox {
                 &tune.trial.model,
                 &space.friction(&space.zero()),
             )?,
+            space,
             gls,
             seed: tune.config.seed,
             fits: Mutex::new(BTreeMap::new()),
         })
     }
 
-    /// Friction identified from the logs of the last trials before trial `number`.
-    pub fn identify(&self, number: usize, logs: &dyn LogSource) -> Result<GlsFit<7>, StrategyError> {
+    /// Friction identified from the logs of the last trials before trial `number`. A joint that stuck all the time tells least
+    /// squares nothing; its dry friction is at least the largest torque that did not move it, and compensated by that it
+    /// will move.
+    pub fn identify(&self, number: usize, logs: &dyn LogSource<N>) -> Result<GlsFit<N>, StrategyError> {
         let mut fits = self.fits.lock().unwrap_or_else(PoisonError::into_inner);
         if let Some(fit) = fits.get(&number) {
             return Ok(fit.clone());
         }
-        let mut samples = Vec::new();
+        let (mut samples, mut held) = (Vec::new(), SVector::<f64, N>::zeros());
         for trial in (0..number).rev().take(LOGS) {
-            samples.extend(identification_samples(&self.model, &logs.log(trial)?, &self.estimator));
+            let log = logs.log(trial)?;
+            samples.extend(identification_samples(&self.model, &log, &self.estimator));
+            held = held.sup(&largest_joint_torque(&log));
         }
-        let fit = fit_from_wrench(&samples, &self.gls)?;
+        let mut fit = fit_from_wrench(&samples, &self.gls)?;
+        for j in 0..N {
+            if samples.iter().all(|sample| sample.qd[j].abs() <= self.gls.stuck_rad_s) {
+                fit.friction.joints[j] = CoulombViscous { coulomb_nm: held[j], viscous_nm_s_per_rad: 0.0 }.into();
+            }
+        }
         fits.insert(number, fit.clone());
         Ok(fit)
     }
 
     /// Scale S of the correction: the standard deviation of each parameter in the first fit; zero for parameters that
     /// least squares does not touch.
-    fn scales(&self, logs: &dyn LogSource) -> Result<Vec<f64>, StrategyError> {
+    fn scales(&self, logs: &dyn LogSource<N>) -> Result<Vec<f64>, StrategyError> {
         let first = self.identify(1, logs)?;
-        let entries = self.space.entries();
-        let joint = |j: usize| entries.iter().map(move |entry| (j, entry.0));
-        let sd = |(j, name): (usize, &str)| basis_column(name).map_or(0.0, |column| first.sd[j][column]);
-        Ok((0..self.space.joints).flat_map(joint).map(sd).collect())
+        let per_joint = self.space.parameters_per_joint();
+        let sd = |(k, entry): (usize, &(&str, f64, f64))| {
+            basis_column(entry.0).map_or(0.0, |column| first.sd[k / per_joint][column])
+        };
+        Ok(self.space.entries().iter().enumerate().map(sd).collect())
     }
 
     /// `θ + S δ`, inside the domain.
@@ -110,7 +127,7 @@ impl GreyBox {
     }
 }
 
-impl Strategy for GreyBox {
+impl<const N: usize> Strategy<N> for GreyBox<N> {
     fn design(&self, number: usize) -> Result<Option<Proposal>, StrategyError> {
         Ok((number == 0).then(|| Proposal { theta: self.space.zero(), origin: Origin::Constant }))
     }
@@ -119,7 +136,7 @@ impl Strategy for GreyBox {
         &self,
         number: usize,
         history: &[FinishedTrial],
-        logs: &dyn LogSource,
+        logs: &dyn LogSource<N>,
     ) -> Result<Proposal, StrategyError> {
         let theta = self.space.theta(&self.identify(number, logs)?.friction);
         if number <= REFITS {
@@ -153,6 +170,12 @@ fn basis_column(name: &str) -> Option<usize> {
     }
 }
 
+/// Largest torque beyond gravity and Coriolis forces that was sent to each joint (Nm).
+fn largest_joint_torque<const N: usize>(log: &TrialLog<N>) -> SVector<f64, N> {
+    let sent = |k: usize| log.tau_task[k] + log.tau_nullspace[k] + log.tau_friction[k];
+    (0..log.len()).fold(SVector::zeros(), |most, k| most.sup(&sent(k).abs()))
+}
+
 /// Time the estimator is given to forget its start (s).
 const SETTLE_S: f64 = 0.5;
 /// Half-width of the Savitzky–Golay window, in samples of 10 ms.
@@ -162,10 +185,14 @@ const DERIVATIVE_HALF_WIDTH: usize = 10;
 ///
 /// W is [`AnyEstimator::wrench_from_torque`] with the controller's model at the measured configuration (J̄ᵀ = Λ J B⁻¹ for the
 /// filter); velocity by zero-phase differentiation.
-pub fn identification_samples(model: &Arm<7>, log: &TrialLog<7>, estimator: &AnyEstimator) -> Vec<GlsSample<7>> {
+pub fn identification_samples<const N: usize>(
+    model: &Arm<N>,
+    log: &TrialLog<N>,
+    estimator: &AnyEstimator<N>,
+) -> Vec<GlsSample<N>> {
     let filter = SavitzkyGolay { half_width: DERIVATIVE_HALF_WIDTH };
     let qd: Vec<Vec<f64>> =
-        (0..7).map(|j| filter.derivative(&log.q.iter().map(|q| q[j]).collect::<Vec<_>>(), log.period_s)).collect();
+        (0..N).map(|j| filter.derivative(&log.q.iter().map(|q| q[j]).collect::<Vec<_>>(), log.period_s)).collect();
     let delay = (estimator.delay_s() / log.period_s).round() as usize;
     let settle = (SETTLE_S / log.period_s).round() as usize;
     let still = SVector::zeros();

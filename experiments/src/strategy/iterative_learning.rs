@@ -30,7 +30,7 @@ impl IterativeLearning {
     }
 }
 
-impl Strategy for IterativeLearning {
+impl<const N: usize> Strategy<N> for IterativeLearning {
     fn design(&self, number: usize) -> Result<Option<Proposal>, StrategyError> {
         Ok((number == 0).then(|| Proposal { theta: self.space.zero(), origin: Origin::Constant }))
     }
@@ -39,7 +39,7 @@ impl Strategy for IterativeLearning {
         &self,
         number: usize,
         history: &[FinishedTrial],
-        logs: &dyn LogSource,
+        logs: &dyn LogSource<N>,
     ) -> Result<Proposal, StrategyError> {
         let last = history.iter().rfind(|trial| trial.number < number);
         let mut theta = last.map_or_else(|| self.space.zero(), |trial| trial.theta.clone());
@@ -47,7 +47,7 @@ impl Strategy for IterativeLearning {
             let log = logs.log(last.number)?;
             let entries = self.space.entries();
             for (k, value) in theta.iter_mut().enumerate() {
-                let (joint, (name, low, high)) = (k / entries.len(), entries[k % entries.len()]);
+                let (joint, (name, low, high)) = (k / self.space.parameters_per_joint(), entries[k]);
                 let step = match name {
                     "coulomb_nm" => COULOMB_GAIN * missing(&log, joint, f64::signum),
                     "viscous_nm_s_per_rad" => VISCOUS_GAIN * missing(&log, joint, |qd| qd),
@@ -61,7 +61,7 @@ impl Strategy for IterativeLearning {
 }
 
 /// `Σ τ φ(q̇) / Σ φ(q̇)²` over the samples in which the joint moves.
-fn missing(log: &TrialLog<7>, joint: usize, regressor: impl Fn(f64) -> f64) -> f64 {
+fn missing<const N: usize>(log: &TrialLog<N>, joint: usize, regressor: impl Fn(f64) -> f64) -> f64 {
     let samples = log.qd.iter().zip(&log.tau_task).map(|(qd, tau)| (qd[joint], tau[joint]));
     let (mut product, mut square) = (0.0, 0.0);
     for (qd, tau) in samples.filter(|(qd, _)| qd.abs() > SLOWEST_RAD_S) {

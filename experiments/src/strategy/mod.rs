@@ -11,6 +11,7 @@ use serde::{Deserialize, Serialize};
 use tribo_bayesopt::BayesoptError;
 use tribo_friction::identify::GlsError;
 
+pub(crate) use baseline::published_gaz;
 pub(crate) use bayes::observations;
 pub use grey_box::{GreyBox, identification_samples};
 
@@ -104,20 +105,23 @@ pub enum StrategyError {
     /// The campaign's estimator cannot be had.
     #[error(transparent)]
     Estimator(#[from] EstimatorError),
+    /// The published constants are those of another robot.
+    #[error("gaz holds the constants of one Panda, which has 7 joints")]
+    NotAPanda,
     /// The log of a past trial could not be read.
     #[error(transparent)]
     File(#[from] FileError),
 }
 
 /// Where the logs of finished trials come from.
-pub trait LogSource {
+pub trait LogSource<const N: usize> {
     /// The log of a finished trial.
-    fn log(&self, number: usize) -> Result<TrialLog<7>, FileError>;
+    fn log(&self, number: usize) -> Result<TrialLog<N>, FileError>;
 }
 
 /// Chooses parameters; a pure function of the settings, the trial's number and the trials before it, so that a killed
 /// campaign goes on as if nothing had happened.
-pub trait Strategy: Send + Sync {
+pub trait Strategy<const N: usize>: Send + Sync {
     /// The parameters of trial `number` where they depend on no other trial; such trials may run in parallel.
     fn design(&self, number: usize) -> Result<Option<Proposal>, StrategyError>;
 
@@ -126,22 +130,22 @@ pub trait Strategy: Send + Sync {
         &self,
         number: usize,
         history: &[FinishedTrial],
-        logs: &dyn LogSource,
+        logs: &dyn LogSource<N>,
     ) -> Result<Proposal, StrategyError>;
 }
 
 impl StrategyName {
     /// The strategy for these settings.
-    pub fn build(self, tune: &ValidTune) -> Result<Box<dyn Strategy>, StrategyError> {
-        let (space, seed) = (tune.space, tune.config.seed);
+    pub fn build<const N: usize>(self, tune: &ValidTune<N>) -> Result<Box<dyn Strategy<N>>, StrategyError> {
+        let (space, seed) = (&tune.space, tune.config.seed);
         Ok(match self {
             Self::Zero => Box::new(baseline::Constant(space.zero())),
-            Self::Gaz => Box::new(baseline::Constant(space.theta(&baseline::published_gaz()))),
-            Self::Random => Box::new(bayes::Search::random(&space, seed)?),
-            Self::Sobol => Box::new(bayes::Search::sobol(&space, seed)?),
-            Self::Paper => Box::new(bayes::Search::paper(&space, seed, tune.config.init)?),
-            Self::Bo => Box::new(bayes::Search::bo(&space, seed, tune.config.init)?),
-            Self::IterativeLearning => Box::new(iterative_learning::IterativeLearning::new(space)),
+            Self::Gaz => Box::new(baseline::Constant(space.theta(&published_gaz::<N>()?))),
+            Self::Random => Box::new(bayes::Search::random(space, seed)?),
+            Self::Sobol => Box::new(bayes::Search::sobol(space, seed)?),
+            Self::Paper => Box::new(bayes::Search::paper(space, seed, tune.config.init)?),
+            Self::Bo => Box::new(bayes::Search::bo(space, seed, tune.config.init)?),
+            Self::IterativeLearning => Box::new(iterative_learning::IterativeLearning::new(space.clone())),
             Self::GreyBox => Box::new(GreyBox::new(tune)?),
         })
     }

@@ -1,9 +1,8 @@
 //! The arm of a trial as a drawing to scale.
 
-use nalgebra::{SVector, Vector3};
+use nalgebra::Vector3;
 use tribo_figure::number::{fixed, significant};
 use tribo_figure::{Figure, Layer, Scale};
-use tribo_robot::{Kinematics, presets};
 
 use super::TrialSnapshot;
 
@@ -13,15 +12,6 @@ pub const ARROW_M_PER_N: f64 = 0.02;
 const HEAD_M: f64 = 0.03;
 /// Colours of the poses: grey for the first, blue for the one that matters.
 const POSE_INKS: [usize; 2] = [6, 0];
-
-/// Base, the origins of the link frames and the flange (m), base axes.
-pub fn skeleton(q: &SVector<f64, 7>) -> Vec<Vector3<f64>> {
-    let at = Kinematics::at(&presets::panda(), q);
-    let mut points = vec![Vector3::zeros()];
-    points.extend(at.origins);
-    points.push(at.flange_origin);
-    points
-}
 
 /// The arm from the side and from above, at the beginning and at the moment of the largest force, with that force on the
 /// environment as an arrow at the flange.
@@ -42,8 +32,8 @@ fn view(trial: &TrialSnapshot, title: &str, axes: [usize; 2], rows: [usize; 2]) 
     };
     let mut figure = Figure::new(title, across, up).to_scale();
     for (row, ink) in rows.into_iter().zip(POSE_INKS) {
-        let points = skeleton(&log.q[row]);
-        let (x, y) = seen(&points);
+        let points = &log.skeleton[row];
+        let (x, y) = seen(points);
         let name = format!("at {} s", fixed(log.time_s[row], 1));
         figure.layers.push(Layer::line(&name, ink, x, y));
         if row == rows[1] {
@@ -56,8 +46,8 @@ fn view(trial: &TrialSnapshot, title: &str, axes: [usize; 2], rows: [usize; 2]) 
             figure.layers.push(Layer::line(&name, 1, x, y));
         }
     }
-    let flange = |q: &SVector<f64, 7>| skeleton(q).last().copied().unwrap_or_default();
-    let (x, y) = seen(&log.q.iter().step_by((log.len() / 400).max(1)).map(flange).collect::<Vec<_>>());
+    let flange = |points: &Vec<Vector3<f64>>| points.last().copied().unwrap_or_default();
+    let (x, y) = seen(&log.skeleton.iter().step_by((log.len() / 400).max(1)).map(flange).collect::<Vec<_>>());
     figure.with(Layer::line("path of the flange", 2, x, y))
 }
 
@@ -73,12 +63,16 @@ fn arrow((x, y): (Vec<f64>, Vec<f64>)) -> (Vec<f64>, Vec<f64>) {
 
 #[cfg(test)]
 mod tests {
+    use nalgebra::SVector;
+    use tribo_robot::presets;
+
     use super::*;
+    use crate::watch::skeleton;
 
     /// At zero angles the Panda stands upright: its flange is 88 mm in front of the base and 926 mm above it.
     #[test]
     fn the_skeleton_ends_at_the_flange() {
-        let points = skeleton(&SVector::zeros());
+        let points = skeleton(&presets::panda(), &SVector::zeros());
         let flange = points.last().copied().unwrap_or_default();
         assert_eq!(points.len(), 9);
         assert!((flange - Vector3::new(0.088, 0.0, 0.926)).norm() < 1e-9, "{flange}");

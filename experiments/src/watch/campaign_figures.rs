@@ -1,5 +1,7 @@
 //! Figures of a campaign.
 
+use std::ops::Range;
+
 use tribo_figure::number::{quantity_and_unit, significant};
 use tribo_figure::{Figure, Layer, Mark, Scale, Symbol};
 
@@ -84,40 +86,17 @@ pub fn cost_parts(campaign: &CampaignSnapshot, with_penalty: bool) -> Figure {
     figure
 }
 
-/// One figure per parameter of the law: its value in every joint over the trials, and its bounds.
+/// One figure per parameter of the law: its value in every joint over the trials, and its bounds, the widest of all joints.
 pub fn parameters(campaign: &CampaignSnapshot) -> Vec<Figure> {
-    let space = &campaign.tune.space;
-    let (entries, x) = (space.entries(), numbers(campaign));
-    entries
-        .iter()
-        .enumerate()
-        .map(|(k, (name, low, high))| {
-            let (quantity, unit) = quantity_and_unit(name);
-            let label = if unit.is_empty() { quantity.clone() } else { format!("{quantity} [{unit}]") };
-            let mut figure = Figure::new(format!("Parameter: {quantity}"), trial_axis(campaign), Scale::of(&label));
-            figure.layers.push(Layer::level("bounds", GREY, *low));
-            figure.layers.push(Layer::level("bounds", GREY, *high));
-            for j in 0..space.joints {
-                let values = campaign.trials.iter().map(|watched| watched.trial.theta[j * entries.len() + k]).collect();
-                let name = format!("joint {j}");
-                figure.layers.push(match j {
-                    0..4 => Layer::line(&name, j, x.clone(), values),
-                    _ => Layer::dashed(&name, j, x.clone(), values),
-                });
-            }
-            figure
-        })
-        .collect()
+    parameters_of(campaign, 0..campaign.tune.space().joints())
 }
 
 /// Parameters of one joint over the trials, each on its own axis, with its bounds.
 pub fn parameters_of_joint(campaign: &CampaignSnapshot, joint: usize) -> Vec<Figure> {
-    let mut figures = parameters(campaign);
+    let mut figures = parameters_of(campaign, joint..joint + 1);
     for figure in &mut figures {
         figure.title = format!("{}, joint {joint}", figure.title);
-        let name = format!("joint {joint}");
-        figure.layers.retain(|layer| layer.name == "bounds" || layer.name == name);
-        for layer in figure.layers.iter_mut().filter(|layer| layer.name == name) {
+        for layer in figure.layers.iter_mut().filter(|layer| layer.name != "bounds") {
             layer.ink = 0;
             if let Mark::Line { dashed, .. } = &mut layer.mark {
                 *dashed = false;
@@ -125,6 +104,31 @@ pub fn parameters_of_joint(campaign: &CampaignSnapshot, joint: usize) -> Vec<Fig
         }
     }
     figures
+}
+
+fn parameters_of(campaign: &CampaignSnapshot, joints: Range<usize>) -> Vec<Figure> {
+    let space = campaign.tune.space();
+    let (entries, per_joint, x) = (space.entries(), space.parameters_per_joint(), numbers(campaign));
+    let figure = |(k, name): (usize, &str)| {
+        let (quantity, unit) = quantity_and_unit(name);
+        let label = if unit.is_empty() { quantity.clone() } else { format!("{quantity} [{unit}]") };
+        let mut figure = Figure::new(format!("Parameter: {quantity}"), trial_axis(campaign), Scale::of(&label));
+        let shown = || joints.clone().filter_map(|j| entries.get(j * per_joint + k));
+        let low = shown().map(|entry| entry.1).fold(f64::INFINITY, f64::min);
+        let high = shown().map(|entry| entry.2).fold(f64::NEG_INFINITY, f64::max);
+        figure.layers.push(Layer::level("bounds", GREY, low));
+        figure.layers.push(Layer::level("bounds", GREY, high));
+        for j in joints.clone() {
+            let values = campaign.trials.iter().map(|watched| watched.trial.theta[j * per_joint + k]).collect();
+            let name = format!("joint {j}");
+            figure.layers.push(match j {
+                0..4 => Layer::line(&name, j, x.clone(), values),
+                _ => Layer::dashed(&name, j, x.clone(), values),
+            });
+        }
+        figure
+    };
+    space.names_of_joint().enumerate().map(figure).collect()
 }
 
 /// Two campaigns: the best cost so far of each.

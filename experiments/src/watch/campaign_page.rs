@@ -11,10 +11,10 @@ use tribo_logs::write_atomic;
 
 use super::{
     CampaignSnapshot, CampaignWatch, LoopTimes, Surrogate, TrialSnapshot, WatchedTrial, arm_figures, campaign_figures,
-    loop_times, surrogate_figures, trial_figures,
+    surrogate_figures, trial_figures,
 };
 use crate::files::FileError;
-use crate::{CampaignError, References, references, uncompensated_trial};
+use crate::{CampaignError, References};
 
 /// Slices of the belief in the report: the most relevant parameters.
 const SLICES: usize = 4;
@@ -24,7 +24,7 @@ const SLICES: usize = 4;
 pub fn write_report(directory: &Path, out: Option<&Path>, loop_time: bool) -> Result<PathBuf, CampaignError> {
     let mut watch = CampaignWatch::open(directory)?;
     if References::read(directory).is_none() {
-        watch.set_references(references(watch.tune())?);
+        watch.set_references(watch.tune().references()?);
     }
     let snapshot = watch.poll()?;
     let campaign = snapshot
@@ -33,13 +33,13 @@ pub fn write_report(directory: &Path, out: Option<&Path>, loop_time: bool) -> Re
     let surrogate = Surrogate::of(&campaign).ok().flatten();
     let best = match campaign.best() {
         Some(best) => {
-            let without = Arc::new(uncompensated_trial(&campaign.tune)?.log);
+            let without = Arc::new(campaign.tune.uncompensated()?);
             Some(TrialSnapshot::read(directory, Arc::clone(&campaign.tune), best.clone(), Some(without))?)
         }
         None => None,
     };
     let timed = best.as_ref().filter(|_| loop_time);
-    let times = timed.map(|best| loop_times(&campaign.tune, &best.watched.trial.theta)).transpose()?;
+    let times = timed.map(|best| campaign.tune.loop_times(&best.watched.trial.theta)).transpose()?;
     let page = campaign_page(&campaign, surrogate.as_ref(), best.as_ref(), times.as_ref());
     let path = out.map_or_else(|| directory.join("report.html"), Path::to_owned);
     write_atomic(&path, |file| file.write_all(page.as_bytes())).map_err(FileError::from)?;
@@ -92,7 +92,7 @@ fn head(campaign: &CampaignSnapshot) -> String {
     };
     let facts = campaign.facts().into_iter().map(|(what, value)| format!("{what}: {value}"));
     let mut facts: Vec<String> = facts.collect();
-    facts.push(format!("tribo {}", campaign.tune.config.tribo_version));
+    facts.push(format!("tribo {}", campaign.tune.config().tribo_version));
     facts.push("joints and trials count from 0; wrenches are by the robot on the environment, base axes".to_owned());
     let torn = if campaign.torn {
         "<p class=\"meta\">The last line of the journal is incomplete and was left out: its writer is at work or was killed \
@@ -139,14 +139,14 @@ fn result(campaign: &CampaignSnapshot) -> String {
 }
 
 fn parameter_table(campaign: &CampaignSnapshot, best: &WatchedTrial) -> String {
-    let entries = campaign.tune.space.entries();
-    let named = entries.iter().map(|entry| {
-        let (quantity, unit) = quantity_and_unit(entry.0);
+    let space = campaign.tune.space();
+    let named = space.names_of_joint().map(|name| {
+        let (quantity, unit) = quantity_and_unit(name);
         if unit.is_empty() { quantity } else { format!("{quantity} [{unit}]") }
     });
     let header: Vec<String> = std::iter::once("joint".to_owned()).chain(named).collect();
     let header: Vec<&str> = header.iter().map(String::as_str).collect();
-    let joints = best.trial.theta.chunks(entries.len()).enumerate();
+    let joints = best.trial.theta.chunks(space.parameters_per_joint()).enumerate();
     let rows = joints.map(|(joint, values)| {
         std::iter::once(joint.to_string()).chain(values.iter().map(|value| significant(*value, 4))).collect::<Vec<_>>()
     });
@@ -175,7 +175,7 @@ fn search(campaign: &CampaignSnapshot, surrogate: Option<&Surrogate>) -> String 
     if let Some(surrogate) = surrogate {
         let mut order: Vec<usize> = (0..surrogate.names.len()).collect();
         order.sort_by(|a, b| surrogate.lengthscales[*a].total_cmp(&surrogate.lengthscales[*b]));
-        let mut drawn: Vec<Figure> = vec![surrogate_figures::relevance(surrogate, campaign.tune.space.joints)];
+        let mut drawn: Vec<Figure> = vec![surrogate_figures::relevance(surrogate, campaign.tune.space().joints())];
         for k in order.into_iter().take(SLICES) {
             drawn.extend(surrogate_figures::slice(surrogate, campaign, k));
             drawn.extend(surrogate_figures::acquisition(surrogate, k));
@@ -192,12 +192,13 @@ fn search(campaign: &CampaignSnapshot, surrogate: Option<&Surrogate>) -> String 
 }
 
 fn best_trial(best: &TrialSnapshot, times: Option<&LoopTimes>) -> String {
+    let joints = 0..best.log.joints();
     let drawn = [
         ("Wrench", trial_figures::wrenches(best)),
         ("Tracking", trial_figures::tracked(best)),
         ("Arm", arm_figures::arm(best)),
-        ("Torque by term", (0..7).map(|joint| trial_figures::torque_terms(best, joint)).collect()),
-        ("Friction against velocity", (0..7).map(|joint| trial_figures::friction(best, joint)).collect()),
+        ("Torque by term", joints.clone().map(|joint| trial_figures::torque_terms(best, joint)).collect()),
+        ("Friction against velocity", joints.map(|joint| trial_figures::friction(best, joint)).collect()),
     ];
     let part = |(heading, drawn): (&str, Vec<Figure>)| format!("<h3>{heading}</h3>\n{}", figures(&drawn));
     let mut body: String = drawn.into_iter().map(part).collect();

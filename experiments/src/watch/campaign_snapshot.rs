@@ -6,7 +6,7 @@ use std::sync::Arc;
 use tribo_figure::number::fixed;
 
 use crate::strategy::FinishedTrial;
-use crate::{References, ValidTune};
+use crate::{AnyTune, References};
 
 /// A finished trial as the journal tells it.
 #[derive(Clone, Debug, PartialEq)]
@@ -34,7 +34,7 @@ pub struct CampaignSnapshot {
     /// Where it lives.
     pub directory: PathBuf,
     /// Its settings.
-    pub tune: Arc<ValidTune>,
+    pub tune: Arc<AnyTune>,
     /// Finished trials, by number.
     pub trials: Vec<WatchedTrial>,
     /// Numbers of the trials that have begun and not ended.
@@ -64,18 +64,19 @@ impl CampaignSnapshot {
 
     /// Whether all trials have finished.
     pub fn is_complete(&self) -> bool {
-        self.trials.len() >= self.tune.config.trials
+        self.trials.len() >= self.tune.config().trials
     }
 
     /// Trials to be run in all.
     pub fn total(&self) -> usize {
-        self.tune.config.trials.max(self.trials.len() + self.running.len())
+        self.tune.config().trials.max(self.trials.len() + self.running.len())
     }
 
     /// The settings that tell campaigns apart, as name and value.
     pub fn facts(&self) -> Vec<(&'static str, String)> {
-        let config = &self.tune.config;
+        let config = self.tune.config();
         vec![
+            ("robot", self.tune.robot().to_owned()),
             ("strategy", file_name(&config.strategy)),
             ("friction law", file_name(&config.friction)),
             ("estimator", file_name(&config.residual)),

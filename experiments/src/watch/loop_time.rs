@@ -29,20 +29,20 @@ impl LoopTimes {
 }
 
 /// A plant that takes the time it spends itself, so that it can be left out.
-struct TimedPlant {
-    inner: BoxFrictionPlant<7>,
+struct TimedPlant<const N: usize> {
+    inner: BoxFrictionPlant<N>,
     spent: Duration,
 }
 
-impl Plant<7> for TimedPlant {
-    fn sense(&mut self) -> SensorFrame<7> {
+impl<const N: usize> Plant<N> for TimedPlant<N> {
+    fn sense(&mut self) -> SensorFrame<N> {
         let started = Instant::now();
         let frame = self.inner.sense();
         self.spent += started.elapsed();
         frame
     }
 
-    fn actuate(&mut self, tau_nm: &SVector<f64, 7>) {
+    fn actuate(&mut self, tau_nm: &SVector<f64, N>) {
         let started = Instant::now();
         self.inner.actuate(tau_nm);
         self.spent += started.elapsed();
@@ -53,7 +53,7 @@ impl Plant<7> for TimedPlant {
 ///
 /// # Errors
 /// Parameters that the estimator cannot work with.
-pub fn loop_times(tune: &ValidTune, theta: &[f64]) -> Result<LoopTimes, EstimatorError> {
+pub fn loop_times<const N: usize>(tune: &ValidTune<N>, theta: &[f64]) -> Result<LoopTimes, EstimatorError> {
     let trial = &tune.trial;
     let settings = LoopSettings {
         impedance: trial.impedance,

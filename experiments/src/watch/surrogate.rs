@@ -38,7 +38,7 @@ impl Surrogate {
     /// A kernel matrix beyond repair.
     pub fn of(campaign: &CampaignSnapshot) -> Result<Option<Self>, BayesoptError> {
         let tune = &campaign.tune;
-        let (space, config) = (&tune.space, &tune.config);
+        let (space, config) = (tune.space(), tune.config());
         let first = campaign.trials.len().saturating_sub(MOST_TRIALS);
         let history: Vec<FinishedTrial> =
             campaign.trials[first..].iter().map(|watched| watched.trial.clone()).collect();

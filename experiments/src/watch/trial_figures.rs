@@ -4,7 +4,6 @@ use nalgebra::{SVector, Vector6};
 use tribo_figure::{Figure, Layer, Scale};
 
 use super::{LoopTimes, TrialSnapshot};
-use crate::TrialLog;
 
 /// Axes of a wrench in file order, with their place in `[moment; force]`.
 pub const WRENCH_AXES: [(&str, usize); 6] = [
@@ -85,7 +84,7 @@ pub fn error(trial: &TrialSnapshot, rotation: bool) -> Figure {
 
 /// The terms of one joint's motor torque.
 pub fn torque_terms(trial: &TrialSnapshot, joint: usize) -> Figure {
-    let log: &TrialLog<7> = &trial.log;
+    let log = &trial.log;
     let terms = [
         ("command", 6, &log.tau_command),
         ("gravity", 0, &log.tau_gravity),
@@ -97,7 +96,7 @@ pub fn torque_terms(trial: &TrialSnapshot, joint: usize) -> Figure {
     let label = format!("motor torque, joint {joint} [Nm]");
     let mut figure = Figure::new(format!("Torque by term, joint {joint}"), time_axis(), Scale::of(&label));
     for (name, ink, rows) in terms {
-        figure.layers.push(Layer::line(name, ink, log.time_s.clone(), column(rows, joint, 1.0)));
+        figure.layers.push(Layer::line(name, ink, log.time_s.clone(), rows[joint].clone()));
     }
     figure
 }
@@ -106,11 +105,10 @@ pub fn torque_terms(trial: &TrialSnapshot, joint: usize) -> Figure {
 pub fn friction(trial: &TrialSnapshot, joint: usize) -> Figure {
     /// Points of the curve.
     const POINTS: usize = 201;
-    let qd: Vec<f64> = trial.qd.iter().map(|qd| qd[joint]).collect();
-    let seen: Vec<f64> = trial.friction_torque.iter().map(|tau| tau[joint]).collect();
+    let (qd, seen) = (trial.log.qd[joint].clone(), trial.log.friction_torque[joint].clone());
     let fastest = qd.iter().fold(1e-3_f64, |most, v| most.max(v.abs()));
     let v: Vec<f64> = (0..POINTS).map(|k| fastest * (2.0 * k as f64 / (POINTS - 1) as f64 - 1.0)).collect();
-    let law = v.iter().map(|v| trial.friction.joints[joint].torque(*v, 1e-3)).collect();
+    let law = v.iter().map(|v| trial.friction[joint].torque(*v, 1e-3)).collect();
     Figure::new(
         format!("Friction, joint {joint}"),
         Scale::of(&format!("velocity of joint {joint} [rad/s]")),

@@ -4,16 +4,15 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use super::{CampaignSnapshot, WatchedTrial};
-use crate::config::ConfigError;
-use crate::files::{FileError, YamlDocument};
+use crate::campaign::{explained, read_settings};
 use crate::journal::{JournalTail, News, finished_trial};
-use crate::{CampaignError, References, TuneConfig, ValidTune};
+use crate::{AnyTune, CampaignError, References};
 
 /// Watches the campaign of a directory, finished or running, in this process or another.
 #[derive(Clone, Debug)]
 pub struct CampaignWatch {
     directory: PathBuf,
-    tune: Arc<ValidTune>,
+    tune: Arc<AnyTune>,
     tail: JournalTail,
     torn: bool,
     references: Option<References>,
@@ -23,28 +22,20 @@ pub struct CampaignWatch {
 impl CampaignWatch {
     /// Opens a campaign; what is wrong with the directory is said, and what to do.
     pub fn open(directory: &Path) -> Result<Self, CampaignError> {
-        let settings = directory.join("campaign.yaml");
-        if !settings.exists() {
-            let message = if directory.join("campaigns").is_dir() {
-                "holds no campaign.yaml; campaigns live in directories like campaigns/0001"
-            } else {
-                "holds no campaign.yaml; `tribo tune` makes a campaign"
-            };
-            return Err(FileError::Campaign { path: directory.to_owned(), message: message.to_owned() }.into());
-        }
-        let document = YamlDocument::read(&settings)?;
-        let config: TuneConfig = document.parse()?;
-        let tune = config.validate().map_err(|error| match error {
-            ConfigError::Field(field) => ConfigError::File(document.explain(field)),
-            other => other,
-        })?;
+        let missing = if directory.join("campaigns").is_dir() {
+            "holds no campaign.yaml; campaigns live in directories like campaigns/0001"
+        } else {
+            "holds no campaign.yaml; `tribo tune` makes a campaign"
+        };
+        let (config, document) = read_settings(directory, missing)?;
+        let tune = config.validate_any().map_err(|error| explained(error, &document))?;
         let tail = JournalTail::new(&directory.join("journal.log"));
         let (directory, tune) = (directory.to_owned(), Arc::new(tune));
         Ok(Self { directory, tune, tail, torn: false, references: None, seen: false })
     }
 
     /// The settings.
-    pub fn tune(&self) -> &Arc<ValidTune> {
+    pub fn tune(&self) -> &Arc<AnyTune> {
         &self.tune
     }
 
@@ -76,7 +67,7 @@ impl CampaignWatch {
         for (number, trial) in self.tail.trials().iter().enumerate() {
             if trial.state.is_finished() {
                 let aborted_at_s = trial.attributes.get("aborted_at_s").and_then(serde_json::Value::as_f64);
-                let finished = finished_trial(&self.tune, &journal, number, trial)?;
+                let finished = finished_trial(self.tune.space(), &journal, number, trial)?;
                 trials.push(WatchedTrial { trial: finished, aborted_at_s });
             } else {
                 running.push(number);

@@ -3,10 +3,11 @@
 use nalgebra::{Matrix3, SVector, Vector3};
 use std::f64::consts::{FRAC_PI_2, FRAC_PI_4};
 
-use crate::{Arm, JointPlacement, Limits, LinkInertia, ModifiedDh};
+use super::{Preset, links};
+use crate::{Arm, JointPlacement, Limits, ModifiedDh};
 
-/// Modified DH rows (a (m), d (m), alpha (rad)). Source: vendor kinematics (franka_description).
-const DH: [(f64, f64, f64); 7] = [
+/// Modified DH rows (a (m), d (m), alpha (rad)). Source: vendor kinematics (franka_description), the same for Panda and FR3.
+pub(super) const DH: [(f64, f64, f64); 7] = [
     (0.0, 0.333, 0.0),
     (0.0, 0.0, -FRAC_PI_2),
     (0.0, 0.316, FRAC_PI_2),
@@ -17,10 +18,10 @@ const DH: [(f64, f64, f64); 7] = [
 ];
 
 /// Distance of the flange from joint 7 along its axis (m).
-const FLANGE_D_M: f64 = 0.107;
+pub(super) const FLANGE_D_M: f64 = 0.107;
 
 /// (mass, CoM, inertia about the CoM as xx xy xz yy yz zz). Source: Gaz et al., RA-L 2019, feasible parameter set.
-const LINKS: [(f64, [f64; 3], [f64; 6]); 7] = [
+const LINKS: [super::Link; 7] = [
     (4.970684, [0.003875, 0.002081, -0.1750], [0.70337, -0.000139, 0.006772, 0.70661, 0.019169, 0.009117]),
     (0.646926, [-0.003141, -0.02872, 0.003495], [0.007962, -0.003925, 0.010254, 0.02811, 0.000704, 0.025995]),
     (3.228604, [0.027518, 0.039252, -0.066502], [0.037242, -0.004761, -0.011396, 0.036155, -0.012805, 0.01083]),
@@ -31,7 +32,7 @@ const LINKS: [(f64, [f64; 3], [f64; 6]); 7] = [
 ];
 
 /// Reflected rotor inertia [kg m²]. Source: vendor values for the successor FR3, as quoted by Drake's model README.
-const ROTOR_INERTIA: [f64; 7] = [0.606, 0.606, 0.462, 0.462, 0.206, 0.206, 0.206];
+pub(super) const ROTOR_INERTIA: [f64; 7] = [0.606, 0.606, 0.462, 0.462, 0.206, 0.206, 0.206];
 
 /// The Panda with the Gaz 2019 link set, reflected rotor inertia and no payload; flange 0.107 m beyond joint 7.
 ///
@@ -40,11 +41,7 @@ pub fn panda() -> Arm<7> {
     Arm {
         name: "panda".to_owned(),
         placements: DH.map(|(a_m, d_m, alpha_rad)| JointPlacement::from(ModifiedDh { a_m, d_m, alpha_rad })),
-        links: LINKS.map(|(mass_kg, com, [xx, xy, xz, yy, yz, zz])| LinkInertia {
-            mass_kg,
-            com_m: Vector3::from(com),
-            inertia_kg_m2: Matrix3::new(xx, xy, xz, xy, yy, yz, xz, yz, zz),
-        }),
+        links: links(&LINKS),
         link_from_flange_rotation: Matrix3::identity(),
         link_from_flange_translation: Vector3::new(0.0, 0.0, FLANGE_D_M),
         rotor_inertia_kg_m2: SVector::from(ROTOR_INERTIA),
@@ -56,6 +53,19 @@ pub fn panda() -> Arm<7> {
             tau_rate_max_nm_s: SVector::repeat(1000.0),
         },
         gravity_m_s2: Vector3::new(0.0, 0.0, -9.81),
+    }
+}
+
+/// The Panda with its poses: the ready pose and two others of the workspace.
+pub fn preset() -> Preset<7> {
+    Preset {
+        arm: panda(),
+        poses_rad: [
+            panda_ready_pose(),
+            SVector::from([0.4, -0.3, 0.2, -2.0, 0.3, 1.9, 0.5]),
+            SVector::from([-0.5, 0.1, -0.3, -1.8, -0.2, 1.8, 1.0]),
+        ],
+        joint_stiffness_nm_per_rad: PANDA_JOINT_STIFFNESS_NM_PER_RAD,
     }
 }
 

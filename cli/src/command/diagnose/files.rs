@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use tribo_diagnose::NextExperiment;
 use tribo_experiments::files::{ModelFile, TrajectoryFile, ViaPoint, YamlDocument, to_yaml};
 use tribo_logs::write_atomic;
+use tribo_robot::Arm;
 
 use super::input::same_file;
 use crate::arguments::Diagnose;
@@ -94,17 +95,17 @@ pub fn write_model(path: &Path, model: &ModelFile) -> anyhow::Result<()> {
 }
 
 /// Writes the via points of the next experiment.
-pub fn write_trajectory(path: &Path, next: &NextExperiment) -> anyhow::Result<()> {
-    let file = trajectory(next);
-    file.validate().map_err(|error| anyhow::anyhow!("the next experiment makes no valid trajectory: {error}"))?;
+pub fn write_trajectory<const N: usize>(path: &Path, next: &NextExperiment, arm: &Arm<N>) -> anyhow::Result<()> {
+    let file = trajectory(next, &arm.name);
+    file.validate(arm).map_err(|error| anyhow::anyhow!("the next experiment makes no valid trajectory: {error}"))?;
     write_text(path, &to_yaml(&file)?)
 }
 
-fn trajectory(next: &NextExperiment) -> TrajectoryFile {
+fn trajectory(next: &NextExperiment, robot: &str) -> TrajectoryFile {
     let [a, b] = next.separates.map(|(label, location)| format!("{label} ({location})"));
     TrajectoryFile {
         schema: "tribo.trajectory/1".to_owned(),
-        robot: "panda".to_owned(),
+        robot: robot.to_owned(),
         comment: Some(format!("{}: separates {a} from {b}. {}", next.motion, next.instruction)),
         via_points: next.via_points.iter().map(|(time_s, q)| ViaPoint { time_s: *time_s, q_rad: q.clone() }).collect(),
     }
@@ -132,10 +133,10 @@ mod tests {
             evidence_of_this_log: 3.0,
             via_points: vec![(0.0, pose(0.1)), (2.5, pose(1.0 / 3.0))],
         };
-        let text = to_yaml(&trajectory(&next)).unwrap();
+        let text = to_yaml(&trajectory(&next, "panda")).unwrap();
         let back: TrajectoryFile = YamlDocument::embedded("t.yaml", &text).parse().unwrap();
-        assert_eq!(back, trajectory(&next));
-        back.validate().unwrap();
+        assert_eq!(back, trajectory(&next, "panda"));
+        back.validate(&tribo_robot::presets::panda()).unwrap();
         assert!(text.starts_with("schema: tribo.trajectory/1\nrobot: panda\ncomment: "), "{text}");
     }
 }

@@ -2,31 +2,20 @@
 
 use std::path::{Path, PathBuf};
 
-use tribo_experiments::files::{Model, ModelFile, YamlDocument};
+use tribo_experiments::files::ModelChoice;
 use tribo_logs::{RobotLog, read_log};
 
+use super::super::named;
 use crate::arguments::{Common, Diagnose};
 use crate::failure::BadInput;
 
-/// The model file, raw and validated; `None` where none was given.
-pub fn model(arguments: &Diagnose) -> anyhow::Result<Option<(ModelFile, Model<7>)>> {
-    arguments.model.as_deref().map(|path| validated(&YamlDocument::read(path)?)).transpose()
-}
-
-/// What logs without a model are held against: the bare Panda without friction, or gears that weigh nothing where both of
-/// their sides were measured, which is not a Panda.
-pub fn bare_model(arguments: &Diagnose, logs: &[RobotLog]) -> anyhow::Result<(ModelFile, Model<7>)> {
-    let mut text = format!("schema: tribo.model/1\nrobot: panda\ntorque_side: {}\n", arguments.torque_side);
-    if logs.iter().all(|log| log.tau_link_nm.is_some()) {
-        text.push_str("rotor_inertia_kg_m2: [0, 0, 0, 0, 0, 0, 0]\n");
-    }
-    validated(&YamlDocument::embedded("the bare Panda", &text))
-}
-
-fn validated(document: &YamlDocument) -> anyhow::Result<(ModelFile, Model<7>)> {
-    let file: ModelFile = document.parse()?;
-    let model = file.validate().map_err(|error| document.explain(error))?;
-    Ok((file, model))
+/// Which model the logs are held against.
+pub fn choice(arguments: &Diagnose) -> anyhow::Result<ModelChoice> {
+    Ok(ModelChoice {
+        model: arguments.model.clone(),
+        robot: arguments.robot.clone(),
+        torque_side: named(&arguments.torque_side)?,
+    })
 }
 
 /// The logs with their names; suspicions about them go to standard error.
@@ -36,9 +25,6 @@ pub fn logs(paths: &[PathBuf], common: &Common) -> anyhow::Result<Vec<(String, R
 
 fn log(path: &Path, common: &Common) -> anyhow::Result<(String, RobotLog)> {
     let (log, summary) = read_log(path)?;
-    if log.joints() != 7 {
-        return Err(BadInput(format!("{}: {} joints; the model has 7", path.display(), log.joints())).into());
-    }
     if !common.quiet {
         for warning in &summary.warnings {
             eprintln!("tribo: {}: {warning}", path.display());

@@ -5,12 +5,17 @@ mod files;
 mod input;
 mod show;
 
+use std::path::Path;
+
 use anyhow::Context;
 use tribo_diagnose::report::{ClosedLoop, ReportContext, html};
 use tribo_diagnose::{DiagnoseError, DiagnoseSettings, Diagnosis, Verdict, diagnose};
-use tribo_experiments::files::{Model, ModelFile};
+use tribo_experiments::files::{AnyModel, Model, ModelFile};
 use tribo_experiments::{Believed, ClosedLoopGain, closed_loop_gain};
+use tribo_logs::RobotLog;
+use tribo_robot::Arm;
 
+use super::check_joints;
 use crate::arguments::{Common, Diagnose};
 use crate::failure::{BadInput, CheckFailed, Stopped};
 use crate::output::print_json;
@@ -32,7 +37,8 @@ struct Extras {
 
 /// Reads everything, checks every name, diagnoses, writes, prints; in that order, so that nothing is done by halves.
 pub fn run(arguments: &Diagnose, common: &Common) -> anyhow::Result<()> {
-    let given = input::model(arguments)?;
+    let choice = input::choice(arguments)?;
+    let given = choice.given()?;
     let outputs = Outputs::checked(arguments)?;
     input::check_logs_differ(arguments)?;
     let logs = input::logs(&arguments.logs, common)?;
@@ -40,16 +46,44 @@ pub fn run(arguments: &Diagnose, common: &Common) -> anyhow::Result<()> {
     if let Some(band_hz) = arguments.band_hz.filter(|band_hz| !(*band_hz > 0.0 && band_hz.is_finite())) {
         return Err(BadInput(format!("--band-hz is {band_hz}; allowed: greater than 0")).into());
     }
+    let (names, session): (Vec<String>, Vec<RobotLog>) = logs.into_iter().unzip();
+    let first = session.first().map_or(0, |log| log.joints());
+    let path = arguments.logs.first().map_or(Path::new(""), |path| path);
+    let (model_file, model) = given.map_or_else(|| choice.bare(path, first, &session), Ok)?;
+    for (name, log) in names.iter().zip(&session).chain(validate.iter().map(|(name, log)| (name, log))) {
+        check_joints(Path::new(name), log, &model)?;
+    }
+    let held = Held { names, session, validate, model_name: choice.name(model.robot()), model_file };
+    match &model {
+        AnyModel::Six(model) => run_with(arguments, common, &outputs, &held, model),
+        AnyModel::Seven(model) => run_with(arguments, common, &outputs, &held, model),
+    }
+}
 
+/// Logs, and what they are held against.
+struct Held {
+    names: Vec<String>,
+    session: Vec<RobotLog>,
+    validate: Vec<(String, RobotLog)>,
+    model_name: String,
+    model_file: ModelFile,
+}
+
+fn run_with<const N: usize>(
+    arguments: &Diagnose,
+    common: &Common,
+    outputs: &Outputs,
+    held: &Held,
+    model: &Model<N>,
+) -> anyhow::Result<()> {
     // The diagnosis, until it is done or somebody stops it.
     stop_on_signal();
     let progress = StageProgress::new(common.quiet);
     let pool = rayon::ThreadPoolBuilder::new().num_threads(common.threads).build().context("starting the threads")?;
     let settings = DiagnoseSettings { seed: arguments.seed, band_hz: arguments.band_hz };
-    let session: Vec<_> = logs.into_iter().map(|(_, log)| log).collect();
-    let (model_file, model) = given.map_or_else(|| input::bare_model(arguments, &session), Ok)?;
     let result = pool.install(|| {
-        diagnose(&session, &model.to_nominal(), &validate, &settings, &|stage, part| progress.stage(stage, part))
+        let report = |stage: &str, part: f64| progress.stage(stage, part);
+        diagnose(&held.session, &model.to_nominal(), &held.validate, &settings, &report)
     });
     let diagnosis = match result {
         Ok(diagnosis) => diagnosis,
@@ -59,13 +93,13 @@ pub fn run(arguments: &Diagnose, common: &Common) -> anyhow::Result<()> {
         }
         Err(error) => {
             progress.finish();
-            return Err(BadInput(format!("{}: {error}", names(arguments).join(", "))).into());
+            return Err(BadInput(format!("{}: {error}", held.names.join(", "))).into());
         }
     };
 
     // The extended model, what it is worth, and the files.
-    let extended = model_file.extended(&diagnosis.effects());
-    let valid = extended.validate();
+    let extended = held.model_file.extended(&diagnosis.effects());
+    let valid = extended.validate::<N>();
     let mut extras = Extras::default();
     if let Some(asked) = arguments.band_hz.filter(|asked| (asked - diagnosis.band_hz).abs() > 1e-6 * asked) {
         let used = diagnosis.band_hz;
@@ -75,7 +109,7 @@ pub fn run(arguments: &Diagnose, common: &Common) -> anyhow::Result<()> {
         extras.not_cancelled = Believed::by_controller(better).not_cancelled.iter().map(ToString::to_string).collect();
         if arguments.closed_loop {
             progress.stage("closed loop", 0.0);
-            extras.closed_loop = pool.install(|| closed_loop(&model, better, arguments.seed, &mut extras.remarks));
+            extras.closed_loop = pool.install(|| closed_loop(model, better, arguments.seed, &mut extras.remarks));
         }
     }
     progress.finish();
@@ -84,7 +118,7 @@ pub fn run(arguments: &Diagnose, common: &Common) -> anyhow::Result<()> {
     }
     let extended =
         valid.map(|_| extended).map_err(|error| anyhow::anyhow!("the findings make no valid model: {error}"));
-    let written = write(arguments, &outputs, &diagnosis, extended, &mut extras);
+    let written = write(held, outputs, &model.arm, &diagnosis, extended, &mut extras);
 
     if common.json {
         print_json(&document::document(&diagnosis, &extras));
@@ -104,12 +138,13 @@ pub fn run(arguments: &Diagnose, common: &Common) -> anyhow::Result<()> {
     Ok(())
 }
 
-fn names(arguments: &Diagnose) -> Vec<String> {
-    arguments.logs.iter().map(|path| path.display().to_string()).collect()
-}
-
 /// Runs the closed loop where there is a difference to measure.
-fn closed_loop(old: &Model<7>, better: &Model<7>, seed: u64, remarks: &mut Vec<String>) -> Option<ClosedLoopGain> {
+fn closed_loop<const N: usize>(
+    old: &Model<N>,
+    better: &Model<N>,
+    seed: u64,
+    remarks: &mut Vec<String>,
+) -> Option<ClosedLoopGain> {
     if old == better {
         remarks.push("no closed loop: the findings do not change the model".to_owned());
         return None;
@@ -118,20 +153,18 @@ fn closed_loop(old: &Model<7>, better: &Model<7>, seed: u64, remarks: &mut Vec<S
 }
 
 /// Writes the files that were asked for, each whole or not at all.
-fn write(
-    arguments: &Diagnose,
+fn write<const N: usize>(
+    held: &Held,
     outputs: &Outputs,
+    arm: &Arm<N>,
     diagnosis: &Diagnosis,
     extended: anyhow::Result<ModelFile>,
     extras: &mut Extras,
 ) -> anyhow::Result<()> {
     if let Some(path) = &outputs.report {
         let context = ReportContext {
-            logs: names(arguments),
-            model: arguments
-                .model
-                .as_ref()
-                .map_or("bare Panda without friction".to_owned(), |m| m.display().to_string()),
+            logs: held.names.clone(),
+            model: held.model_name.clone(),
             program: format!("tribo {}", env!("CARGO_PKG_VERSION")),
             closed_loop: extras.closed_loop.as_ref().map(|gain| ClosedLoop {
                 cost: [gain.cost_before, gain.cost_after],
@@ -149,7 +182,7 @@ fn write(
                     .push(format!("{}: not written, the next experiment is no motion of its own", path.display()));
             }
             Some(next) => {
-                files::write_trajectory(path, next)?;
+                files::write_trajectory(path, next, arm)?;
                 extras.written.push(("trajectory", path.display().to_string()));
             }
             None => extras.remarks.push(format!("{}: not written, there is no next experiment", path.display())),

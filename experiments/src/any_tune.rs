@@ -1,0 +1,84 @@
+//! What can be done with a campaign of any robot.
+
+use std::path::Path;
+
+use crate::files::FileError;
+use crate::watch::{LoopTimes, TrialColumns, loop_times};
+use crate::{
+    AnyTune, EstimatorError, ParameterSpace, References, TuneConfig, ValidTune, read_trial_log, references,
+    trial_log_path, uncompensated_trial,
+};
+
+impl AnyTune {
+    /// The settings.
+    pub fn config(&self) -> &TuneConfig {
+        match self {
+            Self::Six(tune) => &tune.config,
+            Self::Seven(tune) => &tune.config,
+        }
+    }
+
+    /// The parameters that are tuned.
+    pub fn space(&self) -> &ParameterSpace {
+        match self {
+            Self::Six(tune) => &tune.space,
+            Self::Seven(tune) => &tune.space,
+        }
+    }
+
+    /// Name of the arm.
+    pub fn robot(&self) -> &str {
+        match self {
+            Self::Six(tune) => &tune.trial.model.name,
+            Self::Seven(tune) => &tune.trial.model.name,
+        }
+    }
+
+    /// [`references`].
+    ///
+    /// # Errors
+    /// Those of the estimator.
+    pub fn references(&self) -> Result<References, EstimatorError> {
+        match self {
+            Self::Six(tune) => references(tune),
+            Self::Seven(tune) => references(tune),
+        }
+    }
+
+    /// The log of [`uncompensated_trial`].
+    ///
+    /// # Errors
+    /// Those of the estimator.
+    pub fn uncompensated(&self) -> Result<TrialColumns, EstimatorError> {
+        Ok(match self {
+            Self::Six(tune) => TrialColumns::of(&uncompensated_trial(tune)?.log, &tune.trial.model),
+            Self::Seven(tune) => TrialColumns::of(&uncompensated_trial(tune)?.log, &tune.trial.model),
+        })
+    }
+
+    /// [`loop_times`].
+    ///
+    /// # Errors
+    /// Those of the estimator.
+    pub fn loop_times(&self, theta: &[f64]) -> Result<LoopTimes, EstimatorError> {
+        match self {
+            Self::Six(tune) => loop_times(tune, theta),
+            Self::Seven(tune) => loop_times(tune, theta),
+        }
+    }
+
+    /// The log of a trial in the directory of its campaign.
+    ///
+    /// # Errors
+    /// The log is missing or damaged.
+    pub(crate) fn read_trial(&self, campaign: &Path, number: usize) -> Result<TrialColumns, FileError> {
+        fn read<const N: usize>(tune: &ValidTune<N>, path: &Path) -> Result<TrialColumns, FileError> {
+            Ok(TrialColumns::of(&read_trial_log::<N>(path)?, &tune.trial.model))
+        }
+        let path = trial_log_path(campaign, number);
+        match self {
+            Self::Six(tune) => read(tune, &path),
+            Self::Seven(tune) => read(tune, &path),
+        }
+    }
+}

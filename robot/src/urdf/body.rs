@@ -1,0 +1,91 @@
+//! Rigid bodies: links welded by fixed joints.
+
+use nalgebra::{Matrix3, Rotation3, Vector3};
+use urdf_rs::{JointType, Link, Pose};
+
+use super::UrdfError;
+use super::tree::Tree;
+use crate::{JointPlacement, LinkInertia};
+
+/// Where a frame is in another; the placement of a joint at q = 0 is one.
+pub(super) type Frame = JointPlacement;
+
+/// The same frame.
+pub(super) fn same() -> Frame {
+    Frame { rotation: Matrix3::identity(), translation: Vector3::zeros() }
+}
+
+/// `a_from_c` of `a_from_b` and `b_from_c`.
+pub(super) fn chained(a_from_b: &Frame, b_from_c: &Frame) -> Frame {
+    Frame {
+        rotation: a_from_b.rotation * b_from_c.rotation,
+        translation: a_from_b.rotation * b_from_c.translation + a_from_b.translation,
+    }
+}
+
+/// The frame of an `<origin>`: `RotZ(yaw) RotY(pitch) RotX(roll)`.
+pub(super) fn frame_of(origin: &Pose) -> Option<Frame> {
+    let [[x, y, z], [roll, pitch, yaw]] = [origin.xyz.0, origin.rpy.0];
+    let finite = [x, y, z, roll, pitch, yaw].iter().all(|value| value.is_finite() && value.abs() < 1e6);
+    let rotation = quarter_turns_exact(Rotation3::from_euler_angles(roll, pitch, yaw).into_inner());
+    finite.then_some(Frame { rotation, translation: Vector3::new(x, y, z) })
+}
+
+/// Right angles are the rule in real arms; keep their cosine an exact zero.
+fn quarter_turns_exact(rotation: Matrix3<f64>) -> Matrix3<f64> {
+    rotation.map(|value| if (value - value.round()).abs() < 1e-15 { value.round() } else { value })
+}
+
+const NO_MASS: LinkInertia = LinkInertia {
+    mass_kg: 0.0,
+    com_m: Vector3::new(0.0, 0.0, 0.0),
+    inertia_kg_m2: Matrix3::new(0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0),
+};
+
+/// The `<inertial>` of a link in its own frame; of no mass where there is none.
+fn inertia_of(link: &Link) -> Result<LinkInertia, UrdfError> {
+    let refuse = |field, value: String, allowed| UrdfError::Link { link: link.name.clone(), field, value, allowed };
+    let (mass_kg, i) = (link.inertial.mass.value, &link.inertial.inertia);
+    if !(0.0..=1e6).contains(&mass_kg) {
+        return Err(refuse("mass", mass_kg.to_string(), "0 to 1e6 kg"));
+    }
+    let Some(at) = frame_of(&link.inertial.origin) else {
+        return Err(refuse("origin of <inertial>", format!("{:?}", link.inertial.origin), "finite numbers"));
+    };
+    let inertia_kg_m2 = Matrix3::new(i.ixx, i.ixy, i.ixz, i.ixy, i.iyy, i.iyz, i.ixz, i.iyz, i.izz);
+    // Rounded tables are a little off; what is far off is no inertia of a body.
+    let possible = inertia_kg_m2.iter().all(|value| value.is_finite() && value.abs() < 1e9)
+        && inertia_kg_m2.symmetric_eigenvalues().min() >= -1e-4 * inertia_kg_m2.amax();
+    if !possible {
+        let value = format!("{:?}", [i.ixx, i.ixy, i.ixz, i.iyy, i.iyz, i.izz]);
+        return Err(refuse("inertia", value, "ixx ixy ixz iyy iyz izz of a positive semi-definite matrix"));
+    }
+    Ok(LinkInertia { mass_kg, com_m: Vector3::zeros(), inertia_kg_m2 }.placed(&at.rotation, &at.translation))
+}
+
+/// Everything welded to `link`, which is at `body_from_link`, but for what hangs on the joints of the chain.
+pub(super) fn welded(
+    tree: &Tree,
+    link: &str,
+    body_from_link: Frame,
+    chain: &[usize],
+) -> Result<LinkInertia, UrdfError> {
+    let mut body = NO_MASS;
+    let mut waiting = vec![(link.to_owned(), body_from_link)];
+    while let Some((name, at)) = waiting.pop() {
+        if let Some(link) = tree.link(&name) {
+            body = body.combined(&inertia_of(link)?.placed(&at.rotation, &at.translation));
+        }
+        for (k, joint) in tree.below(&name) {
+            let fixed = joint.joint_type == JointType::Fixed;
+            if !fixed && !chain.contains(&k) {
+                return Err(UrdfError::MovesBeside { joint: joint.name.clone() });
+            }
+            if fixed {
+                let origin = super::joint::origin(joint)?;
+                waiting.push((joint.child.link.clone(), chained(&at, &origin)));
+            }
+        }
+    }
+    Ok(body)
+}

@@ -1,0 +1,121 @@
+//! What in a URDF cannot be used.
+
+/// Why a URDF is no serial arm; names the joint or link to be mended.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum UrdfError {
+    /// Not XML, or not a URDF.
+    #[error("not a URDF: {0}")]
+    Syntax(String),
+    /// A name that is given twice.
+    #[error("{kind} `{name}` is there twice")]
+    Twice {
+        /// `link` or `joint`.
+        kind: &'static str,
+        /// Its name.
+        name: String,
+    },
+    /// A joint whose parent or child is not among the links.
+    #[error("joint `{joint}` refers to link `{link}`, which is not there")]
+    NoSuchLink {
+        /// The joint.
+        joint: String,
+        /// The link.
+        link: String,
+    },
+    /// A link that hangs on two joints: a closed loop.
+    #[error("link `{link}` is the child of joints `{first}` and `{second}`; closed loops are not supported")]
+    TwoParents {
+        /// The link.
+        link: String,
+        /// One joint.
+        first: String,
+        /// The other.
+        second: String,
+    },
+    /// No link, or more than one, that is nobody's child.
+    #[error("{} links are nobody's child ({}); name one as base_link", links.len(), links.join(", "))]
+    NoRoot {
+        /// The links.
+        links: Vec<String>,
+    },
+    /// A base or tip that is not there.
+    #[error("{which} `{name}` is not among the links")]
+    NoSuchEnd {
+        /// `base_link` or `tip_link`.
+        which: &'static str,
+        /// The name.
+        name: String,
+    },
+    /// A tip that does not hang on the base.
+    #[error("tip_link `{tip}` does not hang on base_link `{base}`")]
+    NotConnected {
+        /// The base.
+        base: String,
+        /// The tip.
+        tip: String,
+    },
+    /// More than one way to go on.
+    #[error("the tree branches at link `{link}` into joints {}; name the end of the arm as tip_link", joints.join(", "))]
+    Branch {
+        /// Where.
+        link: String,
+        /// The joints to choose from.
+        joints: Vec<String>,
+    },
+    /// A joint of a kind that arms do not have here.
+    #[error("joint `{joint}` is {kind}; only revolute, continuous and fixed joints are supported")]
+    Kind {
+        /// The joint.
+        joint: String,
+        /// Its kind.
+        kind: &'static str,
+    },
+    /// A joint that moves beside the chain.
+    #[error("joint `{joint}` moves, and is not between base and tip; make it fixed")]
+    MovesBeside {
+        /// The joint.
+        joint: String,
+    },
+    /// A number of a joint that is missing or out of range.
+    #[error("joint `{joint}`: {field} is {value}; allowed: {allowed}")]
+    Joint {
+        /// The joint.
+        joint: String,
+        /// The attribute.
+        field: &'static str,
+        /// Its value.
+        value: String,
+        /// The allowed range.
+        allowed: &'static str,
+    },
+    /// A number of a link that is out of range.
+    #[error("link `{link}`: {field} is {value}; allowed: {allowed}")]
+    Link {
+        /// The link.
+        link: String,
+        /// The attribute.
+        field: &'static str,
+        /// Its value.
+        value: String,
+        /// The allowed range.
+        allowed: &'static str,
+    },
+    /// A joint that moves no mass.
+    #[error("joint `{joint}` moves no mass: give link `{link}` an <inertial> with a mass above 0")]
+    NoInertia {
+        /// The joint.
+        joint: String,
+        /// The link that it moves.
+        link: String,
+    },
+    /// Another number of joints than arms have here.
+    #[error("{found} joints move between `{base}` and `{tip}`; arms have 6 or 7")]
+    Joints {
+        /// How many.
+        found: usize,
+        /// The base.
+        base: String,
+        /// The tip.
+        tip: String,
+    },
+}
