@@ -131,5 +131,5 @@ fn the_layout_is_remembered() {
     let mut window = Window::open(Options { layout, view: None, ..options(dir.path(), None, View::Campaign) });
     assert_ne!(window.shows("Light"), dark);
     window.click("Open");
-    window.must_show("Panda, trial 0");
+    window.must_show("panda, trial 0");
 }
