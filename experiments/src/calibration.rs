@@ -56,20 +56,22 @@ impl Calibration {
         };
         let holds = |log: &LogWrench| log.share_inside(&[0.0; 6]) >= COVERAGE;
         let [mut low, mut high] = FACTORS.map(f64::ln);
-        let mut log = tared(low.exp())?;
-        if holds(&log) {
-            return Ok(done(low.exp(), &log));
+        let narrowest = tared(low.exp())?;
+        if holds(&narrowest) {
+            return Ok(done(low.exp(), &narrowest));
         }
+        let mut held = None;
         for _ in 0..BISECTIONS {
             let middle = 0.5 * (low + high);
-            log = tared(middle.exp())?;
+            let log = tared(middle.exp())?;
             if holds(&log) {
-                high = middle;
+                (high, held) = (middle, Some(log));
             } else {
                 low = middle;
             }
         }
-        Ok(done(high.exp(), &tared(high.exp())?))
+        let log = held.map_or_else(|| tared(high.exp()), Ok)?;
+        Ok(done(high.exp(), &log))
     }
 
     /// Takes the tare off a wrench and widens its intervals.

@@ -38,4 +38,4 @@ pub use compensator::{Bristles, Compensation, Compensator, CompensatorInput, Vel
 pub use effects::{JointEffects, MAX_RIPPLES, Ripple};
 pub use law::{JointFriction, SetValued};
 pub use model::FrictionModel;
-pub use rest::{JointRest, RemainingFriction, RestMemory};
+pub use rest::{JointRest, RemainingFriction, RestMemory, UNBOUNDED_NM2};

@@ -11,7 +11,7 @@ const SLIDING_DOUBT: f64 = 1e-5;
 /// Time over which what a slide leaves is averaged (s): belief and velocity of one sample need not fit each other.
 const SLIDE_S: f64 = 0.02;
 /// Variance that stands for an unlimited one (Nm²).
-const UNBOUNDED_NM2: f64 = 1e9;
+pub const UNBOUNDED_NM2: f64 = 1e9;
 
 /// What a belief leaves of the friction of every joint.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -6,7 +6,7 @@ use tribo_robot::{ControlTerms, EstimateFault, EstimatorInput, SensorFrame, Wren
 use super::{MomentumObserver, OBSERVER_GAIN_RAD_S, PANDA_TORQUE_SD_NM, PANDA_VELOCITY_SD_RAD_S};
 use crate::BandOf;
 use crate::damped_wrench::{damped_wrench, weighted_inverse};
-use tribo_friction::{FrictionBand, RemainingFriction, RestMemory};
+use tribo_friction::{FrictionBand, RemainingFriction, RestMemory, UNBOUNDED_NM2};
 
 /// Settings of [`MomentumEstimator`].
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -139,13 +139,10 @@ impl<const N: usize> MomentumEstimator<N> {
             middle * middle + 0.5 * half_width * half_width
         });
         // A joint of unlimited friction says nothing.
-        let variance_nm2 = (spread + noise).map(|variance| if variance.is_finite() { variance } else { UNKNOWN_NM2 });
+        let variance_nm2 = (spread + noise).map(|variance| if variance.is_finite() { variance } else { UNBOUNDED_NM2 });
         RemainingFriction { variance_nm2, ..RemainingFriction::none() }
     }
 }
-
-/// Variance that stands for an unlimited one (Nm²).
-const UNKNOWN_NM2: f64 = 1e9;
 
 impl<const N: usize> WrenchEstimator<N> for MomentumEstimator<N> {
     fn reset(&mut self, frame: &SensorFrame<N>, terms: &ControlTerms<N>) {

@@ -1,7 +1,7 @@
 //! Wrench from the residual less the friction of warm joints.
 
 use nalgebra::{Matrix6, SMatrix, SVector, Vector6};
-use tribo_friction::{JointBand, JointRest, RemainingFriction};
+use tribo_friction::{JointBand, JointRest};
 use tribo_robot::{ControlTerms, EstimateFault, EstimatorInput, SensorFrame, Wrench, WrenchEstimate, WrenchEstimator};
 
 use super::{ContactGate, FrictionSample, TemperatureObserver, ThermalSettings, ThermalSettingsError};
@@ -24,8 +24,8 @@ struct Belief<const N: usize> {
     lagged: SVector<f64, N>,
     /// ∂/∂T, late [Nm/K].
     slope: SVector<f64, N>,
-    /// Variance of its error, temperature aside, late; its mean is in the friction itself.
-    error: RemainingFriction<N>,
+    /// Variance of its error, temperature aside, late (Nm²).
+    variance: SVector<f64, N>,
     /// What the joints keep of their last slide.
     rest: [JointRest; N],
 }
@@ -33,8 +33,7 @@ struct Belief<const N: usize> {
 impl<const N: usize> Belief<N> {
     fn none() -> Self {
         let zero = SVector::zeros();
-        let (error, rest) = (RemainingFriction::none(), [JointRest::default(); N]);
-        Self { now: zero, lagged: zero, slope: zero, error, rest }
+        Self { now: zero, lagged: zero, slope: zero, variance: zero, rest: [JointRest::default(); N] }
     }
 }
 
@@ -157,7 +156,7 @@ impl<const N: usize> ThermalEstimator<N> {
     /// Friction at this sample, low-passed like the residual; the mean of both ends of the period, like its bias.
     #[inline]
     fn believe(&self, qd: &SVector<f64, N>, compensation: &SVector<f64, N>, dt_s: f64, share: f64) -> Belief<N> {
-        let (mut belief, mut error) = (self.belief, RemainingFriction::none());
+        let mut belief = self.belief;
         for j in 0..N {
             let (law, t) = (self.settings.joints[j].law(), self.observers[j].temperature_c());
             let sliding = law.torque_nm(qd[j], t);
@@ -173,13 +172,12 @@ impl<const N: usize> ThermalEstimator<N> {
             let now = left + compensated;
             let s = &self.settings.observer;
             let noise = (s.model_error * now).powi(2) + s.friction_sd_nm.powi(2);
-            error.variance_nm2[j] = spread + noise;
+            belief.variance[j] += (spread + noise - belief.variance[j]) * share;
             let mean = 0.5 * (belief.now[j] + now);
             belief.lagged[j] += share * (mean - belief.lagged[j]);
             belief.slope[j] += share * (law.slope_nm_per_k(qd[j], t) - belief.slope[j]);
             belief.now[j] = now;
         }
-        belief.error.follow(&error, share);
         belief
     }
 
@@ -194,7 +192,7 @@ impl<const N: usize> ThermalEstimator<N> {
     #[inline]
     fn residual_covariance(&self, noise: &SMatrix<f64, N, N>, belief: &Belief<N>) -> SMatrix<f64, N, N> {
         let by_temperature = |j: usize| belief.slope[j].powi(2) * self.observers[j].variance_k2();
-        noise + SMatrix::from_diagonal(&SVector::from_fn(|j, _| belief.error.variance_nm2[j] + by_temperature(j)))
+        noise + SMatrix::from_diagonal(&SVector::from_fn(|j, _| belief.variance[j] + by_temperature(j)))
     }
 
     /// Gate, heat and observers, after the estimate of this tick is accepted.

@@ -1,11 +1,9 @@
 //! Franka Research 3, seven joints.
 
-use nalgebra::{Matrix3, SVector, Vector3};
-use std::f64::consts::{FRAC_PI_2, FRAC_PI_4};
+use nalgebra::SVector;
 
-use super::panda::{DH, FLANGE_D_M, PANDA_JOINT_STIFFNESS_NM_PER_RAD, ROTOR_INERTIA};
-use super::{Link, Preset, links};
-use crate::{Arm, JointPlacement, Limits, ModifiedDh};
+use super::{Link, Preset, links, panda, panda_preset};
+use crate::{Arm, Limits};
 
 /// Links. Source: franka_description `robots/fr3/inertials.yaml` (the vendor's own, axes of the link frames).
 const LINKS: [Link; 7] = [
@@ -97,38 +95,25 @@ const LINKS: [Link; 7] = [
 
 /// The FR3 without payload; flange 0.107 m beyond joint 7.
 ///
-/// Kinematics as the Panda's (franka_description: one file for both). Limits of position, speed and torque from
-/// franka_description `robots/fr3/joint_limits.yaml`; torque rate from libfranka `rate_limiting.h`. Rotor inertia as
-/// the vendor gives it (see the Panda).
+/// Kinematics as the Panda's (franka_description: one file for both). Limits of position and speed from
+/// franka_description `robots/fr3/joint_limits.yaml`, which has the Panda's for torque; torque rate and rotor inertia are the Panda's too.
 pub fn fr3() -> Arm<7> {
+    let panda = panda();
     Arm {
         name: "fr3".to_owned(),
-        placements: DH.map(|(a_m, d_m, alpha_rad)| JointPlacement::from(ModifiedDh { a_m, d_m, alpha_rad })),
         links: links(&LINKS),
-        link_from_flange_rotation: Matrix3::identity(),
-        link_from_flange_translation: Vector3::new(0.0, 0.0, FLANGE_D_M),
-        rotor_inertia_kg_m2: SVector::from(ROTOR_INERTIA),
         limits: Limits {
             q_min_rad: SVector::from([-2.7437, -1.7837, -2.9007, -3.0421, -2.8065, 0.5445, -3.0159]),
             q_max_rad: SVector::from([2.7437, 1.7837, 2.9007, -0.1518, 2.8065, 4.5169, 3.0159]),
             qd_max_rad_s: SVector::from([2.62, 2.62, 2.62, 2.62, 5.26, 4.18, 5.26]),
-            tau_max_nm: SVector::from([87.0, 87.0, 87.0, 87.0, 12.0, 12.0, 12.0]),
-            tau_rate_max_nm_s: SVector::repeat(1000.0),
+            ..panda.limits
         },
-        gravity_m_s2: Vector3::new(0.0, 0.0, -9.81),
+        ..panda
     }
 }
 
-/// The FR3 with its poses: the vendor's ready pose and the Panda's two others. Joint stiffness: the assumption made for
+/// The FR3 with the Panda's poses, the first being the vendor's ready pose of both. Joint stiffness: the assumption made for
 /// the Panda.
 pub(super) fn preset() -> Preset<7> {
-    Preset {
-        arm: fr3(),
-        poses_rad: [
-            SVector::from([0.0, -FRAC_PI_4, 0.0, -3.0 * FRAC_PI_4, 0.0, FRAC_PI_2, FRAC_PI_4]),
-            SVector::from([0.4, -0.3, 0.2, -2.0, 0.3, 1.9, 0.5]),
-            SVector::from([-0.5, 0.1, -0.3, -1.8, -0.2, 1.8, 1.0]),
-        ],
-        joint_stiffness_nm_per_rad: PANDA_JOINT_STIFFNESS_NM_PER_RAD,
-    }
+    Preset { arm: fr3(), ..panda_preset() }
 }

@@ -7,7 +7,7 @@ use super::{Preset, links};
 use crate::{Arm, JointPlacement, Limits, ModifiedDh};
 
 /// Modified DH rows (a (m), d (m), alpha (rad)). Source: vendor kinematics (franka_description), the same for Panda and FR3.
-pub(super) const DH: [(f64, f64, f64); 7] = [
+const DH: [(f64, f64, f64); 7] = [
     (0.0, 0.333, 0.0),
     (0.0, 0.0, -FRAC_PI_2),
     (0.0, 0.316, FRAC_PI_2),
@@ -18,7 +18,7 @@ pub(super) const DH: [(f64, f64, f64); 7] = [
 ];
 
 /// Distance of the flange from joint 7 along its axis (m).
-pub(super) const FLANGE_D_M: f64 = 0.107;
+const FLANGE_D_M: f64 = 0.107;
 
 /// (mass, CoM, inertia about the CoM as xx xy xz yy yz zz). Source: Gaz et al., RA-L 2019, feasible parameter set.
 const LINKS: [super::Link; 7] = [
