@@ -24,6 +24,7 @@ const EXAMPLES: &str = "Examples:
   tribo tune --resume --out campaigns/0001     go on with a campaign that was stopped
   tribo ask campaigns/mine --out next.yaml     parameters to try on your own robot …
   tribo tell campaigns/mine trial.csv          … and what came of them
+  tribo study STUDY.yaml --shard 1/4           compare strategies over many campaigns; one slice of four
   tribo export campaigns/0001 --format json    the tuned compensator
   tribo dashboard campaigns/0001               look at it, also while it runs
   tribo report campaigns/0001                  the campaign as one HTML file
@@ -88,6 +89,12 @@ pub enum Command {
     ///
     /// A campaign that another process runs is followed through its journal. Watching changes no result.
     Dashboard(Dashboard),
+    /// Compare strategies, estimators and truths over a grid of campaigns, on one machine or many.
+    ///
+    /// Every finished campaign is one file, so that a killed study goes on when it is started again, and slices merge by living in
+    /// one directory. Whoever finishes the last one writes results.json and report.html. In a Slurm array (sbatch --array) or an
+    /// indexed Kubernetes job each task takes its slice by itself.
+    Study(Study),
     /// Rerun the experiments of a paper and print their table.
     Reproduce(Reproduce),
     /// Print a shell completion script.
@@ -158,7 +165,7 @@ pub struct CampaignSettings {
     #[arg(long, value_parser = PossibleValuesParser::new(["ekf", "momentum", "qp", "thermal", "double_encoder"]))]
     pub residual: Option<String>,
     /// What chooses the next parameters.
-    #[arg(long, value_parser = PossibleValuesParser::new(["zero", "gaz", "random", "sobol", "paper", "bo", "iterative_learning", "grey_box"]))]
+    #[arg(long, value_parser = PossibleValuesParser::new(["zero", "gaz", "random", "sobol", "paper", "bo", "cma_es", "iterative_learning", "grey_box"]))]
     pub strategy: Option<String>,
     /// Number of trials.
     #[arg(long, allow_negative_numbers = true)]
@@ -216,7 +223,7 @@ pub struct Tell {
     /// The trial [default: the one that is running].
     #[arg(long, value_name = "N")]
     pub trial: Option<usize>,
-    /// The trial was stopped, and why: acceleration, error, joint_limit, joint_speed, torque_saturation, nullspace_runaway, or in
+    /// The trial was stopped, and why: acceleration, error, joint_limit, joint_speed, torque_saturation, nullspace_runaway, stopped, or in
     /// your words.
     #[arg(long, value_name = "REASON")]
     pub failed: Option<String>,
@@ -409,6 +416,19 @@ fn picture_size(text: &str) -> Result<[usize; 2], String> {
     sides
         .filter(|sides: &[usize; 2]| sides.iter().all(|side| (320..=7680).contains(side)))
         .ok_or_else(|| "expected WIDTHxHEIGHT with sides of 320 to 7680".to_owned())
+}
+
+/// Arguments of `study`.
+#[derive(Debug, Args)]
+pub struct Study {
+    /// The grid (YAML, schema tribo.study/1).
+    pub study: PathBuf,
+    /// Directory of the study [default: that of STUDY.yaml without .yaml].
+    #[arg(long, value_name = "DIR")]
+    pub out: Option<PathBuf>,
+    /// Compute slice K of N, K from 1 [default: the task of the job array, else everything].
+    #[arg(long, value_name = "K/N")]
+    pub shard: Option<String>,
 }
 
 /// Arguments of `reproduce`.

@@ -34,6 +34,7 @@ fn main() -> ExitCode {
         Command::Export(export) => command::export::run(&export, &common),
         Command::Dashboard(dashboard) => command::dashboard::run(&dashboard),
         Command::Report(report) => command::report::run(&report, &common),
+        Command::Study(study) => command::study::run(&study, &common),
         Command::Reproduce(reproduce) => command::reproduce::run(&reproduce, &common),
         Command::Completions { shell } => command::shell::completions(shell),
         Command::Man => command::shell::man_page(),

@@ -4,6 +4,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use indicatif::{ProgressBar, ProgressStyle};
 use tribo_experiments::strategy::FinishedTrial;
+use tribo_experiments::study::{Cell, StudyProgress};
 use tribo_experiments::{CampaignObserver, References};
 
 /// Set by Ctrl-C and SIGTERM: the campaign ends after the trials that are running.
@@ -58,6 +59,44 @@ impl CampaignObserver for TrialProgress {
         }
         let failed = if self.failed > 0 { format!(", {} failed", self.failed) } else { String::new() };
         self.bar.set_message(format!("best J {:.2} (oracle {:.2}){failed}", self.best, self.oracle));
+        self.bar.inc(1);
+    }
+
+    fn stop_requested(&mut self) -> bool {
+        STOP.load(Ordering::SeqCst)
+    }
+}
+
+/// A progress bar over the cells of a study. Hidden when standard error is not a terminal or `--quiet` is given.
+pub struct CellProgress {
+    bar: ProgressBar,
+}
+
+impl CellProgress {
+    /// A bar that does not know its length yet.
+    pub fn new(quiet: bool) -> Self {
+        let bar = if quiet { ProgressBar::hidden() } else { ProgressBar::new(0) };
+        if let Ok(style) = ProgressStyle::with_template("{bar:30} {pos}/{len} cells  {elapsed}  eta {eta}") {
+            bar.set_style(style);
+        }
+        Self { bar }
+    }
+
+    /// Takes the bar off the screen.
+    pub fn finish(&self) {
+        self.bar.finish_and_clear();
+    }
+}
+
+impl StudyProgress for CellProgress {
+    fn begin(&mut self, cells: usize, finished: usize) {
+        self.bar.set_length(cells as u64);
+        self.bar.set_position(finished as u64);
+        // What was there before says nothing about the time to come.
+        self.bar.reset_eta();
+    }
+
+    fn finished(&mut self, _cell: &Cell) {
         self.bar.inc(1);
     }
 

@@ -79,6 +79,7 @@ fn run<const N: usize>(believed: &Believed<N>, truth: &Model<N>, seed: u64) -> R
         reference: SinusoidReference::paper(centre, PAPER_PHASES_RAD),
         velocity: VelocitySource::Hybrid,
         limits: PenaltyLimits::default(),
+        stopped_at_s: None,
         dt_s: 1e-3,
     }
     .believing(believed);

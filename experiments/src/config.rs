@@ -76,6 +76,8 @@ pub struct TuneConfig {
     pub model_content: Option<ModelFile>,
     /// What the controller's model gets wrong.
     pub model_error: ModelError,
+    /// Share of the simulated trials that are stopped at a random moment, as people and safety controllers do.
+    pub failure_rate: f64,
     /// Configuration about which the tool moves: 0, 1, 2.
     pub pose: usize,
     /// Phases of the reference.
@@ -114,6 +116,7 @@ impl Default for TuneConfig {
             model: None,
             model_content: None,
             model_error: ModelError::default(),
+            failure_rate: 0.0,
             pose: 0,
             phases: Phases::Documented,
             sub_steps: DEFAULT_SUB_STEPS,
@@ -241,6 +244,7 @@ impl TuneConfig {
         FieldError::check("model_error.payload_kg", self.model_error.payload_kg, 0.0, 20.0)?;
         FieldError::check("model_error.link_mass_error", self.model_error.link_mass_error, 0.0, 0.5)?;
         FieldError::check("model_error.noise_factor", self.model_error.noise_factor, 0.0, 1000.0)?;
+        FieldError::check("failure_rate", self.failure_rate, 0.0, 0.9)?;
         let i = &self.impedance;
         positive("impedance.mass_kg", i.mass_kg, 1e3)?;
         positive("impedance.inertia_kg_m2", i.inertia_kg_m2, 1e3)?;
@@ -314,6 +318,7 @@ impl TuneConfig {
             reference: SinusoidReference::paper(centre, phase_rad),
             velocity: self.velocity,
             limits: self.limits,
+            stopped_at_s: None,
             dt_s: 1e-3,
         };
         let trial = believed.as_ref().map_or(trial.clone(), |believed| trial.believing(believed));

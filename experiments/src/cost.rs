@@ -27,6 +27,11 @@ impl Cost {
         self.max.iter().sum::<f64>() + self.mean.iter().sum::<f64>() + self.penalty
     }
 
+    /// ξ/T, the part of the trial that was judged before it was aborted; 1 of one that was not.
+    pub fn part_seen(&self) -> f64 {
+        if self.penalty > 0.0 { (BARRIER / self.penalty).ln() } else { 1.0 }
+    }
+
     /// The parts as named numbers: `max_force max_moment mean_force mean_moment penalty`.
     pub fn parts(&self) -> [(&'static str, f64); 5] {
         let sum = |x: &[f64]| x.iter().sum::<f64>();
@@ -89,5 +94,7 @@ mod tests {
         assert!((cost.parts().iter().map(|part| part.1).sum::<f64>() - cost.total()).abs() < 1e-12);
         assert!((accumulator.finish(Some(30.0), 30.0).penalty - 1000.0 / std::f64::consts::E).abs() < 1e-9);
         assert_eq!(accumulator.finish(Some(-1.0), 30.0).penalty, 1000.0);
+        assert!((accumulator.finish(Some(12.0), 30.0).part_seen() - 0.4).abs() < 1e-12);
+        assert_eq!((cost.part_seen(), accumulator.finish(Some(-1.0), 30.0).part_seen()), (1.0, 0.0));
     }
 }

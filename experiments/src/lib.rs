@@ -49,6 +49,7 @@ pub mod scenario;
 mod simulate;
 mod stored_logs;
 pub mod strategy;
+pub mod study;
 mod switched_off;
 mod transmission_friction;
 mod trial;

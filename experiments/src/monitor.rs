@@ -63,6 +63,9 @@ pub enum AbortReason {
     /// A signal was NaN or infinite.
     #[error("signal not finite")]
     NotFinite,
+    /// Somebody stopped it, or something that does not depend on the parameters.
+    #[error("stopped from outside")]
+    Stopped,
     /// Another reason of somebody who ran the trial elsewhere.
     #[error("reported by its user")]
     Reported,

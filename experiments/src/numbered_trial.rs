@@ -25,7 +25,13 @@ impl<const N: usize> ValidTune<N> {
         if let Some(warm_up) = &mut trial.truth.warm_up {
             warm_up.operated_s = number as f64 * trial.reference.total_s();
         }
-        (trial, noise_seed(self.config.seed, number as u64))
+        let seed = noise_seed(self.config.seed, number as u64);
+        // Two further draws of the same stream: whether somebody stops this trial, and when.
+        let [whether, when] = [1, 2].map(|draw| unit(noise_seed(seed, draw)));
+        if whether < self.config.failure_rate {
+            trial.stopped_at_s = Some(when * trial.reference.duration_s);
+        }
+        (trial, seed)
     }
 }
 
@@ -37,6 +43,11 @@ pub(crate) fn run_estimated<const N: usize>(
 ) -> Result<TrialOutcome<N>, EstimatorError> {
     let estimator = AnyEstimator::for_tuning(tune.config.residual, tune.config.ekf, &trial.model, friction)?;
     Ok(run_trial(trial, friction, estimator, seed))
+}
+
+/// The upper 53 bits as a number in [0, 1).
+fn unit(bits: u64) -> f64 {
+    (bits >> 11) as f64 * (1.0 / (1_u64 << 53) as f64)
 }
 
 /// SplitMix64 of seed and stream: neighbouring trials get unrelated noise.

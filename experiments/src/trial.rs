@@ -35,6 +35,8 @@ pub struct Trial<const N: usize> {
     pub velocity: VelocitySource,
     /// Limits that end a trial.
     pub limits: PenaltyLimits,
+    /// When somebody stops it, in time of the judged part (s).
+    pub stopped_at_s: Option<f64>,
     /// Control period (s).
     pub dt_s: f64,
 }
@@ -120,7 +122,8 @@ pub fn run_trial_observed<const N: usize, E: WrenchEstimator<N>>(
         let record = control.tick(&mut plant);
         observe(&record, &plant);
         let time_s = (tick as f64 - judged_from as f64) * trial.dt_s;
-        if let Some(reason) = monitor.check(&record) {
+        let stopped = trial.stopped_at_s.is_some_and(|at_s| time_s >= at_s).then_some(AbortReason::Stopped);
+        if let Some(reason) = monitor.check(&record).or(stopped) {
             violation = Some((reason, time_s));
             break;
         }

@@ -10,6 +10,7 @@ pub mod report;
 pub mod reproduce;
 pub mod shell;
 pub mod simulate;
+pub mod study;
 pub mod tell;
 mod transmission;
 pub mod tune;

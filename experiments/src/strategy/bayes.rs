@@ -3,7 +3,7 @@
 use tribo_bayesopt::{Domain, History, Observation, Outcome, Phase, Settings, suggest};
 
 use super::{FinishedTrial, LogSource, Origin, Past, Proposal, RunningTrial, Strategy, StrategyError};
-use crate::ParameterSpace;
+use crate::{AbortReason, ParameterSpace};
 
 /// A search by the optimiser's ask and tell on the cost alone.
 pub(super) struct Search {
@@ -51,15 +51,24 @@ impl<const N: usize> Strategy<N> for Search {
     }
 }
 
-/// Trials as the optimiser takes them, by number: an aborted one has failed, its penalised cost beside it.
+/// Part of a trial that tells its cost well enough: its mean is known, and its maxima have most likely been met.
+const TELLING_PART: f64 = 0.3;
+
+/// Trials as the optimiser takes them, by number: an aborted one has failed, its penalised cost beside it. One that was stopped
+/// for reasons of its own says nothing against its parameters: what was seen of it counts without penalty, and a glimpse
+/// counts for nothing.
 pub(crate) fn observations(finished: &[FinishedTrial], running: &[RunningTrial]) -> History {
-    let finished = finished.iter().map(|trial| {
-        let cost = trial.cost.total();
+    let finished = finished.iter().filter_map(|trial| {
+        let cost = &trial.cost;
         let outcome = match trial.aborted {
-            None => Outcome::Value(cost),
-            Some(_) => Outcome::Failed { value: Some(cost) },
+            None => Outcome::Value(cost.total()),
+            Some(AbortReason::Stopped) if cost.part_seen() >= TELLING_PART => {
+                Outcome::Value(cost.total() - cost.penalty)
+            }
+            Some(AbortReason::Stopped) => return None,
+            Some(_) => Outcome::Failed { value: Some(cost.total()) },
         };
-        (trial.number, Observation { point: trial.theta.clone(), outcome })
+        Some((trial.number, Observation { point: trial.theta.clone(), outcome }))
     });
     let running = running
         .iter()

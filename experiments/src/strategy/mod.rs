@@ -2,6 +2,7 @@
 
 mod baseline;
 mod bayes;
+mod cma_es;
 mod grey_box;
 mod iterative_learning;
 
@@ -34,6 +35,8 @@ pub enum StrategyName {
     Paper,
     /// Bayesian optimisation grown from zero compensation: ARD Matérn-5/2, LogEI, capped log cost.
     Bo,
+    /// Covariance matrix adaptation from the centre of the box.
+    CmaEs,
     /// Iterative learning with fixed gains from the motion alone, the baseline of roveda2022.
     IterativeLearning,
     /// Least squares on the logs of past trials, then local Bayesian optimisation of what is left.
@@ -120,6 +123,9 @@ pub enum StrategyError {
     /// Friction could not be identified.
     #[error("identification: {0}")]
     Identification(#[from] GlsError),
+    /// The evolution strategy cannot begin.
+    #[error("CMA-ES: {0}")]
+    CmaEs(String),
     /// The campaign's estimator cannot be had.
     #[error(transparent)]
     Estimator(#[from] EstimatorError),
@@ -158,6 +164,7 @@ impl StrategyName {
             Self::Sobol => Box::new(bayes::Search::sobol(space, seed)?),
             Self::Paper => Box::new(bayes::Search::paper(space, seed, tune.config.init)?),
             Self::Bo => Box::new(bayes::Search::bo(space, seed, tune.config.init)?),
+            Self::CmaEs => Box::new(cma_es::CmaEs::new(space, seed)?),
             Self::IterativeLearning => Box::new(iterative_learning::IterativeLearning::new(space.clone())),
             Self::GreyBox => Box::new(GreyBox::new(tune)?),
         })

@@ -1,0 +1,184 @@
+//! The grid of a study.
+
+use std::path::Path;
+
+use serde::{Deserialize, Serialize};
+
+use super::cell::{Cell, Work};
+use crate::files::{FieldError, FileError, ModelFile, YamlDocument};
+use crate::robot::POSES;
+use crate::scenario::{TruthName, freeze};
+use crate::strategy::StrategyName;
+use crate::{ConfigError, EstimatorName, Phases, TuneConfig, TunedLaw};
+
+/// Schema name of studies.
+const SCHEMA: &str = "tribo.study/1";
+
+/// Campaigns over seeds, poses, truths, strategies and estimators: `schema: tribo.study/1`.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Study {
+    /// `tribo.study/1`.
+    pub schema: String,
+    /// Seeds 1 to this one.
+    pub seeds: u64,
+    /// Poses.
+    #[serde(default = "first_pose")]
+    pub poses: Vec<usize>,
+    /// Truths, and the law tuned on each.
+    pub cases: Vec<Case>,
+    /// Strategies and their budgets; the others are tested against the first.
+    pub strategies: Vec<Budget>,
+    /// Estimators whose wrench is the cost.
+    #[serde(default = "ekf_alone")]
+    pub estimators: Vec<EstimatorName>,
+    /// Runs over which the reference costs of a campaign are averaged; one alone repeats to 2–3 %.
+    #[serde(default = "three_runs")]
+    pub oracle_runs: u64,
+    /// Everything else, as in `tribo.tune/1`, the same in all campaigns.
+    #[serde(default)]
+    pub settings: TuneConfig,
+}
+
+fn first_pose() -> Vec<usize> {
+    vec![0]
+}
+
+fn ekf_alone() -> Vec<EstimatorName> {
+    vec![EstimatorName::Ekf]
+}
+
+fn three_runs() -> u64 {
+    3
+}
+
+/// A truth and the law tuned on it.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Case {
+    /// What the simulated arm is like.
+    pub truth: TruthName,
+    /// Friction law of the compensator.
+    pub friction: TunedLaw,
+    /// Content of the file that `truth` names, as it was when the study began.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub truth_content: Option<ModelFile>,
+}
+
+impl Case {
+    /// `lugre tuned as coulomb_viscous`, or the truth alone where it is the law.
+    pub fn name(&self) -> String {
+        let law = serde_json::to_value(self.friction).ok();
+        let law = law.as_ref().and_then(|law| law.as_str()).unwrap_or_default();
+        let truth = String::from(self.truth.clone());
+        if truth == law { truth } else { format!("{truth}, tuned as {law}") }
+    }
+}
+
+/// A strategy and its budget.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Budget {
+    /// The strategy.
+    pub strategy: StrategyName,
+    /// Trials per campaign.
+    pub trials: usize,
+}
+
+impl Study {
+    /// Reads a study and the files that it names, and checks every field.
+    ///
+    /// # Errors
+    /// A file that cannot be used; the first field out of its range.
+    pub fn read(path: &Path) -> Result<Self, FileError> {
+        let document = YamlDocument::read(path)?;
+        let mut study: Self = document.parse()?;
+        match study.validate() {
+            Ok(()) => Ok(study),
+            Err(ConfigError::Field(field)) => Err(document.explain(field)),
+            Err(ConfigError::File(error)) => Err(error),
+        }
+    }
+
+    fn validate(&mut self) -> Result<(), ConfigError> {
+        if self.schema != SCHEMA {
+            return Err(FieldError::new("schema", &self.schema, SCHEMA).into());
+        }
+        FieldError::check("seeds", self.seeds as f64, 1.0, 10_000.0)?;
+        FieldError::check("oracle_runs", self.oracle_runs as f64, 1.0, 100.0)?;
+        for (field, empty) in [
+            ("poses", self.poses.is_empty()),
+            ("cases", self.cases.is_empty()),
+            ("strategies", self.strategies.is_empty()),
+            ("estimators", self.estimators.is_empty()),
+        ] {
+            if empty {
+                return Err(FieldError::new(field, "[]", "one or more").into());
+            }
+        }
+        for (k, budget) in self.strategies.iter().enumerate() {
+            FieldError::check(&format!("strategies.{k}.trials"), budget.trials as f64, 1.0, 10_000.0)?;
+            if self.strategies[..k].contains(budget) {
+                return Err(FieldError::new(format!("strategies.{k}.strategy"), "there twice", "once").into());
+            }
+        }
+        if let Some((k, pose)) = self.poses.iter().enumerate().find(|(_, pose)| **pose >= POSES) {
+            return Err(FieldError::new(format!("poses.{k}"), pose, format!("0 to {}", POSES - 1)).into());
+        }
+        if self.settings.user_trials.is_some() {
+            return Err(FieldError::new("settings.user_trials", "there", "nothing: a study is simulated").into());
+        }
+        // What the settings name is read once, here, so that all shards see the same.
+        freeze(self.settings.model.as_ref(), &mut self.settings.model_content)?;
+        for case in &mut self.cases {
+            freeze(case.truth.path(), &mut case.truth_content)?;
+        }
+        if self.settings.robot.is_some() {
+            self.settings.load()?;
+        }
+        self.settings.phases = Phases::Random;
+        // Every kind of cell once: what cannot run is found before anything does.
+        let mut kinds: Vec<Cell> = self.cells();
+        kinds.retain(|cell| cell.seed == 1);
+        kinds.iter().try_for_each(|cell| self.config_of(cell).validate_any().map(|_| ()))
+    }
+
+    /// All cells, in the order of tables.
+    pub fn cells(&self) -> Vec<Cell> {
+        let mut cells = Vec::new();
+        for case in 0..self.cases.len() {
+            for estimator in 0..self.estimators.len() {
+                for &pose in &self.poses {
+                    for seed in 1..=self.seeds {
+                        let campaigns = (0..self.strategies.len()).map(Work::Campaign);
+                        let work = std::iter::once(Work::References).chain(campaigns);
+                        cells.extend(work.map(|work| Cell { case, estimator, pose, seed, work }));
+                    }
+                }
+            }
+        }
+        cells
+    }
+
+    /// Settings of the campaign of a cell. Strategies see the same robot, motion and noise: they are compared in pairs.
+    pub fn config_of(&self, cell: &Cell) -> TuneConfig {
+        let case = &self.cases[cell.case];
+        let config = TuneConfig {
+            // Poses of one seed differ in phases and noise too.
+            seed: cell.seed * 10 + cell.pose as u64,
+            friction: case.friction,
+            truth: case.truth.clone(),
+            truth_content: case.truth_content.clone(),
+            pose: cell.pose,
+            residual: self.estimators[cell.estimator],
+            ..self.settings.clone()
+        };
+        match cell.work {
+            Work::References => config,
+            Work::Campaign(strategy) => {
+                let Budget { strategy, trials } = self.strategies[strategy];
+                TuneConfig { strategy, trials, ..config }
+            }
+        }
+    }
+}
