@@ -69,7 +69,9 @@ pub enum Command {
     ///
     /// CSV is converted in batches of rows: an hour at 1 kHz takes no more memory than a minute.
     Convert(Convert),
-    /// Write tuned parameters for another program.
+    /// Write a tuned compensator for another program.
+    ///
+    /// What the format cannot say is told, with the torque that it is worth, on standard error, in the file and with --json.
     Export(Export),
     /// Write a campaign, finished or running, as one HTML file with all figures; it needs no script and no network.
     Report(Report),
@@ -280,11 +282,18 @@ pub struct Export {
     /// A campaign directory or a tuned.yaml.
     pub source: PathBuf,
     /// What to write.
-    #[arg(long, value_parser = PossibleValuesParser::new(["yaml", "json"]))]
+    ///
+    /// yaml and json: tuned.yaml as it is. c and rust: the compensator as source without dependencies. ros2: a parameter file
+    /// for a controller of yours. crisp: friction parameters of crisp_controllers. urdf and mjcf: the robot with its friction.
+    #[arg(long, value_parser = PossibleValuesParser::new(["yaml", "json", "ros2", "crisp", "urdf", "mjcf", "c", "rust"]))]
     pub format: String,
     /// File to write [default: standard output].
     #[arg(long, value_name = "FILE")]
     pub out: Option<PathBuf>,
+    /// What the target calls it: the node (ros2: friction_compensator, crisp: cartesian_impedance_controller), the prefix of
+    /// identifiers (c: tribo), the model (urdf, mjcf: the robot's name).
+    #[arg(long, value_name = "NAME")]
+    pub name: Option<String>,
 }
 
 /// Arguments of `report`.

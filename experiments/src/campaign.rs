@@ -299,7 +299,7 @@ fn write_tuned<const N: usize>(
     let compensator: Compensator<N> = Compensator::new(tune.space.friction(theta), tune.config.velocity);
     let mut file =
         TunedFile::new(&compensator, &tune.trial.model.name, tune.config.seed, best, result.references.uncompensated);
-    file.model.clone_from(&tune.config.model_content);
+    file.model = tune.config.model_content.as_ref().or(tune.config.robot_content.as_ref()).cloned();
     let path = directory.join("tuned.yaml");
     let text = to_yaml(&file).map_err(FileError::io(&path))?;
     Ok(write_atomic(&path, |file| file.write_all(text.as_bytes()))?)

@@ -36,6 +36,7 @@ pub struct TunedFile {
     /// The compensator's friction law; `smoothing_rad_s` is the width of its smooth sign.
     pub friction: FrictionSection,
     /// The model that the controller believed: its arm, and its effects on top of the law; none is the preset's bare arm.
+    /// An arm from a URDF is always here.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub model: Option<ModelFile>,
 }
@@ -77,7 +78,7 @@ impl TunedFile {
     }
 
     /// Number of joints of the robot.
-    fn joints(&self) -> usize {
+    pub fn joints(&self) -> usize {
         joints_of_preset(&self.robot).unwrap_or(self.friction.joints.len())
     }
 
