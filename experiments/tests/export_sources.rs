@@ -230,6 +230,23 @@ fn a_velocity_that_is_not_a_number_does_what_the_header_says() {
     }
 }
 
+/// A robot may be called anything.
+#[test]
+fn odd_names_stay_in_the_comment() {
+    let at = tempfile::tempdir().expect("a directory");
+    let at = at.path();
+    for (k, name) in ["a*/ int x;\n/* b", "??/\\", "\u{202e}τ\r\n#error", "//", "\" ' {} %s"].into_iter().enumerate() {
+        let tuned = tuned(name, laws::<7>()[0], SOURCES[2]);
+        std::fs::write(at.join("v.h"), exported(&tuned, Format::C, None).text).expect("written");
+        std::fs::write(at.join("main.c"), "#include \"v.h\"\nint main(void) { return TRIBO_JOINTS - 7; }\n")
+            .expect("written");
+        output(at, "cc", &["-std=c99", "-Wall", "-Wextra", "-Werror", "-pedantic", "main.c", "-o", "program", "-lm"]);
+        std::fs::write(at.join("v.rs"), exported(&tuned, Format::Rust, None).text).expect("written");
+        std::fs::write(at.join("main.rs"), "#![deny(warnings)]\npub mod v;\n").expect("written");
+        output(at, "rustc", &["--crate-type", "lib", "--edition", "2021", "main.rs", "-o", &format!("v{k}.rlib")]);
+    }
+}
+
 /// A compensator without effects needs two velocities; with effects a call with fewer arguments does not compile.
 #[test]
 fn effects_change_the_signature() {
