@@ -22,7 +22,7 @@ const EXAMPLES: &str = "Examples:
   tribo tune --friction stribeck --truth stribeck --pose 1 --seed 7
   tribo tune --robot ur10e                     another arm: fr3, ur10e, kinova_gen3, iiwa14 or a URDF
   tribo tune --resume --out campaigns/0001     go on with a campaign that was stopped
-  tribo export campaigns/0001 --format json    the tuned compensator
+  tribo export campaigns/0001 --format c       the tuned compensator as a C header; also ros2, crisp, urdf, mjcf, rust
   tribo dashboard campaigns/0001               look at it, also while it runs
   tribo report campaigns/0001                  the campaign as one HTML file
   tribo simulate --log trial.csv               one trial as a robot log

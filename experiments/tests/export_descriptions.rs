@@ -9,7 +9,7 @@ mod common;
 use std::path::Path;
 
 use common::{Draws, exported, largest_nm, laws, model, output, python, tuned};
-use nalgebra::{Matrix3, SVector};
+use nalgebra::{Matrix3, Rotation3, SVector, Vector3};
 use serde_json::{Value, json};
 use tribo_experiments::export::{ExportError, Format, TunedCompensator, export};
 use tribo_experiments::files::TunedFile;
@@ -73,6 +73,12 @@ fn robots() -> Vec<TunedFile> {
     let odd = "robot: odd.urdf\nrotor_inertia_kg_m2: [0.1, 0, 0.2, 0, 0.1, 0.1, 0.1]\n";
     files.push(with_model(odd, IMPOSSIBLE, Some(odd_urdf(false))));
     files.push(with_model(odd, "odd", Some(odd_urdf(true))));
+    // A point, and a rod that is askew: bodies without extent in some direction.
+    let mut thin = presets::panda();
+    thin.links[6].inertia_kg_m2 = Matrix3::zeros();
+    let turn = Rotation3::from_euler_angles(0.3, -0.7, 1.1).into_inner();
+    thin.links[4].inertia_kg_m2 = turn * Matrix3::from_diagonal(&Vector3::new(0.03, 0.03, 0.0)) * turn.transpose();
+    files.push(with_model("robot: thin.urdf\n", "thin", Some(to_urdf(&thin))));
     let mut arm = presets::panda();
     ODD_NAME.clone_into(&mut arm.name);
     files.push(with_model("robot: odd_name.urdf\n", ODD_NAME, Some(to_urdf(&arm))));
