@@ -113,7 +113,7 @@ pub(super) fn not_cancelled<const N: usize>(tuned: &TunedCompensator<N>) -> Vec<
 pub(super) fn believed_arm<const N: usize>(tuned: &TunedCompensator<N>) -> Option<Loss> {
     tuned.extended_arm.then(|| {
         Loss::new(
-            "payload, tilt, link and rotor inertia of the model",
+            "payload, gravity, link and rotor inertia of the model",
             "belong to the gravity and inertia terms of your controller",
         )
     })
