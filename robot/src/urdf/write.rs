@@ -85,7 +85,7 @@ fn origin(rotation: &Matrix3<f64>, translation: &Vector3<f64>) -> String {
 fn roll_pitch_yaw(r: &Matrix3<f64>) -> [f64; 3] {
     let yaw = r[(1, 0)].atan2(r[(0, 0)]);
     let (sin, cos) = yaw.sin_cos();
-    let pitch = (0.0 - r[(2, 0)]).atan2(cos * r[(0, 0)] + sin * r[(1, 0)]);
+    let pitch = (-r[(2, 0)]).atan2(cos * r[(0, 0)] + sin * r[(1, 0)]);
     let roll = (sin * r[(0, 2)] - cos * r[(1, 2)]).atan2(cos * r[(1, 1)] - sin * r[(0, 1)]);
     [roll, pitch, yaw]
 }
