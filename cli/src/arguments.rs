@@ -22,6 +22,8 @@ const EXAMPLES: &str = "Examples:
   tribo tune --friction stribeck --truth stribeck --pose 1 --seed 7
   tribo tune --robot ur10e                     another arm: fr3, ur10e, kinova_gen3, iiwa14 or a URDF
   tribo tune --resume --out campaigns/0001     go on with a campaign that was stopped
+  tribo ask campaigns/mine --out next.yaml     parameters to try on your own robot …
+  tribo tell campaigns/mine trial.csv          … and what came of them
   tribo export campaigns/0001 --format c       the tuned compensator as a C header; also ros2, crisp, urdf, mjcf, rust
   tribo dashboard campaigns/0001               look at it, also while it runs
   tribo report campaigns/0001                  the campaign as one HTML file
@@ -57,6 +59,15 @@ pub enum Command {
     /// Writes campaign.yaml, references.yaml, journal.log (readable by optuna-dashboard), trials/NNNN.parquet, tuned.yaml and
     /// report.html. A campaign that was killed goes on with --resume and ends with the same result.
     Tune(Tune),
+    /// The next parameters of a campaign whose trials run on your robot; the first call begins the campaign.
+    ///
+    /// Prints a compensator as tuned.yaml has it, which `export` turns into what your controller reads. Run a trial with it,
+    /// then `tell` what came of it. Several trials may be in flight; asking again gives another one.
+    Ask(Ask),
+    /// What came of a trial that `ask` gave: its log is judged by the campaign's estimator and recorded.
+    ///
+    /// The log holds one trial: the run-in, then the judged motion that nobody touches (campaign.yaml, user_trials).
+    Tell(Tell),
     /// Run one trial on the simulated arm and write it as a robot log.
     Simulate(Simulate),
     /// Estimate the tool wrench and the joints' torque residual from a robot log.
@@ -125,6 +136,20 @@ pub struct Tune {
     /// Go on with the campaign in --out.
     #[arg(long)]
     pub resume: bool,
+    /// What the campaign is like.
+    #[command(flatten)]
+    pub settings: CampaignSettings,
+    /// Watch the campaign in the window while it runs.
+    #[arg(long)]
+    pub dashboard: bool,
+    /// Fail (exit code 1) if the best cost exceeds this multiple of the oracle's.
+    #[arg(long, value_name = "RATIO", allow_negative_numbers = true)]
+    pub check: Option<f64>,
+}
+
+/// Settings of a campaign; each flag overrides the settings file.
+#[derive(Debug, Args)]
+pub struct CampaignSettings {
     /// What is simulated.
     #[command(flatten)]
     pub scenario: Scenario,
@@ -149,12 +174,57 @@ pub struct Tune {
     /// Phases of the reference trajectory.
     #[arg(long, value_parser = PossibleValuesParser::new(["documented", "random"]))]
     pub phases: Option<String>,
-    /// Watch the campaign in the window while it runs.
-    #[arg(long)]
-    pub dashboard: bool,
-    /// Fail (exit code 1) if the best cost exceeds this multiple of the oracle's.
-    #[arg(long, value_name = "RATIO", allow_negative_numbers = true)]
-    pub check: Option<f64>,
+}
+
+/// Arguments of `ask`.
+#[derive(Debug, Args)]
+pub struct Ask {
+    /// Directory of the campaign; one without campaign gets a new one.
+    #[arg(value_name = "DIR")]
+    pub campaign: PathBuf,
+    /// Settings of a new campaign (YAML, schema tribo.tune/1); flags override it.
+    #[arg(long, value_name = "FILE")]
+    pub config: Option<PathBuf>,
+    /// What a new campaign is like. A campaign that has begun keeps its settings; only --trials changes it.
+    #[command(flatten)]
+    pub settings: CampaignSettings,
+    /// Length of the run-in at the beginning of every log (s) [default: 3].
+    #[arg(long, value_name = "S", allow_negative_numbers = true)]
+    pub judged_from: Option<f64>,
+    /// Length of the judged motion after it (s) [default: 30].
+    #[arg(long, value_name = "S", allow_negative_numbers = true)]
+    pub judged: Option<f64>,
+    /// Torque of the logs that moved the arm: tau_J_d, tau_J_d of robots that add gravity themselves, or tau_J of the motors
+    /// [default: commanded].
+    #[arg(long, value_parser = PossibleValuesParser::new(["commanded", "commanded_without_gravity", "measured"]))]
+    pub torque: Option<String>,
+    /// Do not ask: print the parameters of this running trial once more.
+    #[arg(long, value_name = "N")]
+    pub trial: Option<usize>,
+    /// File to write the compensator to [default: standard output].
+    #[arg(long, value_name = "FILE")]
+    pub out: Option<PathBuf>,
+}
+
+/// Arguments of `tell`.
+#[derive(Debug, Args)]
+pub struct Tell {
+    /// Directory of the campaign.
+    #[arg(value_name = "DIR")]
+    pub campaign: PathBuf,
+    /// Log of the trial, in any format that convert reads; of a failed trial, as far as it goes.
+    #[arg(value_name = "LOG", required_unless_present_any = ["failed", "give_up"])]
+    pub log: Option<PathBuf>,
+    /// The trial [default: the one that is running].
+    #[arg(long, value_name = "N")]
+    pub trial: Option<usize>,
+    /// The trial was stopped, and why: acceleration, error, joint_limit, joint_speed, torque_saturation, nullspace_runaway, or in
+    /// your words.
+    #[arg(long, value_name = "REASON")]
+    pub failed: Option<String>,
+    /// Nothing will come of the trial: it counts for nothing.
+    #[arg(long, conflicts_with_all = ["log", "failed"])]
+    pub give_up: bool,
 }
 
 /// Arguments of `simulate`.
@@ -162,9 +232,12 @@ pub struct Tune {
 pub struct Simulate {
     /// Settings (YAML, schema tribo.tune/1) for truth, pose, gains and noise; flags override it.
     pub config: Option<PathBuf>,
-    /// Log to write (.csv, .csv.gz or .parquet).
+    /// Log to write (.csv, .csv.gz, .parquet or .mcap).
     #[arg(long, value_name = "FILE")]
     pub log: Option<PathBuf>,
+    /// Noise, and warmth of a truth that warms up, of this trial of a campaign [default: noise of the seed, cold].
+    #[arg(long, value_name = "N", conflicts_with = "trajectory")]
+    pub trial: Option<usize>,
     /// Compensator: none, oracle, a tuned.yaml, or a model file to believe in.
     #[arg(long, default_value = "none", value_name = "none|oracle|FILE")]
     pub compensation: String,

@@ -25,6 +25,8 @@ fn main() -> ExitCode {
     let common = arguments.common;
     let result = match command {
         Command::Tune(tune) => command::tune::run(&tune, &common),
+        Command::Ask(ask) => command::ask::run(&ask, &common),
+        Command::Tell(tell) => command::tell::run(&tell, &common),
         Command::Simulate(simulate) => command::simulate::run(&simulate, &common),
         Command::Estimate(estimate) => command::estimate::run(&estimate, &common),
         Command::Diagnose(diagnose) => command::diagnose::run(&diagnose, &common),

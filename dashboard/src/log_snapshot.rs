@@ -89,6 +89,7 @@ fn signals(log: &RobotLog) -> Signals {
             Quantity::Velocity => "joint velocity [rad/s]",
             Quantity::Torque => "measured joint torque [Nm]",
             Quantity::TorqueDesired => "commanded joint torque [Nm]",
+            Quantity::FrictionCompensation => "friction compensation [Nm]",
             Quantity::LinkTorque => "link-side torque [Nm]",
             Quantity::MotorPosition => "motor position [rad]",
             Quantity::MotorVelocity => "motor velocity [rad/s]",

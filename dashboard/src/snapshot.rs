@@ -44,7 +44,7 @@ pub enum Answer {
     /// Reference costs of the campaign in this directory.
     References(PathBuf, Result<References, String>),
     /// Its log without compensation.
-    Uncompensated(PathBuf, Result<Arc<TrialColumns>, String>),
+    Uncompensated(PathBuf, Result<Option<Arc<TrialColumns>>, String>),
     /// Its surrogate, none where there is too little to learn from, and the time the fit took (s).
     Surrogate(PathBuf, Option<Arc<Surrogate>>, f64),
     /// One of its trials.

@@ -313,7 +313,9 @@ impl Source {
     fn ask_references(&mut self, ctx: &egui::Context) {
         let shown = [self.snapshot.campaign.clone(), self.snapshot.other.clone()];
         for campaign in shown.into_iter().flatten() {
-            let known = campaign.references.is_some() || self.without_references.contains(&campaign.directory);
+            let known = campaign.references.is_some()
+                || campaign.trials_by_user()
+                || self.without_references.contains(&campaign.directory);
             if known || campaign.trials.is_empty() {
                 continue;
             }
@@ -339,7 +341,7 @@ impl Source {
             self.uncompensated_pending = true;
             let campaign = Arc::clone(&campaign);
             self.jobs.start(ctx, move || {
-                let without = campaign.tune.uncompensated().map(Arc::new);
+                let without = campaign.uncompensated().map(|known| known.map(Arc::new));
                 Answer::Uncompensated(campaign.directory.clone(), without.map_err(|error| error.to_string()))
             });
         }
@@ -385,7 +387,7 @@ impl Source {
             }
             Answer::References(_, Err(error)) => self.message = error,
             Answer::Uncompensated(path, known) if watched(&path) => match known {
-                Ok(without) => self.uncompensated = Some(without),
+                Ok(without) => self.uncompensated = without,
                 Err(error) => self.message = error,
             },
             Answer::Surrogate(path, surrogate, spent_s) if watched(&path) => {

@@ -4,15 +4,14 @@ use std::path::{Path, PathBuf};
 use std::sync::Mutex;
 
 use rayon::prelude::*;
-use tribo_friction::Compensator;
 use tribo_logs::write_atomic;
 
+use crate::campaign_directory::{RunBy, create, open};
 use crate::config::ConfigError;
-use crate::files::{FileError, TunedFile, YamlDocument, to_yaml};
+use crate::files::{FileError, TunedFile, to_yaml};
 use crate::journal::{Clock, Journal, JournalTrial, TrialState, attributes, finished_trial};
-use crate::leftovers::sweep;
 use crate::stored_logs::StoredLogs;
-use crate::strategy::{FinishedTrial, Proposal, Strategy, StrategyError};
+use crate::strategy::{FinishedTrial, Past, Proposal, Strategy, StrategyError};
 use crate::trial_store::{trial_log_path, write_trial_log};
 use crate::{EstimatorError, ParameterSpace, References, TuneConfig, ValidTune, references, run_numbered};
 
@@ -96,34 +95,15 @@ pub struct Campaign<const N: usize> {
 impl<const N: usize> Campaign<N> {
     /// Starts a campaign in a directory that has none yet.
     pub fn create(directory: &Path, tune: ValidTune<N>, clock: Clock) -> Result<Self, CampaignError> {
-        let settings = directory.join("campaign.yaml");
-        if settings.exists() || directory.join("journal.log").exists() {
-            return Err(FileError::Campaign {
-                path: directory.to_owned(),
-                message: "holds a campaign already; give another --out, or --resume to go on with it".to_owned(),
-            }
-            .into());
-        }
-        std::fs::create_dir_all(directory.join("trials")).map_err(FileError::io(directory))?;
-        let text = to_yaml(&tune.config).map_err(FileError::io(&settings))?;
-        write_atomic(&settings, |file| file.write_all(text.as_bytes())).map_err(FileError::from)?;
-        let journal = Journal::create(&directory.join("journal.log"), clock)?;
-        sweep(directory);
+        let journal = create(directory, &tune.config, clock)?;
         let trials = vec![None; tune.config.trials];
         Ok(Self { directory: directory.to_owned(), tune, journal, trials, created: 0, recorded: Vec::new() })
     }
 
     /// Goes on with the campaign of a directory; `trials` overrides its number of trials (never below those recorded).
     pub fn resume(directory: &Path, trials: Option<usize>, clock: Clock) -> Result<Self, CampaignError> {
-        let (mut config, document) = read_settings(directory, "holds no campaign (no campaign.yaml)")?;
-        config.trials = trials.unwrap_or(config.trials);
-        let tune = config.validate().map_err(|error| explained(error, &document))?;
+        let (tune, journal, recorded) = open(directory, trials, RunBy::Tribo, clock)?;
         let path = directory.join("journal.log");
-        // A campaign killed between its two first files has settings and no journal.
-        let (journal, recorded) =
-            if path.exists() { Journal::open(&path, clock)? } else { (Journal::create(&path, clock)?, Vec::new()) };
-        std::fs::create_dir_all(directory.join("trials")).map_err(FileError::io(directory))?;
-        sweep(directory);
         let mut finished = vec![None; tune.config.trials.max(recorded.len())];
         for (number, trial) in recorded.iter().enumerate() {
             if trial.state.is_finished() {
@@ -170,7 +150,7 @@ impl<const N: usize> Campaign<N> {
         let best = best_trial(&trials);
         let (config, space) = (self.tune.config.clone(), self.tune.space.clone());
         let result = CampaignResult { config, space, trials, best, references };
-        write_tuned(&self.directory, &self.tune, &result)?;
+        write_tuned(&self.directory, &self.tune, &result.trials, Some(references.uncompensated))?;
         Ok(result)
     }
 
@@ -192,8 +172,9 @@ impl<const N: usize> Campaign<N> {
             }
         }
         if batch.is_empty() {
-            let history: Vec<FinishedTrial> = self.trials[..next].iter().flatten().cloned().collect();
-            batch.push((next, strategy.propose(next, &history, logs).map_err(fail(next))?));
+            let finished: Vec<FinishedTrial> = self.trials[..next].iter().flatten().cloned().collect();
+            let past = Past { finished: &finished, running: &[] };
+            batch.push((next, strategy.propose(next, past, logs).map_err(fail(next))?));
         }
         Ok(batch)
     }
@@ -252,54 +233,25 @@ impl<const N: usize> Campaign<N> {
     }
 }
 
-/// The settings of the campaign in a directory, with their text; `missing` is said where there are none.
-pub(crate) fn read_settings(directory: &Path, missing: &str) -> Result<(TuneConfig, YamlDocument), FileError> {
-    let settings = directory.join("campaign.yaml");
-    if !settings.exists() {
-        return Err(FileError::Campaign { path: directory.to_owned(), message: missing.to_owned() });
-    }
-    let document = YamlDocument::read(&settings)?;
-    Ok((document.parse()?, document))
-}
-
-/// An error of settings with the file and line to blame.
-pub(crate) fn explained(error: ConfigError, document: &YamlDocument) -> ConfigError {
-    match error {
-        ConfigError::Field(field) => ConfigError::File(document.explain(field)),
-        other => other,
-    }
-}
-
-impl TuneConfig {
-    /// Number of joints of the robot of the campaign in a directory.
-    ///
-    /// # Errors
-    /// No campaign, or one whose settings are damaged.
-    pub fn joints_of_campaign(directory: &Path) -> Result<usize, CampaignError> {
-        let (mut config, document) = read_settings(directory, "holds no campaign (no campaign.yaml)")?;
-        Ok(config.load().map_err(|error| explained(error, &document))?)
-    }
-}
-
 /// Number and cost of the cheapest trial that was not aborted; the earliest of equals.
 pub(crate) fn best_trial(trials: &[FinishedTrial]) -> Option<(usize, f64)> {
     let complete = trials.iter().filter(|trial| trial.aborted.is_none());
     complete.map(|trial| (trial.number, trial.cost.total())).min_by(|a, b| a.1.total_cmp(&b.1))
 }
 
-fn write_tuned<const N: usize>(
+/// Writes `tuned.yaml`: the compensator of the best trial, if there is one.
+pub(crate) fn write_tuned<const N: usize>(
     directory: &Path,
     tune: &ValidTune<N>,
-    result: &CampaignResult,
+    trials: &[FinishedTrial],
+    uncompensated_cost: Option<f64>,
 ) -> Result<(), FileError> {
-    let Some(best) = result.best else {
+    let best = best_trial(trials).and_then(|(number, _)| trials.iter().find(|trial| trial.number == number));
+    let Some(best) = best else {
         return Ok(());
     };
-    let theta = &result.trials[best.0].theta;
-    let compensator: Compensator<N> = Compensator::new(tune.space.friction(theta), tune.config.velocity);
-    let mut file =
-        TunedFile::new(&compensator, &tune.trial.model.name, tune.config.seed, best, result.references.uncompensated);
-    file.model = tune.config.model_content.as_ref().or(tune.config.robot_content.as_ref()).cloned();
+    let file = TunedFile { uncompensated_cost, ..TunedFile::of_trial(tune, best.number, &best.theta) };
+    let file = TunedFile { cost: Some(best.cost.total()), ..file };
     let path = directory.join("tuned.yaml");
     let text = to_yaml(&file).map_err(FileError::io(&path))?;
     Ok(write_atomic(&path, |file| file.write_all(text.as_bytes()))?)

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use nalgebra::SVector;
 use serde::{Deserialize, Serialize};
 use tribo_control::{ImpedanceSettings, PAPER_PHASES_RAD, SinusoidReference};
-use tribo_ekf::{MeasurementNoise, WrenchEkfSettings};
+use tribo_ekf::{KnownInput, MeasurementNoise, WrenchEkfSettings};
 use tribo_friction::{JointEffects, VelocitySource};
 use tribo_robot::Kinematics;
 use tribo_sim::{DEFAULT_SUB_STEPS, TorqueSide, WrenchPulses};
@@ -14,7 +14,9 @@ use crate::files::{FieldError, FileError, ModelFile};
 use crate::robot::{POSES, joints_of_preset};
 use crate::scenario::{LoadedTruth, ModelError, TruthName, freeze, random_phases, within};
 use crate::strategy::StrategyName;
-use crate::{Believed, Bounds, ByJoints, EstimatorName, ParameterSpace, PenaltyLimits, Robot, Trial, TunedLaw};
+use crate::{
+    Believed, Bounds, ByJoints, EstimatorName, ParameterSpace, PenaltyLimits, Robot, Trial, TunedLaw, UserTrials,
+};
 
 /// Schema name of campaign settings.
 const SCHEMA: &str = "tribo.tune/1";
@@ -86,6 +88,9 @@ pub struct TuneConfig {
     pub ekf: WrenchEkfSettings,
     /// Limits that end a trial.
     pub limits: PenaltyLimits,
+    /// What trials are like that the user runs (`ask` and `tell`); none where Tribo runs them on the simulated arm.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub user_trials: Option<UserTrials>,
 }
 
 impl Default for TuneConfig {
@@ -115,6 +120,7 @@ impl Default for TuneConfig {
             impedance: ImpedanceSettings::default(),
             ekf: WrenchEkfSettings::default(),
             limits: PenaltyLimits::default(),
+            user_trials: None,
         }
     }
 }
@@ -265,6 +271,14 @@ impl TuneConfig {
         positive("limits.nullspace_speed_rad_s", l.nullspace_speed_rad_s, 100.0)?;
         positive("limits.saturation_s", l.saturation_s, 100.0)?;
         positive("limits.acceleration_cutoff_hz", l.acceleration_cutoff_hz, 500.0)?;
+
+        if let Some(user_trials) = &self.user_trials {
+            user_trials.check()?;
+            if self.ekf.known_input == KnownInput::CommandedAcceleration {
+                let allowed = "applied_torque: logs do not hold the acceleration that was asked for";
+                return Err(FieldError::new("ekf.known_input", "commanded_acceleration", allowed).into());
+            }
+        }
 
         let robot = self.valid_robot::<N>()?;
         if self.strategy == StrategyName::Gaz {

@@ -70,12 +70,13 @@ pub fn follow<const N: usize>(
         let load_nm = rigid - trial.model.rotor_inertia_kg_m2.component_mul(&qdd);
         let (q, qd_measured, qd_reference) = (frame.q, frame.qd, wanted.qd);
         let input = CompensatorInput { q, qd_measured, qd_reference, load_nm, dt_s };
-        let torque = rigid + compensator.tick(&mut bristles, &input).total();
+        let compensation = compensator.tick(&mut bristles, &input).total();
+        let torque = rigid + compensation;
 
         // Limit, actuate, record.
         let (command, saturated) = limiter.limit(&torque, dt_s);
         plant.actuate(&command);
-        recorder.push(&frame, &command, &plant);
+        recorder.push(&frame, &command, &compensation, &plant);
         saturated_ticks += u64::from(saturated);
         done += 1;
     }

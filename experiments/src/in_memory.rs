@@ -1,20 +1,15 @@
 //! A campaign that never touches the disk.
 
-use std::path::PathBuf;
-
 use crate::files::FileError;
-use crate::strategy::{FinishedTrial, LogSource};
+use crate::strategy::{FinishedTrial, LogSource, Past};
 use crate::{CampaignError, TrialLog, ValidTune, run_numbered};
 
 /// Logs of a campaign that never touches the disk.
 struct LogsInMemory<const N: usize>(Vec<TrialLog<N>>);
 
 impl<const N: usize> LogSource<N> for LogsInMemory<N> {
-    fn log(&self, number: usize) -> Result<TrialLog<N>, FileError> {
-        self.0.get(number).cloned().ok_or_else(|| FileError::Campaign {
-            path: PathBuf::new(),
-            message: format!("trial {number} has not run yet"),
-        })
+    fn log(&self, number: usize) -> Result<Option<TrialLog<N>>, FileError> {
+        Ok(self.0.get(number).cloned())
     }
 }
 
@@ -26,7 +21,7 @@ pub fn run_in_memory<const N: usize>(tune: &ValidTune<N>) -> Result<Vec<Finished
         let fail = |source| CampaignError::Strategy { trial: number, source };
         let proposal = match strategy.design(number).map_err(fail)? {
             Some(proposal) => proposal,
-            None => strategy.propose(number, &trials, &logs).map_err(fail)?,
+            None => strategy.propose(number, Past { finished: &trials, running: &[] }, &logs).map_err(fail)?,
         };
         let outcome = run_numbered(tune, number, &proposal.theta)?;
         trials.push(FinishedTrial {

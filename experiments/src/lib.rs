@@ -20,10 +20,12 @@
 
 mod against_ekf;
 mod any_tune;
+mod ask_tell;
 mod believed;
 mod by_joints;
 mod calibration;
 mod campaign;
+mod campaign_directory;
 mod closed_loop_gain;
 mod config;
 mod cost;
@@ -56,6 +58,7 @@ mod trial_store;
 pub mod watch;
 
 pub use against_ekf::{AgainstEkf, against_ekf};
+pub use ask_tell::{Asked, JudgeError, JudgedLog, SentTorque, Told, UserCampaign, UserTrials, judge_log};
 pub use believed::{Believed, NotCancelled, joint_effects};
 pub use by_joints::ByJoints;
 pub use calibration::Calibration;

@@ -6,7 +6,7 @@ use tribo_robot::SensorFrame;
 use tribo_sim::BoxFrictionPlant;
 
 /// Collects ticks at the full rate: measured q, dq and tau_J, theta of robots with two encoders per joint, the commanded
-/// motor torque as tau_J_d, and as O_F_ext the **true** wrench by the robot on the environment, which a simulation knows.
+/// motor torque as tau_J_d, the compensator's part of it as tau_friction, and as O_F_ext the **true** wrench by the robot on the environment, which a simulation knows.
 #[derive(Clone, Debug)]
 pub(crate) struct LogRecorder {
     columns: LogColumns,
@@ -21,6 +21,7 @@ impl LogRecorder {
             dq_rad_s: empty(),
             tau_j_nm: empty(),
             tau_j_d_nm: Some(empty()),
+            tau_friction_nm: Some(empty()),
             o_f_ext: Some(Default::default()),
             ..LogColumns::default()
         };
@@ -32,6 +33,7 @@ impl LogRecorder {
         &mut self,
         frame: &SensorFrame<N>,
         command: &SVector<f64, N>,
+        compensation: &SVector<f64, N>,
         plant: &BoxFrictionPlant<N>,
     ) {
         let columns = &mut self.columns;
@@ -48,6 +50,9 @@ impl LogRecorder {
             columns.tau_j_nm[j].push(frame.tau[j]);
             if let Some(commanded) = &mut columns.tau_j_d_nm {
                 commanded[j].push(command[j]);
+            }
+            if let Some(compensated) = &mut columns.tau_friction_nm {
+                compensated[j].push(compensation[j]);
             }
         }
         if let Some(wrench) = &mut columns.o_f_ext {

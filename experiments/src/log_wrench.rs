@@ -128,12 +128,12 @@ pub fn without_effects<const N: usize>(
 }
 
 /// Row k of the columns, one per joint.
-fn at<const N: usize>(columns: &[Vec<f64>], k: usize) -> SVector<f64, N> {
+pub(crate) fn at<const N: usize>(columns: &[Vec<f64>], k: usize) -> SVector<f64, N> {
     SVector::from_fn(|j, _| columns[j][k])
 }
 
 /// Gaps up to this many periods are bridged: a real-time logger on a busy computer skips a few rows at a time.
-const LONGEST_GAP_PERIODS: f64 = 20.0;
+pub(crate) const LONGEST_GAP_PERIODS: f64 = 20.0;
 
 /// Summary of a wrench along a log.
 #[derive(Clone, Debug, Default, PartialEq)]

@@ -63,6 +63,9 @@ pub enum AbortReason {
     /// A signal was NaN or infinite.
     #[error("signal not finite")]
     NotFinite,
+    /// Another reason of somebody who ran the trial elsewhere.
+    #[error("reported by its user")]
+    Reported,
 }
 
 impl From<TickFault> for AbortReason {

@@ -14,11 +14,19 @@ pub fn run_numbered<const N: usize>(
     number: usize,
     theta: &[f64],
 ) -> Result<TrialOutcome<N>, EstimatorError> {
-    let mut trial = tune.trial.clone();
-    if let Some(warm_up) = &mut trial.truth.warm_up {
-        warm_up.operated_s = number as f64 * trial.reference.total_s();
+    let (trial, seed) = tune.numbered(number);
+    run_estimated(tune, &trial, &tune.space.friction(theta), seed)
+}
+
+impl<const N: usize> ValidTune<N> {
+    /// The trial of that number, and the seed of its noise.
+    pub fn numbered(&self, number: usize) -> (Trial<N>, u64) {
+        let mut trial = self.trial.clone();
+        if let Some(warm_up) = &mut trial.truth.warm_up {
+            warm_up.operated_s = number as f64 * trial.reference.total_s();
+        }
+        (trial, noise_seed(self.config.seed, number as u64))
     }
-    run_estimated(tune, &trial, &tune.space.friction(theta), noise_seed(tune.config.seed, number as u64))
 }
 
 pub(crate) fn run_estimated<const N: usize>(

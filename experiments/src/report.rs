@@ -21,12 +21,12 @@ impl CampaignResult {
                     "penalty": trial.cost.penalty,
                     "reason": trial.aborted,
                     "origin": trial.origin,
-                    "params": nested(space, &trial.theta),
+                    "params": space.nested(&trial.theta),
                 })
             })
             .collect();
         let best = self.best.map(|(trial, cost)| json!({"trial": trial, "cost": cost}));
-        let params = self.best.map(|(trial, _)| nested(space, &self.trials[trial].theta));
+        let params = self.best.map(|(trial, _)| space.nested(&self.trials[trial].theta));
         json!({
             "schema": "tribo.campaign/1",
             "tribo_version": self.config.tribo_version,
@@ -52,11 +52,13 @@ impl CampaignResult {
     }
 }
 
-/// `{joint_0: {coulomb_nm: …, …}, …}`.
-fn nested(space: &ParameterSpace, theta: &[f64]) -> Value {
-    let joints = theta.chunks(space.parameters_per_joint()).enumerate().map(|(j, values)| {
-        let joint = space.names_of_joint().zip(values).map(|(name, value)| (name.to_owned(), json!(value)));
-        (format!("joint_{j}"), Value::Object(joint.collect()))
-    });
-    Value::Object(joints.collect())
+impl ParameterSpace {
+    /// `{joint_0: {coulomb_nm: …, …}, …}`.
+    pub fn nested(&self, theta: &[f64]) -> Value {
+        let joints = theta.chunks(self.parameters_per_joint()).enumerate().map(|(j, values)| {
+            let joint = self.names_of_joint().zip(values).map(|(name, value)| (name.to_owned(), json!(value)));
+            (format!("joint_{j}"), Value::Object(joint.collect()))
+        });
+        Value::Object(joints.collect())
+    }
 }

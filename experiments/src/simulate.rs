@@ -8,7 +8,7 @@ use crate::log_recorder::LogRecorder;
 use crate::{Trial, TrialOutcome, run_trial_observed};
 
 /// Runs a trial and records it at the full rate as a canonical log: measured q, dq and tau_J, the commanded motor torque
-/// as tau_J_d, and as O_F_ext the **true** wrench by the robot on the environment, which a simulation knows.
+/// as tau_J_d, the compensator's part of it as tau_friction, and as O_F_ext the **true** wrench by the robot on the environment, which a simulation knows.
 ///
 /// tau_J is on the side of the gears that the trial's sensors say. A trial aborted on its first ticks gives an error.
 pub fn simulate_log<const N: usize, E: WrenchEstimator<N>>(
@@ -19,7 +19,8 @@ pub fn simulate_log<const N: usize, E: WrenchEstimator<N>>(
 ) -> Result<(TrialOutcome<N>, RobotLog), LogError> {
     let mut recorder = LogRecorder::new(N);
     let outcome = run_trial_observed(trial, friction, estimator, seed, |record, plant| {
-        recorder.push(&record.frame, &record.command, plant);
+        let compensation = record.torque.friction + record.torque.effects;
+        recorder.push(&record.frame, &record.command, &compensation, plant);
     });
     Ok((outcome, recorder.finish()?))
 }

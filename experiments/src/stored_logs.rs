@@ -31,11 +31,11 @@ impl<const N: usize> StoredLogs<N> {
 }
 
 impl<const N: usize> LogSource<N> for StoredLogs<N> {
-    fn log(&self, number: usize) -> Result<TrialLog<N>, FileError> {
+    fn log(&self, number: usize) -> Result<Option<TrialLog<N>>, FileError> {
         let recent = self.recent.lock().unwrap_or_else(PoisonError::into_inner);
         match recent.iter().find(|(held, _)| *held == number) {
-            Some((_, log)) => Ok(log.clone()),
-            None => read_trial_log(&trial_log_path(&self.directory, number)),
+            Some((_, log)) => Ok(Some(log.clone())),
+            None => read_trial_log(&trial_log_path(&self.directory, number)).map(Some),
         }
     }
 }

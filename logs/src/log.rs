@@ -28,6 +28,8 @@ pub struct LogColumns {
     pub tau_j_nm: Vec<Vec<f64>>,
     /// Commanded joint torques (Nm).
     pub tau_j_d_nm: Option<Vec<Vec<f64>>>,
+    /// The part of the command that a friction compensator added (Nm).
+    pub tau_friction_nm: Option<Vec<Vec<f64>>>,
     /// Joint torques measured on the link side (Nm), beside motor-side `tau_j_nm`.
     pub tau_link_nm: Option<Vec<Vec<f64>>>,
     /// Motor positions through the gear (rad).
@@ -70,6 +72,7 @@ impl LogColumns {
             Quantity::Velocity => all(&self.dq_rad_s),
             Quantity::Torque => all(&self.tau_j_nm),
             Quantity::TorqueDesired => optional(self.tau_j_d_nm.as_ref()),
+            Quantity::FrictionCompensation => optional(self.tau_friction_nm.as_ref()),
             Quantity::LinkTorque => optional(self.tau_link_nm.as_ref()),
             Quantity::MotorPosition => optional(self.theta_rad.as_ref()),
             Quantity::MotorVelocity => optional(self.dtheta_rad_s.as_ref()),
@@ -138,6 +141,7 @@ impl LogColumns {
             Quantity::Velocity => self.dq_rad_s = columns,
             Quantity::Torque => self.tau_j_nm = columns,
             Quantity::TorqueDesired => self.tau_j_d_nm = Some(columns),
+            Quantity::FrictionCompensation => self.tau_friction_nm = Some(columns),
             Quantity::LinkTorque => self.tau_link_nm = Some(columns),
             Quantity::MotorPosition => self.theta_rad = Some(columns),
             Quantity::MotorVelocity => self.dtheta_rad_s = Some(columns),
@@ -161,6 +165,7 @@ impl LogColumns {
     fn is_given(&self, quantity: Quantity) -> bool {
         match quantity {
             Quantity::TorqueDesired => self.tau_j_d_nm.is_some(),
+            Quantity::FrictionCompensation => self.tau_friction_nm.is_some(),
             Quantity::LinkTorque => self.tau_link_nm.is_some(),
             Quantity::MotorPosition => self.theta_rad.is_some(),
             Quantity::MotorVelocity => self.dtheta_rad_s.is_some(),

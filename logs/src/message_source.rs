@@ -20,11 +20,12 @@ use crate::quantity::{MAX_JOINTS, Quantity};
 use crate::ros2_layout::{Node, bind, expand};
 
 /// The quantities and where they may be; a path with several leaves is written once for each.
-const PATHS: [(Quantity, &[&[&str]]); 10] = [
+const PATHS: [(Quantity, &[&[&str]]); 11] = [
     (Quantity::Position, &[&["measured_joint_state.position"], &["q"], &["position"]]),
     (Quantity::Velocity, &[&["measured_joint_state.velocity"], &["dq"], &["velocity"]]),
     (Quantity::Torque, &[&["measured_joint_state.effort"], &["tau_J"], &["tau_j"], &["effort"]]),
     (Quantity::TorqueDesired, &[&["desired_joint_state.effort"], &["tau_J_d"], &["tau_j_d"]]),
+    (Quantity::FrictionCompensation, &[&["tau_friction"]]),
     (Quantity::LinkTorque, &[&["tau_link"]]),
     (Quantity::MotorPosition, &[&["measured_joint_motor_state.position"], &["theta"]]),
     (Quantity::MotorVelocity, &[&["measured_joint_motor_state.velocity"], &["dtheta"]]),

@@ -1,11 +1,11 @@
 //! The canonical columns: which physical quantity a column holds, in which unit, under which name.
 //!
 //! ```text
-//! time | q_i  dq_i  tau_J_i | tau_J_d_i  tau_link_i  theta_i  dtheta_i  temperature_i | temperature_ambient | O_F_ext_0..5
+//! time | q_i  dq_i  tau_J_i | tau_J_d_i  tau_friction_i  tau_link_i  theta_i  dtheta_i  temperature_i | temperature_ambient | O_F_ext_0..5
 //! ```
 //!
-//! i = 0..N-1 over the joints; the names are those of libfranka's `RobotState`, except `tau_link_i` and the
-//! temperatures, which libfranka does not know. Names are exact: case matters.
+//! i = 0..N-1 over the joints; the names are those of libfranka's `RobotState`, except `tau_friction_i`, `tau_link_i`
+//! and the temperatures, which libfranka does not know. Names are exact: case matters.
 //!
 //! `tau_J_i` is the joint torque that a log always has: of a link-side sensor where the robot has only that, of the
 //! motor current where the robot reports that too. `tau_link_i` appears only beside a motor-side `tau_J_i`; then
@@ -35,6 +35,8 @@ pub enum Quantity {
     Torque,
     /// `tau_J_d_i`: commanded joint torque (Nm).
     TorqueDesired,
+    /// `tau_friction_i`: the part of the command that a friction compensator added (Nm).
+    FrictionCompensation,
     /// `tau_link_i`: torque measured on the link side (Nm), beside a `tau_J_i` measured on the motor side.
     LinkTorque,
     /// `theta_i`: motor position through the gear (rad).
@@ -51,12 +53,13 @@ pub enum Quantity {
 
 impl Quantity {
     /// All quantities, in the order of the canonical columns.
-    pub const ALL: [Self; 11] = [
+    pub const ALL: [Self; 12] = [
         Self::Time,
         Self::Position,
         Self::Velocity,
         Self::Torque,
         Self::TorqueDesired,
+        Self::FrictionCompensation,
         Self::LinkTorque,
         Self::MotorPosition,
         Self::MotorVelocity,
@@ -84,7 +87,7 @@ impl Quantity {
             Self::Time => "s",
             Self::Position | Self::MotorPosition => "rad",
             Self::Velocity | Self::MotorVelocity => "rad/s",
-            Self::Torque | Self::TorqueDesired | Self::LinkTorque => "Nm",
+            Self::Torque | Self::TorqueDesired | Self::FrictionCompensation | Self::LinkTorque => "Nm",
             Self::Temperature | Self::TemperatureAmbient => "degC",
             Self::ExternalWrench => "N, Nm",
         }
@@ -166,6 +169,7 @@ impl Quantity {
             Self::Velocity => "dq_",
             Self::Torque => "tau_J_",
             Self::TorqueDesired => "tau_J_d_",
+            Self::FrictionCompensation => "tau_friction_",
             Self::LinkTorque => "tau_link_",
             Self::MotorPosition => "theta_",
             Self::MotorVelocity => "dtheta_",

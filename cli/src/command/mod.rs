@@ -1,5 +1,6 @@
 //! One file per command.
 
+pub mod ask;
 pub mod convert;
 pub mod dashboard;
 pub mod diagnose;
@@ -9,6 +10,7 @@ pub mod report;
 pub mod reproduce;
 pub mod shell;
 pub mod simulate;
+pub mod tell;
 mod transmission;
 pub mod tune;
 
@@ -19,7 +21,7 @@ use tribo_experiments::files::{AnyModel, YamlDocument};
 use tribo_experiments::{AnyTune, ConfigError, NotCancelled, TuneConfig};
 use tribo_logs::RobotLog;
 
-use crate::arguments::{Common, Scenario};
+use crate::arguments::{CampaignSettings, Common, Scenario};
 use crate::failure::BadInput;
 
 /// Where campaigns go when nobody says where.
@@ -63,6 +65,20 @@ impl Scenario {
         config.seed = self.seed.unwrap_or(config.seed);
         config.pose = self.pose.map_or(config.pose, usize::from);
         Ok(())
+    }
+}
+
+impl CampaignSettings {
+    /// Puts the flags that were given over the settings.
+    fn apply(&self, config: &mut TuneConfig) -> anyhow::Result<()> {
+        set(&mut config.strategy, self.strategy.as_ref())?;
+        set(&mut config.friction, self.friction.as_ref())?;
+        set(&mut config.bounds, self.bounds.as_ref())?;
+        set(&mut config.residual, self.residual.as_ref())?;
+        set(&mut config.phases, self.phases.as_ref())?;
+        config.trials = self.trials.unwrap_or(config.trials);
+        config.init = self.init.unwrap_or(config.init);
+        self.scenario.apply(config)
     }
 }
 

@@ -41,6 +41,9 @@ fn simulate<const N: usize>(arguments: &Simulate, common: &Common, mut tune: Val
         // Six pulses of 3 s, 1.5 s apart, after the pre-roll: they fill the 30 s of the trajectory.
         trial.pulses = WrenchPulses::each_axis(arguments.pulse_force, arguments.pulse_moment, 4.0, 3.0, 1.5);
     }
+    if let Some(number) = arguments.trial {
+        (tune.trial, _) = tune.numbered(number);
+    }
     let (friction, left) = belief(arguments, &mut tune)?;
     warn_not_cancelled(&left, common);
     match &arguments.trajectory {
@@ -128,7 +131,8 @@ fn run_trial<const N: usize>(
 ) -> anyhow::Result<()> {
     let config = &tune.config;
     let estimator = AnyEstimator::for_tuning(config.residual, config.ekf, &tune.trial.model, friction)?;
-    let (outcome, log) = simulate_log(&tune.trial, friction, estimator, config.seed)?;
+    let seed = arguments.trial.map_or(config.seed, |number| tune.numbered(number).1);
+    let (outcome, log) = simulate_log(&tune.trial, friction, estimator, seed)?;
     if let Some(path) = &arguments.log {
         write_log(path, &log)?;
     }

@@ -9,7 +9,7 @@ use tribo_experiments::{
     AgainstEkf, AnyTune, Campaign, CampaignError, CampaignResult, EstimatorName, TuneConfig, against_ekf,
 };
 
-use super::{CAMPAIGNS, configured, now, set, warn_not_cancelled};
+use super::{CAMPAIGNS, configured, now, warn_not_cancelled};
 use crate::arguments::{Common, Tune};
 use crate::failure::{BadInput, CheckFailed};
 use crate::output::{print, print_json, significant, table};
@@ -22,14 +22,14 @@ pub fn run(arguments: &Tune, common: &Common) -> anyhow::Result<()> {
         let directory = resumed(arguments)?;
         return match TuneConfig::joints_of_campaign(&directory)? {
             6 => finish(
-                Campaign::<6>::resume(&directory, arguments.trials, now)?,
+                Campaign::<6>::resume(&directory, arguments.settings.trials, now)?,
                 &directory,
                 arguments,
                 common,
                 started,
             ),
             _ => finish(
-                Campaign::<7>::resume(&directory, arguments.trials, now)?,
+                Campaign::<7>::resume(&directory, arguments.settings.trials, now)?,
                 &directory,
                 arguments,
                 common,
@@ -114,16 +114,7 @@ fn finish<const N: usize>(
 
 /// The settings of a new campaign, and its directory.
 fn configured_campaign(arguments: &Tune) -> anyhow::Result<(PathBuf, AnyTune)> {
-    let tune = configured(arguments.config.as_deref(), |config| {
-        set(&mut config.strategy, arguments.strategy.as_ref())?;
-        set(&mut config.friction, arguments.friction.as_ref())?;
-        set(&mut config.bounds, arguments.bounds.as_ref())?;
-        set(&mut config.residual, arguments.residual.as_ref())?;
-        set(&mut config.phases, arguments.phases.as_ref())?;
-        config.trials = arguments.trials.unwrap_or(config.trials);
-        config.init = arguments.init.unwrap_or(config.init);
-        arguments.scenario.apply(config)
-    })?;
+    let tune = configured(arguments.config.as_deref(), |config| arguments.settings.apply(config))?;
     let directory = match &arguments.out {
         Some(directory) => directory.clone(),
         None => {
@@ -137,20 +128,21 @@ fn configured_campaign(arguments: &Tune) -> anyhow::Result<(PathBuf, AnyTune)> {
 /// The directory of the campaign to go on with.
 fn resumed(arguments: &Tune) -> anyhow::Result<PathBuf> {
     // What is frozen within a campaign cannot be changed half-way.
+    let settings = &arguments.settings;
     let frozen = [
         ("a settings file", arguments.config.is_some()),
-        ("--robot", arguments.scenario.robot.is_some()),
-        ("--seed", arguments.scenario.seed.is_some()),
-        ("--friction", arguments.friction.is_some()),
-        ("--residual", arguments.residual.is_some()),
-        ("--strategy", arguments.strategy.is_some()),
-        ("--init", arguments.init.is_some()),
-        ("--truth", arguments.scenario.truth.is_some()),
-        ("--pose", arguments.scenario.pose.is_some()),
-        ("--velocity", arguments.scenario.velocity.is_some()),
-        ("--model", arguments.scenario.model.is_some()),
-        ("--bounds", arguments.bounds.is_some()),
-        ("--phases", arguments.phases.is_some()),
+        ("--robot", settings.scenario.robot.is_some()),
+        ("--seed", settings.scenario.seed.is_some()),
+        ("--friction", settings.friction.is_some()),
+        ("--residual", settings.residual.is_some()),
+        ("--strategy", settings.strategy.is_some()),
+        ("--init", settings.init.is_some()),
+        ("--truth", settings.scenario.truth.is_some()),
+        ("--pose", settings.scenario.pose.is_some()),
+        ("--velocity", settings.scenario.velocity.is_some()),
+        ("--model", settings.scenario.model.is_some()),
+        ("--bounds", settings.bounds.is_some()),
+        ("--phases", settings.phases.is_some()),
     ];
     if let Some((name, _)) = frozen.iter().find(|(_, given)| *given) {
         let message = format!("{name} cannot be combined with --resume; a campaign keeps the settings it began with");

@@ -88,6 +88,9 @@ impl CampaignView {
                 if ui.button("Stop").clicked() {
                     runner.stop();
                 }
+            } else if campaign.trials_by_user() {
+                let in_flight = campaign.running.len();
+                ui.label(format!("trials run elsewhere (tribo ask, tribo tell); {in_flight} in flight"));
             } else if !campaign.is_complete() && source.runs_elsewhere(ui.input(|input| input.time)) {
                 ui.label("running, started outside this window");
             } else if !campaign.is_complete()
@@ -174,7 +177,7 @@ fn failures(ui: &mut Ui, campaign: &CampaignSnapshot, look_at: &mut Option<usize
         ui.style_mut().wrap_mode = Some(egui::TextWrapMode::Extend);
         ui.label(RichText::new("Failed:").strong().color(theme::bad(dark)));
         for watched in campaign.failed().take(12) {
-            let reason = watched.trial.aborted.map_or(String::new(), |reason| reason.to_string());
+            let reason = watched.reason();
             let at = watched.aborted_at_s.map_or(String::new(), |at_s| format!(" at {} s", fixed(at_s, 1)));
             let link = ui.link(format!("trial {}: {reason}{at}", watched.trial.number));
             if link.on_hover_text("Look at this trial; before 0 s the arm runs in").clicked() {

@@ -51,10 +51,7 @@ impl<const N: usize> TunedCompensator<N> {
         Ok(Self {
             compensator,
             robot: tuned.robot.clone(),
-            origin: format!(
-                "Tribo {}, trial {}, seed {}: cost {:.3} with this compensation, {:.3} without",
-                tuned.tribo_version, tuned.trial, tuned.seed, tuned.cost, tuned.uncompensated_cost
-            ),
+            origin: origin(tuned),
             arm,
             extended_arm,
             pose_rad,
@@ -148,4 +145,14 @@ impl<const N: usize> TunedCompensator<N> {
             VelocitySource::Hybrid => "hybrid",
         }
     }
+}
+
+/// Where the numbers come from, in words.
+fn origin(tuned: &TunedFile) -> String {
+    let costs = match (tuned.cost, tuned.uncompensated_cost) {
+        (Some(cost), Some(without)) => format!("cost {cost:.3} with this compensation, {without:.3} without"),
+        (Some(cost), None) => format!("cost {cost:.3}"),
+        (None, _) => "not tried yet".to_owned(),
+    };
+    format!("Tribo {}, trial {}, seed {}: {costs}", tuned.tribo_version, tuned.trial, tuned.seed)
 }

@@ -6,6 +6,7 @@ use serde::{Deserialize, Serialize};
 use tribo_friction::{Compensator, FrictionModel, VelocitySource};
 
 use super::{FieldError, FileError, FrictionSection, Model, ModelFile, YamlDocument};
+use crate::ValidTune;
 use crate::robot::joints_of_preset;
 
 /// Schema name of tuned parameters.
@@ -25,10 +26,12 @@ pub struct TunedFile {
     pub seed: u64,
     /// Trial the parameters come from.
     pub trial: usize,
-    /// Cost J of that trial [N + Nm].
-    pub cost: f64,
-    /// Cost J without compensation [N + Nm].
-    pub uncompensated_cost: f64,
+    /// Cost J of that trial [N + Nm]; none of one that has been asked for and not been run.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub cost: Option<f64>,
+    /// Cost J without compensation [N + Nm], where it is known.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub uncompensated_cost: Option<f64>,
     /// Velocity the compensator believes near zero.
     pub velocity: VelocitySource,
     /// Speed above which the hybrid source trusts the measurement [rad/s].
@@ -42,26 +45,21 @@ pub struct TunedFile {
 }
 
 impl TunedFile {
-    /// The file that describes `compensator`.
-    pub fn new<const N: usize>(
-        compensator: &Compensator<N>,
-        robot: &str,
-        seed: u64,
-        best: (usize, f64),
-        uncompensated_cost: f64,
-    ) -> Self {
+    /// The compensator of trial `trial` of a campaign, with parameters θ; nothing is said of its cost.
+    pub fn of_trial<const N: usize>(tune: &ValidTune<N>, trial: usize, theta: &[f64]) -> Self {
+        let compensator: Compensator<N> = Compensator::new(tune.space.friction(theta), tune.config.velocity);
         Self {
             schema: SCHEMA.to_owned(),
             tribo_version: env!("CARGO_PKG_VERSION").to_owned(),
-            robot: robot.to_owned(),
-            seed,
-            trial: best.0,
-            cost: best.1,
-            uncompensated_cost,
+            robot: tune.trial.model.name.clone(),
+            seed: tune.config.seed,
+            trial,
+            cost: None,
+            uncompensated_cost: None,
             velocity: compensator.source,
             hybrid_threshold_rad_s: compensator.hybrid_threshold_rad_s,
             friction: FrictionSection::of(&compensator.friction, compensator.smoothing_rad_s),
-            model: None,
+            model: tune.config.model_content.as_ref().or(tune.config.robot_content.as_ref()).cloned(),
         }
     }
 

@@ -34,23 +34,43 @@ impl Journal {
         Ok(journal)
     }
 
-    /// Opens a journal, cuts off a torn last line, and replays the rest.
+    /// Opens a journal, cuts off a torn last line, and replays the rest; an error if another process holds it.
     pub fn open(path: &Path, clock: Clock) -> Result<(Self, Vec<JournalTrial>), FileError> {
-        let file = OpenOptions::new().read(true).append(true).open(path).map_err(FileError::io(path))?;
-        let mut journal = Self { path: path.to_owned(), file, clock };
+        let mut journal = Self::unlocked(path, clock)?;
         journal.lock()?;
-        let text = read_text(path)?;
+        journal.replayed()
+    }
+
+    /// The same, as soon as no other process holds it.
+    pub fn open_when_free(path: &Path, clock: Clock) -> Result<(Self, Vec<JournalTrial>), FileError> {
+        let journal = Self::unlocked(path, clock)?;
+        journal.file.lock().map_err(FileError::io(path))?;
+        journal.replayed()
+    }
+
+    fn unlocked(path: &Path, clock: Clock) -> Result<Self, FileError> {
+        let file = OpenOptions::new().read(true).append(true).open(path).map_err(FileError::io(path))?;
+        Ok(Self { path: path.to_owned(), file, clock })
+    }
+
+    fn replayed(mut self) -> Result<(Self, Vec<JournalTrial>), FileError> {
+        let text = read_text(&self.path)?;
         let whole = text.rfind('\n').map_or(0, |last| last + 1);
-        let trials = replay(path, &text[..whole])?;
+        let trials = replay(&self.path, &text[..whole])?;
         if whole < text.len() {
-            journal.file.set_len(whole as u64).map_err(FileError::io(path))?;
-            journal.file.seek(SeekFrom::End(0)).map_err(FileError::io(path))?;
-            journal.file.sync_all().map_err(FileError::io(path))?;
+            self.cut(whole as u64).map_err(FileError::io(&self.path))?;
         }
         if whole == 0 {
-            journal.append(&[json!({"op_code": 0, "worker_id": WORKER, "study_name": "tribo", "directions": [1]})])?;
+            self.append(&[json!({"op_code": 0, "worker_id": WORKER, "study_name": "tribo", "directions": [1]})])?;
         }
-        Ok((journal, trials))
+        Ok((self, trials))
+    }
+
+    /// Shortens the file, and waits for the disk.
+    fn cut(&mut self, length: u64) -> std::io::Result<()> {
+        self.file.set_len(length)?;
+        self.file.seek(SeekFrom::End(0))?;
+        self.file.sync_all()
     }
 
     fn lock(&mut self) -> Result<(), FileError> {
@@ -90,6 +110,11 @@ impl Journal {
         self.append(&records)
     }
 
+    /// Records a user attribute of a running trial.
+    pub fn set_attribute(&mut self, trial: usize, key: &str, value: &Value) -> Result<(), FileError> {
+        self.append(&[attribute(trial, key, value)])
+    }
+
     /// Records user attributes of a running trial, then ends it. The end is what makes the trial count.
     pub fn finish(
         &mut self,
@@ -98,10 +123,7 @@ impl Journal {
         state: TrialState,
         value: Option<f64>,
     ) -> Result<(), FileError> {
-        let mut records: Vec<Value> = attributes
-            .iter()
-            .map(|(key, value)| json!({"op_code": 8, "worker_id": WORKER, "trial_id": trial, "user_attr": {*key: value}}))
-            .collect();
+        let mut records: Vec<Value> = attributes.iter().map(|(key, value)| attribute(trial, key, value)).collect();
         records.push(json!({
             "op_code": 6, "worker_id": WORKER, "trial_id": trial, "state": state.code(),
             "values": value.map(|value| [value]), "datetime_complete": (self.clock)(),
@@ -119,6 +141,10 @@ impl Journal {
         self.file.write_all(text.as_bytes()).map_err(FileError::io(&self.path))?;
         self.file.sync_data().map_err(FileError::io(&self.path))
     }
+}
+
+fn attribute(trial: usize, key: &str, value: &Value) -> Value {
+    json!({"op_code": 8, "worker_id": WORKER, "trial_id": trial, "user_attr": {key: value}})
 }
 
 #[cfg(test)]

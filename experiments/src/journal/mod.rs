@@ -12,4 +12,4 @@ mod trial_record;
 pub use file::{Clock, Journal};
 pub use replay::{JournalTrial, Replay, TrialState, replay};
 pub use tail::{JournalTail, News};
-pub(crate) use trial_record::{attributes, finished_trial};
+pub(crate) use trial_record::{REPORTED, attributes, finished_trial, reported};

@@ -21,6 +21,14 @@ pub(crate) fn attributes(trial: &FinishedTrial, aborted_at_s: Option<f64>) -> [(
     ]
 }
 
+/// Attribute with the words of whoever reported a failure.
+pub(crate) const REPORTED: &str = "reported";
+
+/// What its user said of the failure of a trial.
+pub(crate) fn reported(trial: &JournalTrial) -> Option<String> {
+    Some(trial.attributes.get(REPORTED)?.as_str()?.to_owned())
+}
+
 /// The inverse of [`attributes`].
 pub(crate) fn finished_trial(
     space: &ParameterSpace,

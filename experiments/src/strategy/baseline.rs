@@ -3,7 +3,7 @@
 use tribo_friction::{FrictionModel, JointFriction};
 use tribo_sim::panda_gaz_joints;
 
-use super::{FinishedTrial, LogSource, Origin, Proposal, Strategy, StrategyError};
+use super::{LogSource, Origin, Past, Proposal, Strategy, StrategyError};
 
 /// The same parameters in every trial.
 pub(super) struct Constant(pub(super) Vec<f64>);
@@ -13,7 +13,7 @@ impl<const N: usize> Strategy<N> for Constant {
         Ok(Some(Proposal { theta: self.0.clone(), origin: Origin::Constant }))
     }
 
-    fn propose(&self, _: usize, _: &[FinishedTrial], _: &dyn LogSource<N>) -> Result<Proposal, StrategyError> {
+    fn propose(&self, _: usize, _: Past<'_>, _: &dyn LogSource<N>) -> Result<Proposal, StrategyError> {
         Ok(Proposal { theta: self.0.clone(), origin: Origin::Constant })
     }
 }

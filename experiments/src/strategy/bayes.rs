@@ -2,7 +2,7 @@
 
 use tribo_bayesopt::{Domain, History, Observation, Outcome, Phase, Settings, suggest};
 
-use super::{FinishedTrial, LogSource, Origin, Proposal, Strategy, StrategyError};
+use super::{FinishedTrial, LogSource, Origin, Past, Proposal, RunningTrial, Strategy, StrategyError};
 use crate::ParameterSpace;
 
 /// A search by the optimiser's ask and tell on the cost alone.
@@ -40,13 +40,9 @@ impl<const N: usize> Strategy<N> for Search {
         Ok(Some(Proposal { theta, origin: Origin::Design }))
     }
 
-    fn propose(
-        &self,
-        _number: usize,
-        history: &[FinishedTrial],
-        _logs: &dyn LogSource<N>,
-    ) -> Result<Proposal, StrategyError> {
-        let suggestion = suggest(&self.settings, &self.domain, &observations(history), self.seed)?;
+    fn propose(&self, _number: usize, past: Past<'_>, _logs: &dyn LogSource<N>) -> Result<Proposal, StrategyError> {
+        let history = observations(past.finished, past.running);
+        let suggestion = suggest(&self.settings, &self.domain, &history, self.seed)?;
         let origin = match suggestion.phase {
             Phase::Design => Origin::Design,
             Phase::Model => Origin::Model,
@@ -55,18 +51,20 @@ impl<const N: usize> Strategy<N> for Search {
     }
 }
 
-/// Trials as the optimiser takes them: an aborted one has failed, its penalised cost beside it.
-pub(crate) fn observations(history: &[FinishedTrial]) -> History {
-    let trials = history
+/// Trials as the optimiser takes them, by number: an aborted one has failed, its penalised cost beside it.
+pub(crate) fn observations(finished: &[FinishedTrial], running: &[RunningTrial]) -> History {
+    let finished = finished.iter().map(|trial| {
+        let cost = trial.cost.total();
+        let outcome = match trial.aborted {
+            None => Outcome::Value(cost),
+            Some(_) => Outcome::Failed { value: Some(cost) },
+        };
+        (trial.number, Observation { point: trial.theta.clone(), outcome })
+    });
+    let running = running
         .iter()
-        .map(|trial| {
-            let cost = trial.cost.total();
-            let outcome = match trial.aborted {
-                None => Outcome::Value(cost),
-                Some(_) => Outcome::Failed { value: Some(cost) },
-            };
-            Observation { point: trial.theta.clone(), outcome }
-        })
-        .collect();
-    History { trials }
+        .map(|trial| (trial.number, Observation { point: trial.theta.clone(), outcome: Outcome::Pending }));
+    let mut trials: Vec<(usize, Observation)> = finished.chain(running).collect();
+    trials.sort_by_key(|(number, _)| *number);
+    History { trials: trials.into_iter().map(|(_, trial)| trial).collect() }
 }

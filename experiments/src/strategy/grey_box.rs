@@ -10,7 +10,7 @@ use tribo_friction::law::CoulombViscous;
 use tribo_robot::{Arm, ControlTerms, WrenchEstimator};
 
 use super::bayes::observations;
-use super::{FinishedTrial, LogSource, Origin, Proposal, Strategy, StrategyError};
+use super::{FinishedTrial, LogSource, Origin, Past, Proposal, RunningTrial, Strategy, StrategyError};
 use crate::{AnyEstimator, ParameterSpace, TrialLog, TunedLaw, ValidTune};
 
 /// Trials whose parameters come straight from least squares, after the first without compensation.
@@ -31,6 +31,10 @@ const LOGS: usize = 2;
 /// every trial and so follows a robot that warms up; the correction δ is what a law of the wrong shape, the estimator's
 /// noise and the maxima in J leave to gain. S holds the standard deviations of the first fit, so a correction never
 /// leaves what the data allow.
+///
+/// Where trials run elsewhere, several at once, least squares takes the last logs that have come back, and a trial that would
+/// repeat one still running gets a correction instead. Before the first log there is nothing but to try without
+/// compensation again.
 pub struct GreyBox<const N: usize> {
     space: ParameterSpace,
     domain: Domain,
@@ -78,19 +82,27 @@ impl<const N: usize> GreyBox<N> {
         })
     }
 
-    /// Friction identified from the logs of the last trials before trial `number`. A joint that stuck all the time tells least
-    /// squares nothing; its dry friction is at least the largest torque that did not move it, and compensated by that it
-    /// will move.
-    pub fn identify(&self, number: usize, logs: &dyn LogSource<N>) -> Result<GlsFit<N>, StrategyError> {
+    /// Friction identified from the last logs before trial `number`; none without a log. A joint that stuck all the time tells
+    /// least squares nothing; its dry friction is at least the largest torque that did not move it, and compensated by that
+    /// it will move.
+    pub fn identify(&self, number: usize, logs: &dyn LogSource<N>) -> Result<Option<GlsFit<N>>, StrategyError> {
         let mut fits = self.fits.lock().unwrap_or_else(PoisonError::into_inner);
         if let Some(fit) = fits.get(&number) {
-            return Ok(fit.clone());
+            return Ok(Some(fit.clone()));
         }
         let (mut samples, mut held) = (Vec::new(), SVector::<f64, N>::zeros());
-        for trial in (0..number).rev().take(LOGS) {
-            let log = logs.log(trial)?;
+        let mut taken = 0;
+        for trial in (0..number).rev() {
+            let Some(log) = logs.log(trial)? else { continue };
             samples.extend(identification_samples(&self.model, &log, &self.estimator));
             held = held.sup(&largest_joint_torque(&log));
+            taken += 1;
+            if taken == LOGS {
+                break;
+            }
+        }
+        if taken == 0 {
+            return Ok(None);
         }
         let mut fit = fit_from_wrench(&samples, &self.gls)?;
         for j in 0..N {
@@ -99,18 +111,39 @@ impl<const N: usize> GreyBox<N> {
             }
         }
         fits.insert(number, fit.clone());
-        Ok(fit)
+        Ok(Some(fit))
+    }
+
+    /// The first fit before trial `number`: its deviations are the scale of the corrections.
+    fn first_fit(&self, number: usize, logs: &dyn LogSource<N>) -> Result<Option<GlsFit<N>>, StrategyError> {
+        for trial in 1..=number {
+            if let Some(fit) = self.identify(trial, logs)? {
+                return Ok(Some(fit));
+            }
+        }
+        Ok(None)
     }
 
     /// Scale S of the correction: the standard deviation of each parameter in the first fit; zero for parameters that
     /// least squares does not touch.
-    fn scales(&self, logs: &dyn LogSource<N>) -> Result<Vec<f64>, StrategyError> {
-        let first = self.identify(1, logs)?;
+    fn scales(&self, first: &GlsFit<N>) -> Vec<f64> {
         let per_joint = self.space.parameters_per_joint();
         let sd = |(k, entry): (usize, &(&str, f64, f64))| {
             basis_column(entry.0).map_or(0.0, |column| first.sd[k / per_joint][column])
         };
-        Ok(self.space.entries().iter().enumerate().map(sd).collect())
+        self.space.entries().iter().enumerate().map(sd).collect()
+    }
+
+    /// A trial as the correction δ that it was to its own fit; none before there was a fit.
+    fn correction(
+        &self,
+        (number, theta): (usize, &[f64]),
+        (scales, free): (&[f64], &[usize]),
+        logs: &dyn LogSource<N>,
+    ) -> Result<Option<Vec<f64>>, StrategyError> {
+        let Some(fit) = self.identify(number, logs)? else { return Ok(None) };
+        let centre = self.space.theta(&fit.friction);
+        Ok(Some(free.iter().map(|&k| ((theta[k] - centre[k]) / scales[k]).clamp(-1.0, 1.0)).collect()))
     }
 
     /// `θ + S δ`, inside the domain.
@@ -132,30 +165,32 @@ impl<const N: usize> Strategy<N> for GreyBox<N> {
         Ok((number == 0).then(|| Proposal { theta: self.space.zero(), origin: Origin::Constant }))
     }
 
-    fn propose(
-        &self,
-        number: usize,
-        history: &[FinishedTrial],
-        logs: &dyn LogSource<N>,
-    ) -> Result<Proposal, StrategyError> {
-        let theta = self.space.theta(&self.identify(number, logs)?.friction);
-        if number <= REFITS {
+    fn propose(&self, number: usize, past: Past<'_>, logs: &dyn LogSource<N>) -> Result<Proposal, StrategyError> {
+        let (Some(fit), Some(first)) = (self.identify(number, logs)?, self.first_fit(number, logs)?) else {
+            return Ok(Proposal { theta: self.space.zero(), origin: Origin::Constant });
+        };
+        let theta = self.space.theta(&fit.friction);
+        if number <= REFITS && past.running.iter().all(|trial| trial.theta != theta) {
             return Ok(Proposal { theta, origin: Origin::LeastSquares });
         }
-        let scales = self.scales(logs)?;
+        let scales = self.scales(&first);
         let free: Vec<usize> = (0..scales.len()).filter(|&k| scales[k] > 0.0).collect();
         let names = free.iter().map(|&k| self.domain.names()[k].clone()).collect();
         let box_of_corrections = Domain::new(names, vec![-1.0; free.len()], vec![1.0; free.len()])?;
 
-        // Every trial after the first as the correction it was to its own fit.
-        let mut tried = Vec::new();
-        for trial in history.iter().filter(|trial| trial.number > 0) {
-            let centre = self.space.theta(&self.identify(trial.number, logs)?.friction);
-            let delta = free.iter().map(|&k| ((trial.theta[k] - centre[k]) / scales[k]).clamp(-1.0, 1.0));
-            tried.push(FinishedTrial { theta: delta.collect(), ..trial.clone() });
+        let (mut tried, mut running) = (Vec::new(), Vec::new());
+        for trial in past.finished {
+            if let Some(theta) = self.correction((trial.number, &trial.theta), (&scales, &free), logs)? {
+                tried.push(FinishedTrial { theta, ..trial.clone() });
+            }
+        }
+        for trial in past.running {
+            if let Some(theta) = self.correction((trial.number, &trial.theta), (&scales, &free), logs)? {
+                running.push(RunningTrial { theta, ..trial.clone() });
+            }
         }
         let settings = Settings { init_trials: 0, ..Settings::bo(vec![0.0; free.len()]) };
-        let delta = suggest(&settings, &box_of_corrections, &observations(&tried), self.seed)?.point;
+        let delta = suggest(&settings, &box_of_corrections, &observations(&tried, &running), self.seed)?.point;
         Ok(Proposal { theta: self.corrected(&theta, &scales, &delta), origin: Origin::Model })
     }
 }

@@ -1,6 +1,6 @@
 //! Iterative learning of friction from the motion alone: the route that Bayesian optimisation replaced.
 
-use super::{FinishedTrial, LogSource, Origin, Proposal, Strategy, StrategyError};
+use super::{LogSource, Origin, Past, Proposal, Strategy, StrategyError};
 use crate::{ParameterSpace, TrialLog};
 
 /// Learning gain of the Coulomb friction.
@@ -35,16 +35,11 @@ impl<const N: usize> Strategy<N> for IterativeLearning {
         Ok((number == 0).then(|| Proposal { theta: self.space.zero(), origin: Origin::Constant }))
     }
 
-    fn propose(
-        &self,
-        number: usize,
-        history: &[FinishedTrial],
-        logs: &dyn LogSource<N>,
-    ) -> Result<Proposal, StrategyError> {
-        let last = history.iter().rfind(|trial| trial.number < number);
+    fn propose(&self, number: usize, past: Past<'_>, logs: &dyn LogSource<N>) -> Result<Proposal, StrategyError> {
+        let last = past.finished.iter().rfind(|trial| trial.number < number);
         let mut theta = last.map_or_else(|| self.space.zero(), |trial| trial.theta.clone());
-        if let Some(last) = last {
-            let log = logs.log(last.number)?;
+        // A trial without log teaches nothing: once more.
+        if let Some(log) = last.map(|last| logs.log(last.number)).transpose()?.flatten() {
             let entries = self.space.entries();
             for (k, value) in theta.iter_mut().enumerate() {
                 let (joint, (name, low, high)) = (k / self.space.parameters_per_joint(), entries[k]);

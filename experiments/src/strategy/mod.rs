@@ -84,6 +84,24 @@ impl fmt::Display for Origin {
     }
 }
 
+/// A trial that has been handed out and has not come back.
+#[derive(Clone, Debug, PartialEq)]
+pub struct RunningTrial {
+    /// Its number, from 0.
+    pub number: usize,
+    /// Its parameters.
+    pub theta: Vec<f64>,
+}
+
+/// The trials before the one to be chosen, each kind by number.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Past<'a> {
+    /// Those that have ended.
+    pub finished: &'a [FinishedTrial],
+    /// Those that run elsewhere at this moment.
+    pub running: &'a [RunningTrial],
+}
+
 /// A parameter vector to try, and who chose it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Proposal {
@@ -115,8 +133,8 @@ pub enum StrategyError {
 
 /// Where the logs of finished trials come from.
 pub trait LogSource<const N: usize> {
-    /// The log of a finished trial.
-    fn log(&self, number: usize) -> Result<TrialLog<N>, FileError>;
+    /// The log of a finished trial; none of one that still runs or left no log.
+    fn log(&self, number: usize) -> Result<Option<TrialLog<N>>, FileError>;
 }
 
 /// Chooses parameters; a pure function of the settings, the trial's number and the trials before it, so that a killed
@@ -125,13 +143,8 @@ pub trait Strategy<const N: usize>: Send + Sync {
     /// The parameters of trial `number` where they depend on no other trial; such trials may run in parallel.
     fn design(&self, number: usize) -> Result<Option<Proposal>, StrategyError>;
 
-    /// The parameters of trial `number`, all trials before it being finished.
-    fn propose(
-        &self,
-        number: usize,
-        history: &[FinishedTrial],
-        logs: &dyn LogSource<N>,
-    ) -> Result<Proposal, StrategyError>;
+    /// The parameters of trial `number`, from all that is known of the trials before it.
+    fn propose(&self, number: usize, past: Past<'_>, logs: &dyn LogSource<N>) -> Result<Proposal, StrategyError>;
 }
 
 impl StrategyName {

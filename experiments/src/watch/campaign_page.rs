@@ -23,7 +23,8 @@ const SLICES: usize = 4;
 /// which is read from a clock, equal campaigns have equal reports, wherever they live.
 pub fn write_report(directory: &Path, out: Option<&Path>, loop_time: bool) -> Result<PathBuf, CampaignError> {
     let mut watch = CampaignWatch::open(directory)?;
-    if References::read(directory).is_none() {
+    let simulated = watch.tune().config().user_trials.is_none();
+    if simulated && References::read(directory).is_none() {
         watch.set_references(watch.tune().references()?);
     }
     let snapshot = watch.poll()?;
@@ -33,12 +34,12 @@ pub fn write_report(directory: &Path, out: Option<&Path>, loop_time: bool) -> Re
     let surrogate = Surrogate::of(&campaign).ok().flatten();
     let best = match campaign.best() {
         Some(best) => {
-            let without = Arc::new(campaign.tune.uncompensated()?);
-            Some(TrialSnapshot::read(directory, Arc::clone(&campaign.tune), best.clone(), Some(without))?)
+            let without = campaign.uncompensated()?.map(Arc::new);
+            Some(TrialSnapshot::read(directory, Arc::clone(&campaign.tune), best.clone(), without)?)
         }
         None => None,
     };
-    let timed = best.as_ref().filter(|_| loop_time);
+    let timed = best.as_ref().filter(|_| loop_time && simulated);
     let times = timed.map(|best| campaign.tune.loop_times(&best.watched.trial.theta)).transpose()?;
     let page = campaign_page(&campaign, surrogate.as_ref(), best.as_ref(), times.as_ref());
     let path = out.map_or_else(|| directory.join("report.html"), Path::to_owned);
@@ -74,15 +75,14 @@ pub fn headline(campaign: &CampaignSnapshot) -> String {
         };
     };
     let cost = best.trial.cost.total();
-    let against = campaign.references.map_or(String::new(), |references| {
-        format!(
-            ", from {} without compensation; with the true friction it would be {}",
-            significant(references.uncompensated, 3),
-            significant(references.oracle, 3)
-        )
+    let without = campaign.uncompensated_cost().map_or(String::new(), |uncompensated| {
+        format!(", from {} without compensation", significant(uncompensated, 3))
+    });
+    let oracle = campaign.references.map_or(String::new(), |references| {
+        format!("; with the true friction it would be {}", significant(references.oracle, 3))
     });
     let progress = if campaign.is_complete() { format!("of {done}") } else { format!("({done} of {total} done)") };
-    format!("J = {} in trial {} {progress}{against}.", significant(cost, 3), best.trial.number)
+    format!("J = {} in trial {} {progress}{without}{oracle}.", significant(cost, 3), best.trial.number)
 }
 
 fn head(campaign: &CampaignSnapshot) -> String {
@@ -96,7 +96,7 @@ fn head(campaign: &CampaignSnapshot) -> String {
     facts.push("joints and trials count from 0; wrenches are by the robot on the environment, base axes".to_owned());
     let torn = if campaign.torn {
         "<p class=\"meta\">The last line of the journal is incomplete and was left out: its writer is at work or was killed \
-         (tribo tune --resume repairs it).</p>\n"
+         (whoever goes on with the campaign repairs it).</p>\n"
     } else {
         ""
     };
@@ -114,8 +114,8 @@ fn result(campaign: &CampaignSnapshot) -> String {
         let ratio = oracle.map_or("–".to_owned(), |oracle| significant(cost / oracle, 3));
         rows.push([what, significant(cost, 4), ratio]);
     };
-    if let Some(references) = campaign.references {
-        row("none".to_owned(), references.uncompensated);
+    if let Some(uncompensated) = campaign.uncompensated_cost() {
+        row("none".to_owned(), uncompensated);
     }
     if let Some(best) = campaign.best() {
         row(format!("tuned (trial {})", best.trial.number), best.trial.cost.total());
@@ -160,8 +160,7 @@ fn failures(campaign: &CampaignSnapshot) -> String {
     }
     let rows = failed.iter().map(|watched| {
         let at = watched.aborted_at_s.map_or("–".to_owned(), |at_s| fixed(at_s, 2));
-        let reason = watched.trial.aborted.map_or(String::new(), |reason| reason.to_string());
-        [watched.trial.number.to_string(), reason, at, significant(watched.trial.cost.penalty, 3)]
+        [watched.trial.number.to_string(), watched.reason(), at, significant(watched.trial.cost.penalty, 3)]
     });
     let count = failed.len();
     section(

@@ -5,8 +5,9 @@ use std::sync::Arc;
 
 use tribo_figure::number::fixed;
 
+use super::TrialColumns;
 use crate::strategy::FinishedTrial;
-use crate::{AnyTune, References};
+use crate::{AnyTune, CampaignError, References};
 
 /// A finished trial as the journal tells it.
 #[derive(Clone, Debug, PartialEq)]
@@ -15,15 +16,26 @@ pub struct WatchedTrial {
     pub trial: FinishedTrial,
     /// Time of the violation since the start of the judged part (s), if there was one.
     pub aborted_at_s: Option<f64>,
+    /// What its user said of its failure, of a trial that ran elsewhere.
+    pub reported: Option<String>,
 }
 
 impl WatchedTrial {
+    /// Why it failed; empty if it did not.
+    pub fn reason(&self) -> String {
+        match (&self.reported, self.trial.aborted) {
+            (Some(reported), _) => reported.clone(),
+            (None, Some(reason)) => reason.to_string(),
+            (None, None) => String::new(),
+        }
+    }
+
     /// `failed at 3.20 s: tool error`, or `complete`; times before 0 are those of the run-in.
     pub fn state(&self) -> String {
         match (self.trial.aborted, self.aborted_at_s) {
             (None, _) => "complete".to_owned(),
-            (Some(reason), Some(at_s)) => format!("failed at {} s: {reason}", fixed(at_s, 2)),
-            (Some(reason), None) => format!("failed: {reason}"),
+            (Some(_), Some(at_s)) => format!("failed at {} s: {}", fixed(at_s, 2), self.reason()),
+            (Some(_), None) => format!("failed: {}", self.reason()),
         }
     }
 }
@@ -57,6 +69,36 @@ impl CampaignSnapshot {
         complete.min_by(|a, b| a.trial.cost.total().total_cmp(&b.trial.cost.total()))
     }
 
+    /// Whether its trials run elsewhere: nothing of it can be simulated.
+    pub fn trials_by_user(&self) -> bool {
+        self.tune.config().user_trials.is_some()
+    }
+
+    /// The trial without compensation of a campaign whose trials run elsewhere, if there was one.
+    fn tried_without(&self) -> Option<&WatchedTrial> {
+        let zero = self.tune.space().zero();
+        let complete = self.trials.iter().filter(|watched| watched.trial.aborted.is_none());
+        complete.filter(|_| self.trials_by_user()).find(|watched| watched.trial.theta == zero)
+    }
+
+    /// J without compensation, where it is known.
+    pub fn uncompensated_cost(&self) -> Option<f64> {
+        let tried = || self.tried_without().map(|watched| watched.trial.cost.total());
+        self.references.map(|references| references.uncompensated).or_else(tried)
+    }
+
+    /// What the arm does without compensation: simulated, or the trial that tried it.
+    ///
+    /// # Errors
+    /// Those of the estimator; a log that is missing or damaged.
+    pub fn uncompensated(&self) -> Result<Option<TrialColumns>, CampaignError> {
+        if !self.trials_by_user() {
+            return Ok(Some(self.tune.uncompensated()?));
+        }
+        let tried = self.tried_without();
+        Ok(tried.map(|watched| self.tune.read_trial(&self.directory, watched.trial.number)).transpose()?)
+    }
+
     /// Trials that were stopped.
     pub fn failed(&self) -> impl Iterator<Item = &WatchedTrial> {
         self.trials.iter().filter(|watched| watched.trial.aborted.is_some())
@@ -80,7 +122,7 @@ impl CampaignSnapshot {
             ("strategy", file_name(&config.strategy)),
             ("friction law", file_name(&config.friction)),
             ("estimator", file_name(&config.residual)),
-            ("truth", file_name(&config.truth)),
+            ("truth", if self.trials_by_user() { "a robot elsewhere".to_owned() } else { file_name(&config.truth) }),
             ("velocity", file_name(&config.velocity)),
             ("pose", config.pose.to_string()),
             ("seed", config.seed.to_string()),

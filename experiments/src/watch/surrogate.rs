@@ -59,7 +59,7 @@ impl Surrogate {
         };
         let domain = space.domain()?;
         let Some(model) = settings.model.filter(|_| different.len() == 3) else { return Ok(None) };
-        let Some(belief) = Belief::of(&model, &domain, &observations(&history), config.seed)? else {
+        let Some(belief) = Belief::of(&model, &domain, &observations(&history, &[]), config.seed)? else {
             return Ok(None);
         };
         let slices = (0..domain.dimension()).map(|k| belief.slice(k, POINTS)).collect::<Result<_, _>>()?;

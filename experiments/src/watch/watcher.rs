@@ -4,8 +4,8 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use super::{CampaignSnapshot, WatchedTrial};
-use crate::campaign::{explained, read_settings};
-use crate::journal::{JournalTail, News, finished_trial};
+use crate::campaign_directory::{explained, read_settings};
+use crate::journal::{JournalTail, News, TrialState, finished_trial, reported};
 use crate::{AnyTune, CampaignError, References};
 
 /// Watches the campaign of a directory, finished or running, in this process or another.
@@ -65,10 +65,13 @@ impl CampaignWatch {
         let journal = self.directory.join("journal.log");
         let (mut trials, mut running) = (Vec::new(), Vec::new());
         for (number, trial) in self.tail.trials().iter().enumerate() {
-            if trial.state.is_finished() {
+            if trial.state == TrialState::Fail {
+                // Given up: nothing is known of it.
+            } else if trial.state.is_finished() {
                 let aborted_at_s = trial.attributes.get("aborted_at_s").and_then(serde_json::Value::as_f64);
                 let finished = finished_trial(self.tune.space(), &journal, number, trial)?;
-                trials.push(WatchedTrial { trial: finished, aborted_at_s });
+                let reported = reported(trial);
+                trials.push(WatchedTrial { trial: finished, aborted_at_s, reported });
             } else {
                 running.push(number);
             }

@@ -7,7 +7,7 @@ use std::path::Path;
 use std::process::{Command, Stdio};
 
 use tribo_experiments::export::{Exported, Format, export};
-use tribo_experiments::files::{ModelFile, TunedFile, YamlDocument};
+use tribo_experiments::files::{FrictionSection, ModelFile, TunedFile, YamlDocument};
 use tribo_friction::law::{Asymmetric, CoulombViscous, GazSigmoid, Lugre, Stribeck};
 use tribo_friction::{Compensator, FrictionModel, JointFriction, VelocitySource};
 
@@ -48,7 +48,20 @@ pub fn laws<const N: usize>() -> Vec<FrictionModel<N>> {
 
 /// The file of a law on a robot.
 pub fn tuned<const N: usize>(robot: &str, friction: FrictionModel<N>, source: VelocitySource) -> TunedFile {
-    TunedFile::new(&Compensator::new(friction, source), robot, 7, (3, 2.9), 24.2)
+    let compensator = Compensator::new(friction, source);
+    TunedFile {
+        schema: "tribo.tuned/1".to_owned(),
+        tribo_version: "0.1.0".to_owned(),
+        robot: robot.to_owned(),
+        seed: 7,
+        trial: 3,
+        cost: Some(2.9),
+        uncompensated_cost: None,
+        velocity: source,
+        hybrid_threshold_rad_s: compensator.hybrid_threshold_rad_s,
+        friction: FrictionSection::of(&friction, compensator.smoothing_rad_s),
+        model: None,
+    }
 }
 
 /// A model file.

@@ -22,6 +22,7 @@ pub fn synthetic_log(joints: usize, rows: usize, full: bool) -> RobotLog {
         dq_rad_s: per_joint(0.2),
         tau_j_nm: per_joint(0.3),
         tau_j_d_nm: some(0.4),
+        tau_friction_nm: some(0.42),
         tau_link_nm: some(0.45),
         theta_rad: some(0.5),
         dtheta_rad_s: some(0.6),

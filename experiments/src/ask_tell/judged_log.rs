@@ -1,0 +1,223 @@
+//! What a log of the user's robot is worth.
+
+use nalgebra::{SVector, Translation3, UnitQuaternion, Vector6};
+use tribo_control::{TaskState, TorqueTerms};
+use tribo_friction::{Bristles, Compensator, CompensatorInput, VelocitySource};
+use tribo_logs::{GAP_TOLERANCE, Quantity, RobotLog, bursts, median_period_s};
+use tribo_robot::{ControlTerms, EstimatorInput, Pose, SensorFrame, WrenchEstimate, WrenchEstimator};
+use tribo_runtime::TickRecord;
+
+use super::{SentTorque, UserTrials};
+use crate::log_wrench::{LONGEST_GAP_PERIODS, at};
+use crate::{AnyEstimator, Cost, CostAccumulator, EstimatorError, EstimatorName, TrialLog, ValidTune};
+
+/// A trial that ran elsewhere, judged.
+#[derive(Clone, Debug, PartialEq)]
+pub struct JudgedLog<const N: usize> {
+    /// The cost and its parts.
+    pub cost: Cost,
+    /// Time of the failure since the start of the judged part (s), of a trial that failed.
+    pub aborted_at_s: Option<f64>,
+    /// The decimated log. Task and null-space torque are not told apart; reference and error are not known.
+    pub log: TrialLog<N>,
+    /// Judged samples that the estimator could not use.
+    pub faults: usize,
+    /// Whether the log says itself what the compensator added.
+    pub logged_compensation: bool,
+}
+
+/// Why a log cannot be judged.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum JudgeError {
+    /// Another robot.
+    #[error("{found} joints; the robot of the campaign has {expected}")]
+    Joints {
+        /// Joints of the log.
+        found: usize,
+        /// Joints of the campaign's robot.
+        expected: usize,
+    },
+    /// A column is missing.
+    #[error("missing columns {column}, {why}")]
+    Missing {
+        /// The columns.
+        column: Quantity,
+        /// What for, and what to do.
+        why: &'static str,
+    },
+    /// The log ends before the trial should.
+    #[error("ends after {found_s:.3} s, a trial takes {expected_s} s; if it was stopped, say so: --failed REASON")]
+    Short {
+        /// Length of the log (s).
+        found_s: f64,
+        /// Length of run-in and judged part (s).
+        expected_s: f64,
+    },
+    /// A stretch is missing.
+    #[error(
+        "a gap of {gap_s:.3} s at time {at_s:.3} s; a trial needs one stretch without gaps beyond {allowed_s:.3} s"
+    )]
+    Gap {
+        /// Time before the gap (s).
+        at_s: f64,
+        /// Its length (s).
+        gap_s: f64,
+        /// The longest that is bridged (s).
+        allowed_s: f64,
+    },
+    /// No estimator.
+    #[error(transparent)]
+    Estimator(#[from] EstimatorError),
+}
+
+/// Period of the decimated log (s).
+const LOG_PERIOD_S: f64 = 0.01;
+
+/// Judges the log of a trial that ran with parameters θ on the user's robot, by the estimator of the campaign.
+///
+/// What acted between two samples is what was commanded at the first (of measured torque, the mean of both). The compensator's part of it is
+/// `tau_friction`, or else the compensator at θ at the velocities of the log. Stamps count to the nanosecond, so that the log of a simulated
+/// trial gives the bits of that trial. The last sample of a trial that `failed` is the one at which it failed.
+///
+/// # Errors
+/// A log of another robot, one without the columns that are needed, with a gap, or too short for a trial that did not fail.
+pub fn judge_log<const N: usize>(
+    tune: &ValidTune<N>,
+    user_trials: &UserTrials,
+    theta: &[f64],
+    log: &RobotLog,
+    failed: bool,
+) -> Result<JudgedLog<N>, JudgeError> {
+    check::<N>(log, user_trials, tune.config.residual, failed)?;
+    let (arm, friction) = (&tune.trial.model, tune.space.friction(theta));
+    let mut estimator = AnyEstimator::for_tuning(tune.config.residual, tune.config.ekf, arm, &friction)?;
+    let compensator = Compensator::new(friction, VelocitySource::Measured).with_effects(tune.trial.effects);
+    let mut bristles = Bristles::default();
+    let (mut accumulator, mut faults) = (CostAccumulator::default(), 0);
+    let period_s = nanoseconds(median_period_s(&log.time_s).unwrap_or_default());
+    let every = (LOG_PERIOD_S / period_s).round().max(1.0);
+    let log_period_s = every * period_s;
+    let mut decimated = TrialLog::with_capacity((log.rows() as f64 / every) as usize + 1, log_period_s);
+    let (mut acted, mut estimate) = (None, WrenchEstimate::none_yet());
+
+    for k in 0..log.rows() {
+        let since_start_s = log.time_s[k] - log.time_s[0];
+        let since_judged_s = since_start_s - user_trials.judged_from_s;
+        // Half a period decides between neighbours, whatever the rounding of the stamps.
+        let judged = since_judged_s > -0.5 * period_s;
+        if since_judged_s > user_trials.judged_s - 0.5 * period_s || (failed && k + 1 == log.rows()) {
+            break;
+        }
+        let frame = SensorFrame {
+            time_s: log.time_s[k],
+            q: at(&log.q_rad, k),
+            qd: at(&log.dq_rad_s, k),
+            tau: at(&log.tau_j_nm, k),
+            theta: log.theta_rad.as_ref().map(|theta| at(theta, k)),
+        };
+        let terms = ControlTerms::at(arm, &frame.q, &frame.qd);
+        let dt_s = if k == 0 { period_s } else { nanoseconds(log.time_s[k] - log.time_s[k - 1]) };
+        match acted {
+            None => estimator.reset(&frame, &terms),
+            Some((tau_motor, tau_friction)) => {
+                let tau_motor: SVector<f64, N> = match user_trials.torque {
+                    SentTorque::Measured => (tau_motor + frame.tau) * 0.5,
+                    SentTorque::Commanded | SentTorque::CommandedWithoutGravity => tau_motor,
+                };
+                estimate = estimator.step(&EstimatorInput {
+                    frame: &frame,
+                    terms: &terms,
+                    tau_motor: &tau_motor,
+                    tau_friction: &tau_friction,
+                    acceleration_command: &Vector6::zeros(),
+                    dt_s,
+                });
+            }
+        }
+        if judged {
+            accumulator.add(&estimate.wrench_base);
+            faults += usize::from(estimate.fault.is_some());
+        }
+
+        // What acts until the next sample.
+        let (q, qd_measured, qd_reference, load_nm) = (frame.q, frame.qd, frame.qd, terms.bias_nm());
+        let input = CompensatorInput { q, qd_measured, qd_reference, load_nm, dt_s };
+        let believed = compensator.tick(&mut bristles, &input);
+        let law_nm = log.tau_friction_nm.as_ref().map_or(believed.law_nm, |all| at(all, k) - believed.effects_nm);
+        let command = match (user_trials.torque, &log.tau_j_d_nm) {
+            (SentTorque::Commanded, Some(tau)) => at(tau, k),
+            (SentTorque::CommandedWithoutGravity, Some(tau)) => at::<N>(tau, k) + terms.gravity_nm,
+            _ => frame.tau,
+        };
+        acted = Some((command, law_nm + believed.effects_nm));
+        if since_start_s >= decimated.len() as f64 * log_period_s - 0.5 * period_s {
+            let torque = TorqueTerms {
+                task: command - law_nm - believed.effects_nm - terms.coriolis_nm - terms.gravity_nm,
+                nullspace: SVector::zeros(),
+                coriolis: terms.coriolis_nm,
+                gravity: terms.gravity_nm,
+                friction: law_nm,
+                effects: believed.effects_nm,
+            };
+            let task = TaskState { error: Vector6::repeat(f64::NAN), ..TaskState::zero() };
+            let nowhere =
+                Pose::from_parts(Translation3::new(f64::NAN, f64::NAN, f64::NAN), UnitQuaternion::identity().into());
+            let record = TickRecord {
+                frame,
+                estimate,
+                reference: nowhere,
+                task,
+                torque,
+                command,
+                saturated: false,
+                fault: None,
+            };
+            decimated.push(since_judged_s, &record);
+        }
+    }
+
+    let aborted_at_s = failed.then(|| log.time_s[log.rows() - 1] - log.time_s[0] - user_trials.judged_from_s);
+    Ok(JudgedLog {
+        cost: accumulator.finish(aborted_at_s, user_trials.judged_s),
+        aborted_at_s,
+        log: decimated,
+        faults,
+        logged_compensation: log.tau_friction_nm.is_some(),
+    })
+}
+
+/// Whether the log holds what it takes to judge it.
+fn check<const N: usize>(
+    log: &RobotLog,
+    user_trials: &UserTrials,
+    residual: EstimatorName,
+    failed: bool,
+) -> Result<(), JudgeError> {
+    if log.joints() != N {
+        return Err(JudgeError::Joints { found: log.joints(), expected: N });
+    }
+    if user_trials.torque != SentTorque::Measured && log.tau_j_d_nm.is_none() {
+        let why = "the torque that was sent; a campaign can begin with --torque measured instead, if tau_J is that of the motors";
+        return Err(JudgeError::Missing { column: Quantity::TorqueDesired, why });
+    }
+    if residual == EstimatorName::DoubleEncoder && log.theta_rad.is_none() {
+        return Err(JudgeError::Missing { column: Quantity::MotorPosition, why: "which double_encoder needs" });
+    }
+    let period_s = median_period_s(&log.time_s).unwrap_or_default();
+    let tolerance = GAP_TOLERANCE.max(LONGEST_GAP_PERIODS);
+    if let Some(end) = bursts(&log.time_s, tolerance).first().map(|burst| burst.end).filter(|end| *end < log.rows()) {
+        let (at_s, gap_s) = (log.time_s[end - 1], log.time_s[end] - log.time_s[end - 1]);
+        return Err(JudgeError::Gap { at_s, gap_s, allowed_s: tolerance * period_s });
+    }
+    let found_s = log.time_s[log.rows() - 1] - log.time_s[0];
+    let expected_s = user_trials.judged_from_s + user_trials.judged_s;
+    if !failed && found_s < expected_s - 1.5 * period_s {
+        return Err(JudgeError::Short { found_s, expected_s });
+    }
+    Ok(())
+}
+
+/// A time (s) to the nanosecond: the difference of two stamps is off by the rounding of both.
+fn nanoseconds(time_s: f64) -> f64 {
+    (time_s * 1e9).round() / 1e9
+}

@@ -1,0 +1,307 @@
+//! A campaign whose trials the user runs.
+
+use std::path::{Path, PathBuf};
+
+use serde_json::{Value, json};
+
+use super::{JudgedLog, UserTrials};
+use crate::campaign::{best_trial, write_tuned};
+use crate::campaign_directory::{RunBy, create, open, write_settings};
+use crate::files::{FileError, TunedFile};
+use crate::journal::{Clock, Journal, JournalTrial, REPORTED, TrialState, attributes, finished_trial};
+use crate::stored_logs::StoredLogs;
+use crate::strategy::{FinishedTrial, LogSource, Origin, Past, Proposal, RunningTrial};
+use crate::{AbortReason, CampaignError, Cost, CostAccumulator, TrialLog, ValidTune, trial_log_path, write_trial_log};
+
+/// A trial that has been asked for.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Asked {
+    /// Its number.
+    pub number: usize,
+    /// Its parameters θ.
+    pub theta: Vec<f64>,
+    /// Who chose them.
+    pub origin: Origin,
+    /// The compensator to run it with.
+    pub file: TunedFile,
+}
+
+/// What has become known by telling.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Told {
+    /// The trial.
+    pub trial: FinishedTrial,
+    /// Time of its failure since the start of the judged part (s), where it is known.
+    pub aborted_at_s: Option<f64>,
+    /// Number and cost of the best trial so far.
+    pub best: Option<(usize, f64)>,
+    /// Trials told so far, failed ones included.
+    pub finished: usize,
+}
+
+/// A campaign in its directory, whose trials run elsewhere: [`Self::ask`] hands out parameters, [`Self::tell`] takes what came
+/// of them, in any order, several trials in flight. Everything is in the journal before a call returns, so each call may be
+/// a process of its own; two at the same time wait for each other.
+#[derive(Debug)]
+pub struct UserCampaign<const N: usize> {
+    directory: PathBuf,
+    tune: ValidTune<N>,
+    user_trials: UserTrials,
+    journal: Journal,
+    trials: Vec<Entry>,
+}
+
+/// A trial as its campaign knows it.
+#[derive(Debug)]
+enum Entry {
+    /// A process was killed while it wrote the parameters: nobody has seen them.
+    Torn,
+    Running(RunningTrial, Origin),
+    Finished(FinishedTrial),
+    GivenUp,
+}
+
+impl<const N: usize> UserCampaign<N> {
+    /// Starts a campaign in a directory that has none yet; settings without `user_trials` get the default ones.
+    ///
+    /// # Errors
+    /// A directory that holds a campaign, or cannot be written.
+    pub fn create(directory: &Path, mut tune: ValidTune<N>, clock: Clock) -> Result<Self, CampaignError> {
+        let user_trials = *tune.config.user_trials.get_or_insert_default();
+        let journal = create(directory, &tune.config, clock)?;
+        Ok(Self { directory: directory.to_owned(), tune, user_trials, journal, trials: Vec::new() })
+    }
+
+    /// Opens the campaign of a directory; waits while another process holds it.
+    ///
+    /// # Errors
+    /// No campaign, one whose trials Tribo runs, or a damaged one.
+    pub fn open(directory: &Path, clock: Clock) -> Result<Self, CampaignError> {
+        let (tune, journal, recorded) = open::<N>(directory, None, RunBy::User, clock)?;
+        let user_trials = tune.config.user_trials.unwrap_or_default();
+        let path = directory.join("journal.log");
+        let trials = recorded
+            .iter()
+            .enumerate()
+            .map(|(number, trial)| Entry::of(&tune, &path, number, trial))
+            .collect::<Result<_, _>>()?;
+        Ok(Self { directory: directory.to_owned(), tune, user_trials, journal, trials })
+    }
+
+    /// The validated settings.
+    pub fn tune(&self) -> &ValidTune<N> {
+        &self.tune
+    }
+
+    /// How its trials are judged.
+    pub fn user_trials(&self) -> &UserTrials {
+        &self.user_trials
+    }
+
+    /// Changes the number of trials of the campaign.
+    ///
+    /// # Errors
+    /// A number out of range, settings that cannot be written.
+    pub fn set_trials(&mut self, trials: usize) -> Result<(), CampaignError> {
+        let mut config = self.tune.config.clone();
+        config.trials = trials;
+        self.tune = config.validate()?;
+        Ok(write_settings(&self.directory, &self.tune.config)?)
+    }
+
+    /// Numbers of the trials that have been asked for and not been told.
+    pub fn running(&self) -> Vec<usize> {
+        self.in_flight().map(|trial| trial.number).collect()
+    }
+
+    fn in_flight(&self) -> impl Iterator<Item = &RunningTrial> {
+        self.trials.iter().filter_map(|entry| match entry {
+            Entry::Running(trial, _) => Some(trial),
+            _ => None,
+        })
+    }
+
+    /// The trials that have been told.
+    pub fn finished(&self) -> impl Iterator<Item = &FinishedTrial> {
+        self.trials.iter().filter_map(|entry| match entry {
+            Entry::Finished(trial) => Some(trial),
+            _ => None,
+        })
+    }
+
+    /// The next parameters, marked as running in the journal.
+    ///
+    /// # Errors
+    /// All trials are told or running; a strategy without an answer; a journal that cannot be written.
+    pub fn ask(&mut self) -> Result<Asked, CampaignError> {
+        let (finished, running): (Vec<_>, Vec<_>) =
+            (self.finished().cloned().collect(), self.in_flight().cloned().collect());
+        let total = self.tune.config.trials;
+        if finished.len() + running.len() >= total {
+            let (told, in_flight) = (finished.len(), running.len());
+            let message =
+                format!("all {total} trials are told ({told}) or running ({in_flight}); --trials N makes it longer");
+            return Err(FileError::Campaign { path: self.directory.clone(), message }.into());
+        }
+        let number = self.trials.iter().position(|entry| matches!(entry, Entry::Torn)).unwrap_or(self.trials.len());
+        let fail = |source| CampaignError::Strategy { trial: number, source };
+        let strategy = self.tune.config.strategy.build(&self.tune).map_err(fail)?;
+        let past = Past { finished: &finished, running: &running };
+        let Proposal { theta, origin } = match strategy.design(number).map_err(fail)? {
+            Some(proposal) => proposal,
+            None => strategy.propose(number, past, &self.logs()).map_err(fail)?,
+        };
+        if number == self.trials.len() {
+            self.journal.create_trial()?;
+        }
+        // Parameters last: a trial is running once all of them are there.
+        self.journal.set_attribute(number, "origin", &json!(origin))?;
+        let (names, entries) = (self.tune.space.names(), self.tune.space.entries());
+        let params = names.iter().zip(&theta).zip(&entries);
+        self.journal
+            .set_params(number, params.map(|((name, value), (_, low, high))| (name.as_str(), *value, *low, *high)))?;
+        let entry = Entry::Running(RunningTrial { number, theta: theta.clone() }, origin);
+        match self.trials.get_mut(number) {
+            Some(torn) => *torn = entry,
+            None => self.trials.push(entry),
+        }
+        Ok(Asked { number, file: TunedFile::of_trial(&self.tune, number, &theta), theta, origin })
+    }
+
+    /// The parameters of a running trial once more.
+    ///
+    /// # Errors
+    /// A trial that does not run.
+    pub fn asked(&self, number: usize) -> Result<Asked, CampaignError> {
+        let (RunningTrial { theta, .. }, origin) = self.at(number)?;
+        let file = TunedFile::of_trial(&self.tune, number, theta);
+        Ok(Asked { number, theta: theta.clone(), origin, file })
+    }
+
+    /// Ends a running trial with what its log is worth; `failed` says why it was stopped, if it was.
+    ///
+    /// # Errors
+    /// A trial that does not run; files that cannot be written.
+    pub fn tell(&mut self, number: usize, judged: &JudgedLog<N>, failed: Option<&str>) -> Result<Told, CampaignError> {
+        self.at(number)?;
+        write_trial_log(&trial_log_path(&self.directory, number), &judged.log)?;
+        self.finish(number, judged.cost, judged.aborted_at_s, failed)
+    }
+
+    /// Ends a running trial that failed and left no log: the full penalty.
+    ///
+    /// # Errors
+    /// Those of [`Self::tell`].
+    pub fn tell_failed(&mut self, number: usize, reason: &str) -> Result<Told, CampaignError> {
+        let nothing_seen = CostAccumulator::default().finish(Some(0.0), self.user_trials.judged_s);
+        self.finish(number, nothing_seen, None, Some(reason))
+    }
+
+    /// Gives a running trial up: it counts for nothing, and its number is not used again.
+    ///
+    /// # Errors
+    /// A trial that does not run; a journal that cannot be written.
+    pub fn give_up(&mut self, number: usize) -> Result<(), CampaignError> {
+        self.at(number)?;
+        self.journal.finish(number, &[("given_up", Value::Bool(true))], TrialState::Fail, None)?;
+        self.trials[number] = Entry::GivenUp;
+        Ok(())
+    }
+
+    fn finish(
+        &mut self,
+        number: usize,
+        cost: Cost,
+        aborted_at_s: Option<f64>,
+        failed: Option<&str>,
+    ) -> Result<Told, CampaignError> {
+        let (RunningTrial { theta, .. }, origin) = self.at(number)?;
+        let aborted = failed.map(reason);
+        let trial = FinishedTrial { number, theta: theta.clone(), cost, aborted, origin };
+        let mut known = attributes(&trial, aborted_at_s).to_vec();
+        if let (Some(AbortReason::Reported), Some(words)) = (aborted, failed) {
+            known.push((REPORTED, json!(words)));
+        }
+        self.journal.finish(number, &known, TrialState::Complete, Some(cost.total()))?;
+        self.trials[number] = Entry::Finished(trial.clone());
+        let finished: Vec<FinishedTrial> = self.finished().cloned().collect();
+        let zero = self.tune.space.zero();
+        let uncompensated = finished.iter().find(|trial| trial.aborted.is_none() && trial.theta == zero);
+        write_tuned(&self.directory, &self.tune, &finished, uncompensated.map(|trial| trial.cost.total()))?;
+        Ok(Told { trial, aborted_at_s, best: best_trial(&finished), finished: finished.len() })
+    }
+
+    /// A running trial, and who chose its parameters.
+    fn at(&self, number: usize) -> Result<(&RunningTrial, Origin), FileError> {
+        let what = match self.trials.get(number) {
+            Some(Entry::Running(trial, origin)) => return Ok((trial, *origin)),
+            Some(Entry::Finished(_)) => "has been told already",
+            Some(Entry::GivenUp) => "was given up",
+            Some(Entry::Torn) | None => "has not been asked for",
+        };
+        let running = self.running();
+        let message = format!("trial {number} {what}; running: {}", numbers(&running));
+        Err(FileError::Campaign { path: self.directory.clone(), message })
+    }
+
+    fn logs(&self) -> LogsThatCame<'_, N> {
+        LogsThatCame { campaign: self, stored: StoredLogs::new(self.directory.clone()) }
+    }
+}
+
+impl Entry {
+    fn of<const N: usize>(
+        tune: &ValidTune<N>,
+        path: &Path,
+        number: usize,
+        trial: &JournalTrial,
+    ) -> Result<Self, FileError> {
+        match trial.state {
+            TrialState::Fail => Ok(Self::GivenUp),
+            TrialState::Complete | TrialState::Pruned => {
+                Ok(Self::Finished(finished_trial(&tune.space, path, number, trial)?))
+            }
+            TrialState::Running | TrialState::Waiting => {
+                let theta: Option<Vec<f64>> =
+                    tune.space.names().iter().map(|name| trial.params.get(name).copied()).collect();
+                let origin =
+                    trial.attributes.get("origin").and_then(|value| serde_json::from_value(value.clone()).ok());
+                Ok(match (theta, origin) {
+                    (Some(theta), Some(origin)) => Self::Running(RunningTrial { number, theta }, origin),
+                    _ => Self::Torn,
+                })
+            }
+        }
+    }
+}
+
+/// The logs that have come back; a failed trial may have left none.
+struct LogsThatCame<'a, const N: usize> {
+    campaign: &'a UserCampaign<N>,
+    stored: StoredLogs<N>,
+}
+
+impl<const N: usize> LogSource<N> for LogsThatCame<'_, N> {
+    fn log(&self, number: usize) -> Result<Option<TrialLog<N>>, FileError> {
+        match self.campaign.trials.get(number) {
+            Some(Entry::Finished(trial)) => {
+                let lost = trial.aborted.is_some() && !trial_log_path(&self.campaign.directory, number).exists();
+                if lost { Ok(None) } else { self.stored.log(number) }
+            }
+            _ => Ok(None),
+        }
+    }
+}
+
+/// One of our own reasons, by its name, or another.
+fn reason(words: &str) -> AbortReason {
+    serde_json::from_value(json!(words)).unwrap_or(AbortReason::Reported)
+}
+
+/// `0, 3`, or `none`.
+fn numbers(numbers: &[usize]) -> String {
+    match numbers {
+        [] => "none".to_owned(),
+        _ => numbers.iter().map(ToString::to_string).collect::<Vec<_>>().join(", "),
+    }
+}
