@@ -25,7 +25,7 @@ const EXAMPLES: &str = "Examples:
   tribo ask campaigns/mine --out next.yaml     parameters to try on your own robot …
   tribo tell campaigns/mine trial.csv          … and what came of them
   tribo study STUDY.yaml --shard 1/4           compare strategies over many campaigns; one slice of four
-  tribo export campaigns/0001 --format json    the tuned compensator
+  tribo export campaigns/0001 --format c       the tuned compensator as a C header; also ros2, crisp, urdf, mjcf, rust
   tribo dashboard campaigns/0001               look at it, also while it runs
   tribo report campaigns/0001                  the campaign as one HTML file
   tribo simulate --log trial.csv               one trial as a robot log
@@ -81,7 +81,9 @@ pub enum Command {
     ///
     /// CSV is converted in batches of rows: an hour at 1 kHz takes no more memory than a minute.
     Convert(Convert),
-    /// Write tuned parameters for another program.
+    /// Write a tuned compensator for another program.
+    ///
+    /// What the format cannot say is told, with the torque that it is worth, on standard error, in the file and with --json.
     Export(Export),
     /// Write a campaign, finished or running, as one HTML file with all figures; it needs no script and no network.
     Report(Report),
@@ -360,11 +362,18 @@ pub struct Export {
     /// A campaign directory or a tuned.yaml.
     pub source: PathBuf,
     /// What to write.
-    #[arg(long, value_parser = PossibleValuesParser::new(["yaml", "json"]))]
+    ///
+    /// yaml and json: tuned.yaml as it is. c and rust: the compensator as source without dependencies. ros2: a parameter file
+    /// for a controller of yours. crisp: friction parameters of crisp_controllers. urdf and mjcf: the robot with its friction.
+    #[arg(long, value_parser = PossibleValuesParser::new(["yaml", "json", "ros2", "crisp", "urdf", "mjcf", "c", "rust"]))]
     pub format: String,
     /// File to write [default: standard output].
     #[arg(long, value_name = "FILE")]
     pub out: Option<PathBuf>,
+    /// What the target calls it: the node (ros2: friction_compensator, crisp: cartesian_impedance_controller), the prefix of
+    /// identifiers (c: tribo), the model (urdf, mjcf: the robot's name).
+    #[arg(long, value_name = "NAME")]
+    pub name: Option<String>,
 }
 
 /// Arguments of `report`.

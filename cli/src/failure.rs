@@ -1,5 +1,6 @@
 //! From errors to exit codes.
 
+use tribo_experiments::export::ExportError;
 use tribo_experiments::files::FileError;
 use tribo_experiments::strategy::StrategyError;
 use tribo_experiments::{CampaignError, ConfigError};
@@ -51,6 +52,9 @@ pub fn exit_code(error: &anyhow::Error) -> u8 {
     }
     if error.is::<BadInput>() || error.is::<FileError>() || error.is::<ConfigError>() || error.is::<LogError>() {
         return 2;
+    }
+    if let Some(error) = error.downcast_ref::<ExportError>() {
+        return if matches!(error, ExportError::Serialise(_)) { 3 } else { 2 };
     }
     match error.downcast_ref::<CampaignError>() {
         Some(CampaignError::Config(_) | CampaignError::File(_)) => 2,

@@ -30,6 +30,7 @@ mod closed_loop_gain;
 mod config;
 mod cost;
 mod estimator;
+pub mod export;
 pub mod files;
 mod follow;
 pub mod hidden_effects;

@@ -2,13 +2,15 @@
 
 use anyhow::Context;
 use serde_json::json;
-use tribo_experiments::files::{FileError, TunedFile, to_yaml};
+use tribo_experiments::export::export;
+use tribo_experiments::files::{FileError, TunedFile};
 use tribo_logs::write_atomic;
 
+use super::named;
 use crate::arguments::{Common, Export};
-use crate::output::print;
+use crate::output::{print, print_json};
 
-/// Writes tuned parameters in another format.
+/// Writes tuned parameters in another format, and says what that format cannot.
 pub fn run(arguments: &Export, common: &Common) -> anyhow::Result<()> {
     let path = if arguments.source.is_dir() { arguments.source.join("tuned.yaml") } else { arguments.source.clone() };
     let tuned = TunedFile::read(&path).map_err(|error| match error {
@@ -17,18 +19,30 @@ pub fn run(arguments: &Export, common: &Common) -> anyhow::Result<()> {
         }
         other => other,
     })?;
-    let text = match arguments.format.as_str() {
-        "json" => format!("{:#}\n", json!(tuned)),
-        _ => to_yaml(&tuned).context("serialising the parameters")?,
-    };
-    match &arguments.out {
-        Some(out) => {
-            write_atomic(out, |file| file.write_all(text.as_bytes()))?;
-            if !common.quiet {
-                eprintln!("written {}", out.display());
-            }
+    let exported = export(&tuned, named(&arguments.format)?, arguments.name.as_deref())
+        .with_context(|| format!("{} as {}", path.display(), arguments.format))?;
+    if let Some(out) = &arguments.out {
+        write_atomic(out, |file| file.write_all(exported.text.as_bytes()))?;
+    }
+    if !common.quiet {
+        for loss in &exported.losses {
+            eprintln!("tribo: not in the {} file: {loss}", arguments.format);
         }
-        None => print(text.trim_end()),
+        if let Some(out) = &arguments.out {
+            eprintln!("written {}", out.display());
+        }
+    }
+    if common.json {
+        print_json(&json!({
+            "schema": "tribo.export/1",
+            "format": arguments.format,
+            "robot": tuned.robot,
+            "out": arguments.out,
+            "text": arguments.out.is_none().then_some(&exported.text),
+            "losses": exported.losses,
+        }));
+    } else if arguments.out.is_none() {
+        print(exported.text.trim_end());
     }
     Ok(())
 }

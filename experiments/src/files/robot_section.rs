@@ -72,6 +72,12 @@ impl ModelFile {
             .map_err(|error| FieldError::new("robot", &self.robot, format!("a URDF that can be used, where {error}")))
     }
 
+    /// Names of the joints of a robot that is described by a URDF, from the base.
+    pub(crate) fn joint_names<const N: usize>(&self) -> Option<[String; N]> {
+        let urdf = self.urdf.as_ref().filter(|_| self.is_urdf())?;
+        Some(self.chain(urdf).ok()?.arm::<N>()?.joint_names)
+    }
+
     /// Number of joints of the robot.
     ///
     /// # Errors

@@ -39,6 +39,7 @@ pub struct TunedFile {
     /// The compensator's friction law; `smoothing_rad_s` is the width of its smooth sign.
     pub friction: FrictionSection,
     /// The model that the controller believed: its arm, and its effects on top of the law; none is the preset's bare arm.
+    /// An arm from a URDF is always here.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub model: Option<ModelFile>,
 }
@@ -58,7 +59,7 @@ impl TunedFile {
             velocity: compensator.source,
             hybrid_threshold_rad_s: compensator.hybrid_threshold_rad_s,
             friction: FrictionSection::of(&compensator.friction, compensator.smoothing_rad_s),
-            model: tune.config.model_content.clone(),
+            model: tune.config.model_content.as_ref().or(tune.config.robot_content.as_ref()).cloned(),
         }
     }
 
@@ -75,7 +76,7 @@ impl TunedFile {
     }
 
     /// Number of joints of the robot.
-    fn joints(&self) -> usize {
+    pub fn joints(&self) -> usize {
         joints_of_preset(&self.robot).unwrap_or(self.friction.joints.len())
     }
 

@@ -42,6 +42,9 @@ const NO_MASS: LinkInertia = LinkInertia {
     inertia_kg_m2: Matrix3::new(0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0),
 };
 
+/// Moments of inertia below this are rounding [kg m²].
+const ROUNDING_KG_M2: f64 = 1e-12;
+
 /// The `<inertial>` of a link in its own frame; of no mass where there is none.
 fn inertia_of(link: &Link) -> Result<LinkInertia, UrdfError> {
     let refuse = |field, value: String, allowed| UrdfError::Link { link: link.name.clone(), field, value, allowed };
@@ -53,9 +56,9 @@ fn inertia_of(link: &Link) -> Result<LinkInertia, UrdfError> {
         return Err(refuse("origin of <inertial>", format!("{:?}", link.inertial.origin), "finite numbers"));
     };
     let inertia_kg_m2 = Matrix3::new(i.ixx, i.ixy, i.ixz, i.ixy, i.iyy, i.iyz, i.ixz, i.iyz, i.izz);
-    // Rounded tables are a little off; what is far off is no inertia of a body.
+    // Rounded tables are a little off, and points without extent are off by rounding; what is far off is no inertia of a body.
     let possible = inertia_kg_m2.iter().all(|value| value.is_finite() && value.abs() < 1e9)
-        && inertia_kg_m2.symmetric_eigenvalues().min() >= -1e-4 * inertia_kg_m2.amax();
+        && inertia_kg_m2.symmetric_eigenvalues().min() >= -1e-4 * inertia_kg_m2.amax() - ROUNDING_KG_M2;
     if !possible {
         let value = format!("{:?}", [i.ixx, i.ixy, i.ixz, i.iyy, i.iyz, i.izz]);
         return Err(refuse("inertia", value, "ixx ixy ixz iyy iyz izz of a positive semi-definite matrix"));

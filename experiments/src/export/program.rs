@@ -1,0 +1,79 @@
+//! What the sources in C and in Rust share.
+
+use tribo_friction::VelocitySource;
+
+use super::loss::{believed_arm, not_cancelled};
+use super::terms::{Term, effect_terms, law_term};
+use super::{Loss, TunedCompensator};
+
+/// A compensator as a program: its terms, what they need, and the words at the head of the file.
+pub(super) struct Program<const N: usize> {
+    /// The law, then the effects.
+    pub terms: Vec<Term<N>>,
+    /// Whether there are effects: then the function takes position, load, period and memory too.
+    pub effects: bool,
+    /// What the file does not say.
+    pub losses: Vec<Loss>,
+    /// Lines for people.
+    pub remarks: Vec<String>,
+}
+
+impl<const N: usize> Program<N> {
+    /// The program of a compensator.
+    pub fn of(tuned: &TunedCompensator<N>) -> Self {
+        let mut terms = vec![law_term(tuned)];
+        terms.extend(effect_terms(tuned));
+        let effects = tuned.has_effects();
+        let mut losses = not_cancelled(tuned);
+        losses.extend(believed_arm(tuned));
+
+        let mut remarks = vec![format!("Friction compensation of {}.", tuned.robot), format!("{}.", tuned.origin)];
+        let formulas: Vec<&str> = terms.iter().map(|term| term.formula).collect();
+        remarks.push(format!("tau = {}", formulas.join(" + ")));
+        let smoothing = tuned.compensator.smoothing_rad_s;
+        remarks.push(match smoothing > 0.0 {
+            true => format!("s = tanh(dq / {smoothing}), the smoothed sign of dq."),
+            false => "s is the sign of dq, 0 at 0.".to_owned(),
+        });
+        let nan = "A velocity that is not a number gives a torque that is not a number";
+        remarks.push(match tuned.compensator.source {
+            VelocitySource::Measured => format!("dq is the measured velocity. {nan}."),
+            VelocitySource::Reference => format!("dq is the reference velocity; the measured one is not looked at. {nan}."),
+            VelocitySource::Hybrid => format!(
+                "dq is the measured velocity where that is above {} rad/s, else the reference velocity: also where the measured \
+                 one is not a number. {nan} where it is taken.",
+                tuned.compensator.hybrid_threshold_rad_s
+            ),
+        });
+        remarks.push("SI units (rad, rad/s, Nm, s); joints from the base.".to_owned());
+        if effects {
+            remarks.push(
+                "load is the torque that the gears pass to the links: gravity, Coriolis and link inertia. dt is the control period."
+                    .to_owned(),
+            );
+            remarks.push(
+                "z is the memory of the compensator, one bristle per joint: zero at the start, then left alone."
+                    .to_owned(),
+            );
+        }
+        remarks.extend(losses.iter().map(|loss| format!("Not in this file: {loss}")));
+        Self { terms, effects, losses, remarks }
+    }
+
+    /// The tables of all terms, each once.
+    pub fn tables(&self) -> Vec<&(String, [f64; N])> {
+        let mut tables: Vec<&(String, [f64; N])> = Vec::new();
+        for table in self.terms.iter().flat_map(|term| &term.tables) {
+            if tables.iter().all(|known| known.0 != table.0) {
+                tables.push(table);
+            }
+        }
+        tables
+    }
+
+    /// Whether a variable is used in any statement (those in C stand for those in Rust).
+    pub fn uses(&self, variable: &str) -> bool {
+        let ours = |letter: char| letter.is_ascii_alphanumeric() || letter == '_';
+        self.terms.iter().any(|term| term.c.split(|letter| !ours(letter)).any(|word| word == variable))
+    }
+}

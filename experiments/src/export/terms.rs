@@ -1,0 +1,185 @@
+//! The terms of a compensator, each in C and in Rust side by side.
+
+use tribo_friction::{JointEffects, MAX_RIPPLES};
+
+use super::TunedCompensator;
+use super::columns::law_columns;
+
+/// One term of the torque of joint j: its tables, one value per joint, and the statement that adds it to `torque`, in both
+/// languages. Statements know `j`, `dq` [rad/s], `s` (the smoothed sign of dq), `q` (rad), `load` (Nm), `dt` (s) and the
+/// bristles `z`; tables have their name in capitals in Rust.
+pub(super) struct Term<const N: usize> {
+    /// Name and values of the tables.
+    pub tables: Vec<(String, [f64; N])>,
+    /// The formula, for people.
+    pub formula: &'static str,
+    /// In C.
+    pub c: String,
+    /// In Rust.
+    pub rust: String,
+}
+
+/// The law, which begins `torque`.
+pub(super) fn law_term<const N: usize>(tuned: &TunedCompensator<N>) -> Term<N> {
+    let (name, mut columns) = law_columns(&tuned.compensator.friction);
+    let (formula, c, rust) = match name {
+        "stribeck" => (
+            "Fv dq + (Fc + dF exp(-(|dq| inverse)^shape)) s",
+            "viscous_nm_s_per_rad[j] * dq\n        + (coulomb_nm[j] + breakaway_minus_coulomb_nm[j]\n            \
+             * exp(-pow(fabs(inverse_stribeck_velocity_s_per_rad[j] * dq), shape[j]))) * s",
+            "VISCOUS_NM_S_PER_RAD[j] * dq\n            + (COULOMB_NM[j] + BREAKAWAY_MINUS_COULOMB_NM[j]\n                \
+             * (-(INVERSE_STRIBECK_VELOCITY_S_PER_RAD[j] * dq).abs().powf(SHAPE[j])).exp()) * s",
+        ),
+        "gaz_sigmoid" => (
+            "phi1 / (1 + exp(-phi2 (dq + phi3))) - phi1 / (1 + exp(-phi2 phi3))",
+            "phi1_nm[j] * (1.0 / (1.0 + exp(-phi2_s_per_rad[j] * (dq + phi3_rad_s[j])))\n        \
+             - 1.0 / (1.0 + exp(-phi2_s_per_rad[j] * phi3_rad_s[j])))",
+            "PHI1_NM[j] * (1.0 / (1.0 + (-PHI2_S_PER_RAD[j] * (dq + PHI3_RAD_S[j])).exp())\n            \
+             - 1.0 / (1.0 + (-PHI2_S_PER_RAD[j] * PHI3_RAD_S[j]).exp()))",
+        ),
+        "asymmetric" => (
+            "Fv dq + Fc s, with Fv and Fc by the direction of motion",
+            "(dq >= 0.0 ? viscous_positive_nm_s_per_rad[j] : viscous_negative_nm_s_per_rad[j]) * dq\n        \
+             + 0.5 * (coulomb_positive_nm[j] + coulomb_negative_nm[j]) * s\n        \
+             + 0.5 * (coulomb_positive_nm[j] - coulomb_negative_nm[j]) * fabs(s)",
+            "(if dq >= 0.0 { VISCOUS_POSITIVE_NM_S_PER_RAD[j] } else { VISCOUS_NEGATIVE_NM_S_PER_RAD[j] }) * dq\n            \
+             + 0.5 * (COULOMB_POSITIVE_NM[j] + COULOMB_NEGATIVE_NM[j]) * s\n            \
+             + 0.5 * (COULOMB_POSITIVE_NM[j] - COULOMB_NEGATIVE_NM[j]) * s.abs()",
+        ),
+        // A compensator takes the steady sliding torque of bristles.
+        _ => {
+            columns.retain(|(key, _)| *key != "presliding_distance_rad");
+            (
+                "Fv dq + Fc s",
+                "viscous_nm_s_per_rad[j] * dq + coulomb_nm[j] * s",
+                "VISCOUS_NM_S_PER_RAD[j] * dq + COULOMB_NM[j] * s",
+            )
+        }
+    };
+    let tables = columns.into_iter().map(|(key, values)| (key.to_owned(), values)).collect();
+    Term { tables, formula, c: format!("double torque = {c};"), rust: format!("let mut torque = {rust};") }
+}
+
+/// The effects that any joint has.
+pub(super) fn effect_terms<const N: usize>(tuned: &TunedCompensator<N>) -> Vec<Term<N>> {
+    let effects = &tuned.compensator.effects;
+    let column = |name: &str, value: &dyn Fn(&JointEffects) -> f64| {
+        (format!("added_{name}"), std::array::from_fn(|j| value(&effects[j])))
+    };
+    let coulomb = || column("coulomb_nm", &|it| it.coulomb_nm);
+    let presliding = column("presliding_distance_rad", &|it| it.presliding_distance_rad);
+    let slides = presliding.1.iter().any(|distance| *distance > 0.0);
+    let term = |tables: Vec<(String, [f64; N])>, formula, c: &str, rust: &str| Term {
+        tables,
+        formula,
+        c: c.to_owned(),
+        rust: rust.to_owned(),
+    };
+    let mut terms = vec![
+        term(vec![coulomb()], "dFc s", "torque += added_coulomb_nm[j] * s;", "torque += ADDED_COULOMB_NM[j] * s;"),
+        term(
+            vec![column("viscous_nm_s_per_rad", &|it| it.viscous_nm_s_per_rad)],
+            "dFv dq",
+            "torque += added_viscous_nm_s_per_rad[j] * dq;",
+            "torque += ADDED_VISCOUS_NM_S_PER_RAD[j] * dq;",
+        ),
+        term(
+            vec![
+                column("breakaway_minus_coulomb_nm", &|it| it.breakaway_minus_coulomb_nm),
+                // Where there is no bump its speed matters nothing, but must not be zero.
+                column("stribeck_velocity_rad_s", &|it| {
+                    if it.breakaway_minus_coulomb_nm == 0.0 { 1.0 } else { it.stribeck_velocity_rad_s }
+                }),
+            ],
+            "dF exp(-(dq / vs)^2) s",
+            "{\n        const double x = dq / added_stribeck_velocity_rad_s[j];\n        \
+             torque += added_breakaway_minus_coulomb_nm[j] * exp(-x * x) * s;\n    }",
+            "let x = dq / ADDED_STRIBECK_VELOCITY_RAD_S[j];\n        \
+             torque += ADDED_BREAKAWAY_MINUS_COULOMB_NM[j] * (-x * x).exp() * s;",
+        ),
+        term(
+            vec![column("asymmetry_nm", &|it| it.asymmetry_nm)],
+            "a |s|",
+            "torque += added_asymmetry_nm[j] * fabs(s);",
+            "torque += ADDED_ASYMMETRY_NM[j] * s.abs();",
+        ),
+        term(
+            vec![column("offset_nm", &|it| it.offset_nm)],
+            "offset",
+            "torque += added_offset_nm[j];",
+            "torque += ADDED_OFFSET_NM[j];",
+        ),
+        term(
+            vec![column("load_coefficient", &|it| it.load_coefficient)],
+            "gamma |load| s",
+            "torque += added_load_coefficient[j] * fabs(load[j]) * s;",
+            "torque += ADDED_LOAD_COEFFICIENT[j] * load[j].abs() * s;",
+        ),
+        term(
+            vec![
+                column("spring_nm_per_rad", &|it| it.spring_nm_per_rad),
+                column("spring_rest_rad", &|it| it.spring_rest_rad),
+            ],
+            "k (q - rest)",
+            "torque += added_spring_nm_per_rad[j] * (q[j] - added_spring_rest_rad[j]);",
+            "torque += ADDED_SPRING_NM_PER_RAD[j] * (q[j] - ADDED_SPRING_REST_RAD[j]);",
+        ),
+    ];
+    for k in 0..MAX_RIPPLES {
+        let name = |part: &str| format!("ripple_{k}_{part}");
+        let [amplitude, cycles, phase] = ["amplitude_nm", "cycles_per_rev", "phase_rad"].map(name);
+        let upper = |name: &str| format!("added_{name}").to_uppercase();
+        let c = format!("torque += added_{amplitude}[j] * sin(added_{cycles}[j] * q[j] + added_{phase}[j]);");
+        let rust = format!(
+            "torque += {}[j] * ({}[j] * q[j] + {}[j]).sin();",
+            upper(&amplitude),
+            upper(&cycles),
+            upper(&phase)
+        );
+        let tables = vec![
+            column(&amplitude, &|it| it.ripples[k].amplitude_nm),
+            column(&cycles, &|it| it.ripples[k].cycles_per_rev),
+            column(&phase, &|it| it.ripples[k].phase_rad),
+        ];
+        terms.push(Term { tables, formula: "A sin(n q + phase)", c, rust });
+    }
+    // The first table of a term is its size.
+    terms.retain(|term| term.tables[0].1.iter().any(|size| *size != 0.0));
+    if slides {
+        terms.push(presliding_term(tuned, presliding, coulomb()));
+    }
+    terms
+}
+
+/// Presliding: dry friction follows a bristle in place of s, integrated exactly over each period.
+fn presliding_term<const N: usize>(
+    tuned: &TunedCompensator<N>,
+    distance: (String, [f64; N]),
+    added_coulomb: (String, [f64; N]),
+) -> Term<N> {
+    let (c_coulomb, rust_coulomb) = match law_columns(&tuned.compensator.friction).0 {
+        "gaz_sigmoid" => ("0.0", "0.0"),
+        "asymmetric" => (
+            "(dq < 0.0 ? coulomb_negative_nm[j] : coulomb_positive_nm[j])",
+            "if dq < 0.0 { COULOMB_NEGATIVE_NM[j] } else { COULOMB_POSITIVE_NM[j] }",
+        ),
+        _ => ("coulomb_nm[j]", "COULOMB_NM[j]"),
+    };
+    let c = format!(
+        "/* A velocity that is not finite must not stay in the memory. */\n    \
+         if (added_presliding_distance_rad[j] > 0.0 && dq - dq == 0.0) {{\n        \
+         const double way = dq > 0.0 ? 1.0 : dq < 0.0 ? -1.0 : 0.0;\n        \
+         const double coulomb = {c_coulomb} + added_coulomb_nm[j];\n        \
+         z[j] = way + (z[j] - way) * exp(-fabs(dq) * dt / added_presliding_distance_rad[j]);\n        \
+         torque += coulomb * (z[j] - s);\n    }}"
+    );
+    let rust = format!(
+        "// A velocity that is not finite must not stay in the memory.\n        \
+         if ADDED_PRESLIDING_DISTANCE_RAD[j] > 0.0 && dq.is_finite() {{\n            \
+         let way = if dq == 0.0 {{ 0.0 }} else {{ dq.signum() }};\n            \
+         let coulomb = ({rust_coulomb}) + ADDED_COULOMB_NM[j];\n            \
+         z[j] = way + (z[j] - way) * (-dq.abs() * dt / ADDED_PRESLIDING_DISTANCE_RAD[j]).exp();\n            \
+         torque += coulomb * (z[j] - s);\n        }}"
+    );
+    Term { tables: vec![distance, added_coulomb], formula: "Fc (z - s)", c, rust }
+}
