@@ -126,8 +126,11 @@ fn every_dimension_from_one_to_fifty_is_served() {
                 assert!(suggestion.point.iter().all(|x| (-2.0..=5.0).contains(x)));
                 study.tell(suggestion.trial, Outcome::Value(bowl(&suggestion.point))).unwrap();
             }
-            let wide = study.ask().unwrap().evidence.and_then(|evidence| evidence.trust_region);
-            assert!(wide.is_none() || dimension > 20);
+            let above = study.settings().model.as_ref().and_then(|model| model.trust_region_above);
+            let evidence = study.ask().unwrap().evidence;
+            assert!(
+                evidence.is_none_or(|at| at.trust_region.is_some() == above.is_some_and(|above| dimension > above))
+            );
         }
     }
 }
