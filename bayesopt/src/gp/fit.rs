@@ -274,6 +274,7 @@ fn start_point(model: &MarginalLikelihood<'_>, start: usize, seed: u64) -> Vec<f
 mod tests {
     use super::*;
     use crate::design::{sobol_point, uniform_random_point};
+    use crate::kernel::Structure;
 
     fn settings(prior: HyperPrior, lengthscales: Lengthscales) -> FitSettings {
         let family = KernelFamily::SquaredExponential;
@@ -321,6 +322,37 @@ mod tests {
         assert!((fast.log_marginal_likelihood - whole.log_marginal_likelihood).abs() < 0.05, "{fast:?} {whole:?}");
         assert!((fast.hyper.noise_variance / whole.hyper.noise_variance).ln().abs() < 0.05, "{fast:?} {whole:?}");
         assert_eq!(fit_coarse_to_fine(&settings, &points, &targets, 200, 1).unwrap(), whole);
+    }
+
+    #[test]
+    fn the_evidence_finds_sums_and_outliers() {
+        let points: Vec<_> = (0..40).map(|i| sobol_point(6, i, 7)).collect();
+        let settings = settings(HyperPrior::DimensionScaled, Lengthscales::Ard);
+        let shape = |structure| KernelShape { structure, ..KernelFamily::SquaredExponential.into() };
+        let wins = |targets: &[f64]| {
+            let contenders = [Structure::Joint, Structure::Additive].map(|structure| Contender {
+                shape: shape(structure),
+                targets,
+                log_jacobian: 0.0,
+            });
+            fit_best(&settings, &points, &contenders, 1).unwrap().0
+        };
+        let sum: Vec<f64> = points.iter().map(|x| x.iter().map(|x| (9.0 * x).sin()).sum::<f64>() / 1.8).collect();
+        let together: Vec<f64> = points.iter().map(|x| 1.5 * (3.0 * x.iter().sum::<f64>()).sin()).collect();
+        assert_eq!((wins(&sum), wins(&together)), (1, 0));
+
+        // Costs of 1000 beside costs near 1 are better seen through the logarithm, whose Jacobian says so.
+        let mut history = crate::History::new();
+        for x in &points {
+            history.push(x.clone(), crate::Outcome::Value((6.0 * x[0] - 2.0).exp()));
+        }
+        let candidates = crate::CostTransform::ByEvidence { cap_factor: 1.3 }.candidates(&history);
+        let contenders: Vec<_> = candidates
+            .iter()
+            .map(|c| Contender { shape: shape(Structure::Joint), targets: &c.values, log_jacobian: c.log_jacobian })
+            .collect();
+        let (winner, _) = fit_best(&settings, &points, &contenders, 1).unwrap();
+        assert!(candidates[winner].logarithmic && candidates[winner].bend.is_none());
     }
 
     #[test]
