@@ -1,6 +1,8 @@
 //! What the model believes after the trials so far.
 
-use crate::gp::{FEWEST_SAMPLES, Fit, Gp, fit};
+use crate::acquisition::Criterion;
+use crate::gp::{Contender, FEWEST_SAMPLES, Fit, Gp, fit_best};
+use crate::kernel::KernelShape;
 use crate::settings::ModelSettings;
 use crate::transform::Targets;
 use crate::{BayesoptError, Domain, History};
@@ -12,6 +14,8 @@ use crate::{BayesoptError, Domain, History};
 pub struct Belief {
     /// The process, on the unit cube and standardised targets.
     pub gp: Gp,
+    /// What its kernel is made of.
+    pub shape: KernelShape,
     /// Its hyper-parameters and how their fit ended.
     pub fit: Fit,
     /// The targets it was conditioned on.
@@ -54,20 +58,28 @@ impl Belief {
     ) -> Result<Option<Self>, BayesoptError> {
         let unit_points: Vec<Vec<f64>> =
             history.trials.iter().map(|trial| domain.to_unit(&trial.point)).collect::<Result<_, _>>()?;
-        let targets = settings.transform.targets(history);
-        if targets.values.len() < FEWEST_SAMPLES {
+        let mut candidates = settings.transform.candidates(history);
+        let trials = &candidates[0].trials;
+        if trials.len() < FEWEST_SAMPLES {
             return Ok(None);
         }
-        let observed: Vec<Vec<f64>> = targets.trials.iter().map(|&i| unit_points[i].clone()).collect();
+        let observed: Vec<Vec<f64>> = trials.iter().map(|&i| unit_points[i].clone()).collect();
 
-        // Hyper-parameters from the observations, posterior from these and the pending trials.
-        let fit = fit_hyper_parameters(settings, &observed, &targets.values, seed, history.len())?;
-        let gp = condition(settings, &fit, observed, &targets, history, &unit_points)?;
+        // Transform, kernel and hyper-parameters from the observations, posterior from these and the pending trials.
+        let (chosen, shape, fit) = fit_to_costs(settings, &observed, &candidates, seed, history.len())?;
+        let targets = candidates.swap_remove(chosen);
+        let gp = condition(shape, &fit, observed, &targets, history, &unit_points)?;
         let (best_at, best_target) = least(&targets.values);
         let incumbent = targets.trials[best_at];
         let incumbent_unit = unit_points[incumbent].clone();
         let (settings, domain) = (settings.clone(), domain.clone());
-        Ok(Some(Self { gp, fit, targets, incumbent, best_target, settings, domain, incumbent_unit }))
+        Ok(Some(Self { gp, fit, targets, shape, incumbent, best_target, settings, domain, incumbent_unit }))
+    }
+
+    /// What the next point maximises.
+    pub fn criterion(&self) -> Criterion {
+        let ModelSettings { acquisition, sd_factor, .. } = self.settings;
+        Criterion { acquisition, best: self.best_target, sd_factor }
     }
 
     /// The belief at `points` values of `coordinate`, evenly over its range, with the incumbent's own value among them.
@@ -92,27 +104,44 @@ impl Belief {
             .collect();
         let posterior = self.gp.posterior_batch(&at);
         let cost = |target: f64| self.targets.cost(target);
-        let acquisition = self.settings.acquisition;
+        let criterion = self.criterion();
         Ok(Slice {
             at: at.iter().map(|u| Ok(self.domain.from_unit(u)?[coordinate])).collect::<Result<_, BayesoptError>>()?,
             median: posterior.iter().map(|p| cost(p.mean)).collect(),
             band95: posterior.iter().map(|p| [cost(p.mean - Z95 * p.sd), cost(p.mean + Z95 * p.sd)]).collect(),
-            acquisition: posterior.iter().map(|p| acquisition.evaluate(p.mean, p.sd, self.best_target).value).collect(),
+            acquisition: posterior.iter().map(|p| criterion.evaluate(p.mean, p.sd).value).collect(),
         })
     }
 }
 
-/// Fits to all observations, or, above `fit_limit`, to the best half and the latest half of that many.
-fn fit_hyper_parameters(
+/// Which candidate, which kernel and its fit: to all observations, or, above `fit_limit`, to the best half and the latest
+/// half of that many.
+fn fit_to_costs(
     model: &ModelSettings,
     observed: &[Vec<f64>],
-    values: &[f64],
+    candidates: &[Targets],
     seed: u64,
     trial: usize,
-) -> Result<Fit, BayesoptError> {
-    let (n, limit) = (values.len(), model.fit.fit_limit);
+) -> Result<(usize, KernelShape, Fit), BayesoptError> {
+    let kept = kept_for_fit(&candidates[0].values, model.fit.fit_limit);
+    let points: Vec<Vec<f64>> = kept.iter().map(|&i| observed[i].clone()).collect();
+    let values: Vec<Vec<f64>> = candidates.iter().map(|c| kept.iter().map(|&i| c.values[i]).collect()).collect();
+    let shapes = if model.shapes.is_empty() { vec![model.fit.family.into()] } else { model.shapes.clone() };
+    let share = kept.len() as f64 / observed.len() as f64;
+    let contenders: Vec<Contender<'_>> = (0..candidates.len())
+        .flat_map(|k| shapes.iter().map(move |shape| (k, *shape)))
+        .map(|(k, shape)| Contender { shape, targets: &values[k], log_jacobian: share * candidates[k].log_jacobian })
+        .collect();
+    let (winner, fit) = fit_best(&model.fit, &points, &contenders, seed ^ trial as u64)?;
+    Ok((winner / shapes.len(), contenders[winner].shape, fit))
+}
+
+/// Indices, in order, of the observations that the hyper-parameters are fitted to. Transforms are monotone, so the targets
+/// of any candidate will do.
+fn kept_for_fit(values: &[f64], limit: usize) -> Vec<usize> {
+    let n = values.len();
     if n <= limit {
-        return fit(&model.fit, observed, values, seed ^ trial as u64);
+        return (0..n).collect();
     }
     let mut by_value: Vec<usize> = (0..n).collect();
     by_value.sort_by(|&a, &b| values[a].total_cmp(&values[b]));
@@ -120,32 +149,29 @@ fn fit_hyper_parameters(
     let latest = (0..n).rev().filter(|i| !by_value[..limit / 2].contains(i)).take(limit - limit / 2);
     kept.extend(latest);
     kept.sort_unstable();
-    let points: Vec<Vec<f64>> = kept.iter().map(|&i| observed[i].clone()).collect();
-    let targets: Vec<f64> = kept.iter().map(|&i| values[i]).collect();
-    fit(&model.fit, &points, &targets, seed ^ trial as u64)
+    kept
 }
 
 /// The posterior given the observations and, at their posterior means, the pending trials.
 fn condition(
-    model: &ModelSettings,
+    shape: KernelShape,
     fit: &Fit,
     observed: Vec<Vec<f64>>,
     targets: &Targets,
     history: &History,
     unit_points: &[Vec<f64>],
 ) -> Result<Gp, BayesoptError> {
-    let family = model.fit.family;
     let pending: Vec<Vec<f64>> = (0..history.len())
         .filter(|&i| history.trials[i].outcome.is_pending())
         .map(|i| unit_points[i].clone())
         .collect();
-    let gp = Gp::new(family, &fit.hyper, observed.clone(), &targets.values)?;
+    let gp = Gp::new(shape, &fit.hyper, observed.clone(), &targets.values)?;
     if pending.is_empty() {
         return Ok(gp);
     }
     let believed = gp.posterior_batch(&pending);
     let values: Vec<f64> = targets.values.iter().copied().chain(believed.iter().map(|p| p.mean)).collect();
-    Gp::new(family, &fit.hyper, observed.into_iter().chain(pending).collect(), &values)
+    Gp::new(shape, &fit.hyper, observed.into_iter().chain(pending).collect(), &values)
 }
 
 /// Index and value of the least target; the first of equals.

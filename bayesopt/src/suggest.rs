@@ -4,6 +4,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::belief::Belief;
 use crate::gp::Fit;
+use crate::kernel::KernelShape;
 use crate::search::{Bounds, maximise_acquisition};
 use crate::trust_region::TrustRegion;
 use crate::{BayesoptError, Domain, History, Settings};
@@ -36,6 +37,8 @@ pub struct Suggestion {
 /// What the model believed when it chose.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct ModelEvidence {
+    /// The kernel that explained the costs best.
+    pub shape: KernelShape,
     /// Hyper-parameters, likelihood and how the fit ended.
     pub fit: Fit,
     /// Jitter on the diagonal, squared standardised targets; 0 in health.
@@ -80,7 +83,8 @@ pub fn suggest(
         let point = settings.design_point(domain, trial, seed)?;
         return Ok(Suggestion { trial, point, phase: Phase::Design, acquisition: None, evidence: None });
     };
-    let Belief { gp, fit, targets, incumbent: incumbent_trial, best_target, .. } = belief;
+    let criterion = belief.criterion();
+    let Belief { gp, shape, fit, targets, incumbent: incumbent_trial, best_target, .. } = belief;
 
     // The incumbent, and the region around it.
     let incumbent = &unit_points[incumbent_trial];
@@ -92,20 +96,23 @@ pub fn suggest(
     let region =
         trust_region.map_or_else(|| Bounds::unit_cube(dimension), |tr| tr.bounds(incumbent, &fit.hyper.lengthscales));
 
-    // The most promising point of the region.
+    // The most promising point of the region, away from where trials are being run.
+    let pending: Vec<Vec<f64>> =
+        (0..trial).filter(|&i| history.trials[i].outcome.is_pending()).map(|i| unit_points[i].clone()).collect();
     let found = maximise_acquisition(
         &gp,
-        model.acquisition,
-        best_target,
+        &criterion,
         &region,
         Some(incumbent),
         &unit_points,
+        &pending,
         &model.search,
         seed,
         trial,
     );
     let posterior = gp.posterior_slope(&found.point).at;
     let evidence = ModelEvidence {
+        shape,
         jitter: gp.jitter(),
         observations: targets.values.len(),
         best_target,

@@ -8,9 +8,11 @@ use crate::search::Bounds;
 /// TuRBO-1 (Eriksson et al. 2019):  box of side  `L·ℓ_i/(Π ℓ_j)^{1/d}`  around the incumbent, in unit coordinates.
 ///
 /// ```text
-/// 3 successes in a row: L ← min(2L, 1.6);   max(4, d/3) failures in a row: L ← L/2;   L < 2⁻⁷: L ← 0.8
+/// 3 successes in a row: L ← min(2L, 1.6);   max(4, d/6) failures in a row: L ← L/2;   L < 2⁻⁷: L ← 0.4
 /// ```
 ///
+/// TuRBO begins at 0.8 and waits for d failures, for thousands of trials; with fifty there is no time for that (fric35: 6.6
+/// instead of 7.3 with 0.8 and d/3, median of seeds 40 to 79).
 /// A success improves the incumbent by more than 0.1 %. State is replayed from the history, never stored.
 /// Leaves out: TuRBO's new initial design at a restart; the region starts again around the same incumbent,
 /// because trials on a robot are too dear to forget.
@@ -26,7 +28,7 @@ pub struct TrustRegion {
     pub restarts: usize,
 }
 
-const FIRST_LENGTH: f64 = 0.8;
+const FIRST_LENGTH: f64 = 0.4;
 const LARGEST_LENGTH: f64 = 1.6;
 const SMALLEST_LENGTH: f64 = 0.007_812_5;
 const SUCCESS_TOLERANCE: usize = 3;
@@ -39,9 +41,9 @@ impl Default for TrustRegion {
 }
 
 impl TrustRegion {
-    /// Failures in a row that halve the region:  `max(4, ⌈d/3⌉)`.
+    /// Failures in a row that halve the region:  `max(4, ⌈d/6⌉)`.
     pub fn failure_tolerance(dimension: usize) -> usize {
-        dimension.div_ceil(3).max(4)
+        dimension.div_ceil(6).max(4)
     }
 
     /// The state after all trials of `history` that have come back; the first `init_trials` only set the incumbent.
@@ -101,17 +103,17 @@ mod tests {
 
     #[test]
     fn three_successes_double_and_four_failures_halve() {
-        assert_eq!(TrustRegion::replay(&history(&[9.0, 8.0, 7.0, 6.0]), 1, 9).length, 1.6);
-        assert_eq!(TrustRegion::replay(&history(&[1.0, 2.0, 2.0, 2.0, 2.0]), 1, 9).length, 0.4);
+        assert_eq!(TrustRegion::replay(&history(&[9.0, 8.0, 7.0, 6.0]), 1, 9).length, 0.8);
+        assert_eq!(TrustRegion::replay(&history(&[1.0, 2.0, 2.0, 2.0, 2.0]), 1, 9).length, 0.2);
         assert_eq!(TrustRegion::replay(&history(&[1.0, 2.0, 2.0, 2.0, 2.0]), 1, 35).failures, 4);
-        assert_eq!(TrustRegion::failure_tolerance(35), 12);
+        assert_eq!(TrustRegion::failure_tolerance(35), 6);
     }
 
     #[test]
     fn a_collapsed_region_starts_again() {
-        // From 0.8, seven halvings fall below 2⁻⁷.
-        let region = TrustRegion::replay(&history(&[1.0; 29]), 1, 3);
-        assert_eq!((region.length, region.restarts), (0.8, 1));
+        // From 0.4, six halvings fall below 2⁻⁷.
+        let region = TrustRegion::replay(&history(&[1.0; 25]), 1, 3);
+        assert_eq!((region.length, region.restarts), (0.4, 1));
     }
 
     #[test]

@@ -33,7 +33,7 @@ fn likelihood_equals_the_reference_of_six_outputs() {
         let sd = (output.iter().map(|y| (y - mean).powi(2)).sum::<f64>() / 960.0).sqrt();
         let targets: Vec<f64> = output.iter().map(|y| (y - mean) / sd).collect();
         let model = MarginalLikelihood {
-            family: KernelFamily::SquaredExponential,
+            shape: KernelFamily::SquaredExponential.into(),
             lengthscales: Lengthscales::Ard,
             prior: HyperPrior::Flat,
             points,

@@ -40,3 +40,25 @@ impl Acquisition {
         }
     }
 }
+
+/// The acquisition of one suggestion: `a(mean, sd_factor · sd)` over the incumbent target `best`.
+///
+/// A posterior at the most probable hyper-parameters is surer of itself than one that averages over them, the more so the
+/// more coordinates there are; `sd_factor > 1` makes up for it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Criterion {
+    /// What is maximised.
+    pub acquisition: Acquisition,
+    /// Target of the incumbent.
+    pub best: f64,
+    /// Factor on the posterior deviation, > 0.
+    pub sd_factor: f64,
+}
+
+impl Criterion {
+    /// The acquisition and its slopes at the posterior (`mean`, `sd`).
+    pub fn evaluate(&self, mean: f64, sd: f64) -> AcquisitionSlope {
+        let at = self.acquisition.evaluate(mean, self.sd_factor * sd, self.best);
+        AcquisitionSlope { d_sd: self.sd_factor * at.d_sd, ..at }
+    }
+}

@@ -7,7 +7,7 @@ use super::hyper::{HyperParameters, Lengthscales};
 use super::likelihood::MarginalLikelihood;
 use super::prior::HyperPrior;
 use crate::BayesoptError;
-use crate::kernel::KernelFamily;
+use crate::kernel::{KernelFamily, KernelShape};
 use crate::random::{Purpose, stream};
 use crate::search::{Bounds, Curvature, Descent, DescentEnd, Minimum, minimise_with};
 
@@ -36,6 +36,8 @@ pub struct Fit {
     pub hyper: HyperParameters,
     /// `ln p(y|θ)` there, without prior.
     pub log_marginal_likelihood: f64,
+    /// `ln p(y|θ) + ln p(θ)` there; equal under the flat prior.
+    pub log_posterior: f64,
     /// How the ascent of the best start ended.
     pub end: DescentEnd,
     /// Evaluations of the likelihood over all starts.
@@ -45,11 +47,15 @@ pub struct Fit {
 /// Fewest samples whose likelihood says anything about a length-scale.
 pub const FEWEST_SAMPLES: usize = 2;
 
-/// Box of θ: ℓ in [5e-3, 1e3] of the unit cube, σ_f² in [1e-2, 1e3], σ_n² in [1e-6, 1] of standardised targets.
+/// Box of θ: ℓ in [5e-3, 1e3] of the unit cube, σ_f² in [1e-2, 1e3], σ_n² from the prior's least to 1 of standardised
+/// targets, variances of the trend in [1e-6, 1e3].
 /// ML-II needs the box (a flat direction has no maximum); under a prior it is inactive but for σ_n².
 const LENGTHSCALE_RANGE: [f64; 2] = [5e-3, 1e3];
 const SIGNAL_RANGE: [f64; 2] = [1e-2, 1e3];
-const NOISE_RANGE: [f64; 2] = [1e-6, 1.0];
+const LARGEST_NOISE: f64 = 1.0;
+const TREND_RANGE: [f64; 2] = [1e-6, 1e3];
+/// Variance of each part of the trend where the ascents begin.
+const FIRST_TREND: f64 = 0.1;
 
 /// `θ̂ = argmax ln p(y|θ) + ln p(θ)` by multi-start projected L-BFGS on θ = (ln ℓ …, ln σ_f², ln σ_n²).
 ///
@@ -59,7 +65,7 @@ const NOISE_RANGE: [f64; 2] = [1e-6, 1.0];
 /// # Errors
 /// `TooFewSamples`; `NonPositivePivot` when no start could be evaluated.
 pub fn fit(settings: &FitSettings, points: &[Vec<f64>], targets: &[f64], seed: u64) -> Result<Fit, BayesoptError> {
-    let model = settings.likelihood(points, targets)?;
+    let model = settings.likelihood(points, targets, settings.family.into())?;
     let starts = (0..settings.starts.max(1)).map(|start| start_point(&model, start, seed)).collect();
     Ok(ascend(settings, &model, starts, &Curvature::default())?.0)
 }
@@ -87,12 +93,81 @@ pub fn fit_coarse_to_fine(
     let chosen = || (0..coarse).map(|k| k * n / coarse);
     let few: Vec<Vec<f64>> = chosen().map(|k| points[k].clone()).collect();
     let few_targets: Vec<f64> = chosen().map(|k| targets[k]).collect();
-    let model = settings.likelihood(&few, &few_targets)?;
+    let model = settings.likelihood(&few, &few_targets, settings.family.into())?;
     let starts = (0..settings.starts.max(1)).map(|start| start_point(&model, start, seed)).collect();
     let (first, curvature) = ascend(settings, &model, starts, &Curvature::default())?;
-    let model = settings.likelihood(points, targets)?;
+    let model = settings.likelihood(points, targets, settings.family.into())?;
     let (second, _) = ascend(settings, &model, vec![first.hyper.to_log(settings.lengthscales)], &curvature)?;
     Ok(Fit { evaluations: first.evaluations + second.evaluations, ..second })
+}
+
+/// A kernel, and the targets it would have to explain.
+#[derive(Debug, Clone, Copy)]
+pub struct Contender<'a> {
+    /// The kernel.
+    pub shape: KernelShape,
+    /// Targets t(y) of the samples.
+    pub targets: &'a [f64],
+    /// `Σ ln |dt/dy|`, by which densities of different targets become densities of the same y.
+    pub log_jacobian: f64,
+}
+
+/// Iterations of every contender before most of them are given up.
+const SCREENING: usize = 8;
+/// Contenders whose ascent is finished.
+const FINALISTS: usize = 3;
+
+/// `argmax_k  max_θ ln p(t_k(y)|θ, k) + ln p(θ) + Σ ln |dt_k/dy|`: which kernel on which targets explains y best.
+///
+/// All contenders begin at the mode of the prior and ascend a few steps; the best of these go on to their end, and the
+/// winner is tried from its other starts too. Index of the winner and its fit.
+///
+/// # Errors
+/// As [`fit`]; no contenders are `TooFewSamples`.
+pub fn fit_best(
+    settings: &FitSettings,
+    points: &[Vec<f64>],
+    contenders: &[Contender<'_>],
+    seed: u64,
+) -> Result<(usize, Fit), BayesoptError> {
+    let likelihood = |k: usize| settings.likelihood(points, contenders[k].targets, contenders[k].shape);
+    let mut evaluations = 0;
+    let mut ascend_counted = |iterations, k: usize, starts, curvature: &Curvature| {
+        let outcome = ascend(&FitSettings { iterations, ..*settings }, &likelihood(k)?, starts, curvature);
+        evaluations += outcome.as_ref().map_or(0, |(fit, _)| fit.evaluations);
+        outcome
+    };
+
+    // A few steps each; one that cannot be evaluated is out.
+    let mut standing = Vec::new();
+    let mut failure = BayesoptError::TooFewSamples { need: 1, got: 0 };
+    let few = SCREENING.min(settings.iterations);
+    for k in 0..contenders.len() {
+        match ascend_counted(few, k, vec![start_point(&likelihood(k)?, 0, seed)], &Curvature::default()) {
+            Ok((fit, curvature)) => standing.push((k, fit, curvature)),
+            Err(error) => failure = error,
+        }
+    }
+    let score = |(k, fit, _): &(usize, Fit, Curvature)| fit.log_posterior + contenders[*k].log_jacobian;
+    standing.sort_by(|a, b| score(b).total_cmp(&score(a)));
+    standing.truncate(FINALISTS);
+    for (k, fit, curvature) in &mut standing {
+        let from = vec![fit.hyper.to_log(settings.lengthscales)];
+        (*fit, *curvature) = ascend_counted(settings.iterations, *k, from, curvature)?;
+    }
+    standing.sort_by(|a, b| score(b).total_cmp(&score(a)));
+
+    // The winner from where it stands and from its other starts.
+    let Some((winner, fit, _)) = standing.into_iter().next() else { return Err(failure) };
+    let mut best = fit;
+    for start in 1..settings.starts {
+        let from = vec![start_point(&likelihood(winner)?, start, seed)];
+        let (fit, _) = ascend_counted(settings.iterations, winner, from, &Curvature::default())?;
+        if fit.log_posterior > best.log_posterior {
+            best = fit;
+        }
+    }
+    Ok((winner, Fit { evaluations, ..best }))
 }
 
 impl FitSettings {
@@ -100,12 +175,13 @@ impl FitSettings {
         &self,
         points: &'a [Vec<f64>],
         targets: &'a [f64],
+        shape: KernelShape,
     ) -> Result<MarginalLikelihood<'a>, BayesoptError> {
         if points.len() < FEWEST_SAMPLES {
             return Err(BayesoptError::TooFewSamples { need: FEWEST_SAMPLES, got: points.len() });
         }
-        let Self { family, lengthscales, prior, .. } = *self;
-        Ok(MarginalLikelihood { family, lengthscales, prior, points, targets })
+        let Self { lengthscales, prior, .. } = *self;
+        Ok(MarginalLikelihood { shape, lengthscales, prior, points, targets })
     }
 }
 
@@ -117,8 +193,7 @@ fn ascend(
     curvature: &Curvature,
 ) -> Result<(Fit, Curvature), BayesoptError> {
     let points = model.points;
-    let count = model.parameter_count();
-    let bounds = hyper_bounds(count);
+    let bounds = hyper_bounds(model);
     let scale = 1.0 / points.len() as f64;
 
     // The objective per sample, so that one tolerance fits all sizes; a failed factorisation is a wall.
@@ -156,31 +231,33 @@ fn ascend(
         return Err(first.and_then(Result::err).unwrap_or(BayesoptError::NonPositivePivot { index: 0 }));
     };
     let log_marginal_likelihood = model.evaluate(&best.point)?.value;
-    let hyper = HyperParameters::from_log(&best.point, model.dimension());
-    Ok((Fit { hyper, log_marginal_likelihood, end: best.end, evaluations }, learnt))
+    let hyper = HyperParameters::from_log(&best.point, model.lengthscales, model.dimension());
+    let log_posterior = -best.value / scale;
+    Ok((Fit { hyper, log_marginal_likelihood, log_posterior, end: best.end, evaluations }, learnt))
 }
 
-fn hyper_bounds(count: usize) -> Bounds {
-    let mut ranges = vec![LENGTHSCALE_RANGE; count];
-    ranges[count - 2] = SIGNAL_RANGE;
-    ranges[count - 1] = NOISE_RANGE;
+fn hyper_bounds(model: &MarginalLikelihood<'_>) -> Bounds {
+    let mut ranges = vec![LENGTHSCALE_RANGE; model.lengthscale_count()];
+    ranges.extend([SIGNAL_RANGE, [model.prior.least_noise(), LARGEST_NOISE]]);
+    ranges.resize(model.parameter_count(), TREND_RANGE);
     Bounds { lower: ranges.iter().map(|r| r[0].ln()).collect(), upper: ranges.iter().map(|r| r[1].ln()).collect() }
 }
 
 fn start_point(model: &MarginalLikelihood<'_>, start: usize, seed: u64) -> Vec<f64> {
-    let count = model.parameter_count();
+    let count = model.lengthscale_count();
     let half_diagonal = (0.5 * (model.dimension() as f64).sqrt()).ln();
     let mut theta: Vec<f64> =
         model.priors().iter().map(|prior| prior.map_or(half_diagonal, |p| p.log_mode())).collect();
-    theta[count - 2] = 0.0;
+    theta[count] = 0.0;
     if model.prior == HyperPrior::Flat {
-        theta[count - 1] = 1e-3_f64.ln();
+        theta[count + 1] = 1e-3_f64.ln();
     }
+    theta[count + 2..].fill(FIRST_TREND.ln());
     match start {
         0 => {}
         1 => {
-            theta[..count - 2].iter_mut().for_each(|l| *l += 4.0_f64.ln());
-            theta[count - 1] = 1e-4_f64.ln();
+            theta[..count].iter_mut().for_each(|l| *l += 4.0_f64.ln());
+            theta[count + 1] = 1e-4_f64.ln();
         }
         _ => {
             let mut rng = stream(seed, start, Purpose::FitStarts);
@@ -197,6 +274,7 @@ fn start_point(model: &MarginalLikelihood<'_>, start: usize, seed: u64) -> Vec<f
 mod tests {
     use super::*;
     use crate::design::{sobol_point, uniform_random_point};
+    use crate::kernel::Structure;
 
     fn settings(prior: HyperPrior, lengthscales: Lengthscales) -> FitSettings {
         let family = KernelFamily::SquaredExponential;
@@ -224,7 +302,8 @@ mod tests {
         let chosen = settings(HyperPrior::DimensionScaled, Lengthscales::Ard);
         let found = fit(&chosen, &points, &targets, 1).unwrap();
         let FitSettings { family, lengthscales, prior, .. } = chosen;
-        let model = MarginalLikelihood { family, lengthscales, prior, points: &points, targets: &targets };
+        let model =
+            MarginalLikelihood { shape: family.into(), lengthscales, prior, points: &points, targets: &targets };
         let gradient = model.log_posterior(&found.hyper.to_log(lengthscales)).unwrap().gradient;
         assert!(gradient.iter().all(|g| g.abs() < 0.05), "{gradient:?} {found:?}");
     }
@@ -243,6 +322,37 @@ mod tests {
         assert!((fast.log_marginal_likelihood - whole.log_marginal_likelihood).abs() < 0.05, "{fast:?} {whole:?}");
         assert!((fast.hyper.noise_variance / whole.hyper.noise_variance).ln().abs() < 0.05, "{fast:?} {whole:?}");
         assert_eq!(fit_coarse_to_fine(&settings, &points, &targets, 200, 1).unwrap(), whole);
+    }
+
+    #[test]
+    fn the_evidence_finds_sums_and_outliers() {
+        let points: Vec<_> = (0..40).map(|i| sobol_point(6, i, 7)).collect();
+        let settings = settings(HyperPrior::DimensionScaled, Lengthscales::Ard);
+        let shape = |structure| KernelShape { structure, ..KernelFamily::SquaredExponential.into() };
+        let wins = |targets: &[f64]| {
+            let contenders = [Structure::Joint, Structure::Additive].map(|structure| Contender {
+                shape: shape(structure),
+                targets,
+                log_jacobian: 0.0,
+            });
+            fit_best(&settings, &points, &contenders, 1).unwrap().0
+        };
+        let sum: Vec<f64> = points.iter().map(|x| x.iter().map(|x| (9.0 * x).sin()).sum::<f64>() / 1.8).collect();
+        let together: Vec<f64> = points.iter().map(|x| 1.5 * (3.0 * x.iter().sum::<f64>()).sin()).collect();
+        assert_eq!((wins(&sum), wins(&together)), (1, 0));
+
+        // Costs of 1000 beside costs near 1 are better seen through the logarithm, whose Jacobian says so.
+        let mut history = crate::History::new();
+        for x in &points {
+            history.push(x.clone(), crate::Outcome::Value((6.0 * x[0] - 2.0).exp()));
+        }
+        let candidates = crate::CostTransform::ByEvidence { cap_factor: 1.3 }.candidates(&history);
+        let contenders: Vec<_> = candidates
+            .iter()
+            .map(|c| Contender { shape: shape(Structure::Joint), targets: &c.values, log_jacobian: c.log_jacobian })
+            .collect();
+        let (winner, _) = fit_best(&settings, &points, &contenders, 1).unwrap();
+        assert!(candidates[winner].logarithmic && candidates[winner].bend.is_none());
     }
 
     #[test]

@@ -177,7 +177,7 @@ mod tests {
     const FAMILY: KernelFamily = KernelFamily::SquaredExponential;
 
     fn hyper() -> HyperParameters {
-        HyperParameters { lengthscales: vec![0.5, 0.9], signal_variance: 1.3, noise_variance: 1e-2 }
+        HyperParameters { lengthscales: vec![0.5, 0.9], signal_variance: 1.3, noise_variance: 1e-2, trend: None }
     }
 
     fn data() -> (Vec<Vec<f64>>, Vec<f64>) {

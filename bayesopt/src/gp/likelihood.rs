@@ -4,7 +4,7 @@ use super::hyper::{HyperParameters, Lengthscales};
 use super::prior::HyperPrior;
 use super::workspace::Workspace;
 use crate::BayesoptError;
-use crate::kernel::KernelFamily;
+use crate::kernel::KernelShape;
 
 /// `ln p(y|θ) = −½ yᵀ α − ½ ln det(K + σ_n² I) − (n/2) ln 2π,   α = (K + σ_n² I)⁻¹ y`
 ///
@@ -12,12 +12,12 @@ use crate::kernel::KernelFamily;
 /// ∂ ln p/∂θ_j = ½ tr( (α αᵀ − (K + σ_n² I)⁻¹) ∂K/∂θ_j )
 /// ```
 ///
-/// Rasmussen & Williams 2006, eqs. (2.30), (5.9). θ = (ln ℓ …, ln σ_f², ln σ_n²); points n × d, targets n.
+/// Rasmussen & Williams 2006, eqs. (2.30), (5.9). θ as in [`HyperParameters::from_log`]; points n × d, targets n.
 /// `log_posterior` adds the prior densities of ℓ, σ_f² and σ_n². Leaves out: a mean function (standardise the targets).
 #[derive(Debug, Clone)]
 pub struct MarginalLikelihood<'a> {
-    /// ρ of the kernel.
-    pub family: KernelFamily,
+    /// What the kernel is made of.
+    pub shape: KernelShape,
     /// ARD or isotropic.
     pub lengthscales: Lengthscales,
     /// Prior of the posterior; ignored by the likelihood itself.
@@ -47,7 +47,12 @@ impl MarginalLikelihood<'_> {
 
     /// Number of entries of θ.
     pub fn parameter_count(&self) -> usize {
-        self.lengthscales.count(self.dimension()) + 2
+        self.lengthscale_count() + if self.shape.trend { 4 } else { 2 }
+    }
+
+    /// Number of entries ln ℓ of θ, which come first.
+    pub(super) fn lengthscale_count(&self) -> usize {
+        self.lengthscales.count(self.dimension())
     }
 
     /// `ln p(y|θ)` and its gradient.
@@ -64,12 +69,11 @@ impl MarginalLikelihood<'_> {
     /// `NonPositivePivot`.
     pub(super) fn evaluate_in(&self, theta: &[f64], work: &mut Workspace) -> Result<Evaluation, BayesoptError> {
         let (n, dimension) = (self.points.len(), self.dimension());
-        let hyper = HyperParameters::from_log(theta, dimension);
-        let (signal, noise) = (hyper.signal_variance, hyper.noise_variance);
+        let hyper = HyperParameters::from_log(theta, self.lengthscales, dimension);
         work.scale(self.points, &hyper.lengthscales);
-        work.factor(self.family, signal, noise)?;
+        work.factor(self.shape, &hyper)?;
         let alpha = work.cholesky.solve(self.targets);
-        let mut gradient = work.traces(&alpha, signal, noise);
+        let mut gradient = work.traces(self.shape, &hyper, &alpha);
         if self.lengthscales == Lengthscales::Isotropic {
             let sum = gradient[..dimension].iter().sum();
             gradient.splice(..dimension, [sum]);
@@ -102,20 +106,22 @@ impl MarginalLikelihood<'_> {
                 evaluation.gradient[i] += slope;
             }
         }
+        let count = self.lengthscale_count();
+        let pooled = self.prior.pooling(&theta[..count], &mut evaluation.gradient[..count]);
+        evaluation.value += pooled;
         Ok(evaluation)
     }
 
     /// Room for the evaluations of one ascent.
     pub(super) fn workspace(&self) -> Workspace {
-        Workspace::new(self.points.len(), self.dimension())
+        Workspace::new(self.points, self.dimension(), self.shape)
     }
 
     /// The prior of each entry of θ.
     pub(super) fn priors(&self) -> Vec<Option<super::prior::LogNormal>> {
-        let count = self.parameter_count();
-        let mut priors = vec![self.prior.lengthscale(self.dimension()); count];
-        priors[count - 2] = self.prior.signal();
-        priors[count - 1] = self.prior.noise();
+        let mut priors = vec![self.prior.lengthscale(self.dimension()); self.lengthscale_count()];
+        priors.extend([self.prior.signal(), self.prior.noise()]);
+        priors.resize(self.parameter_count(), self.prior.trend());
         priors
     }
 }
@@ -124,31 +130,61 @@ impl MarginalLikelihood<'_> {
 mod tests {
     use super::*;
     use crate::design::uniform_random_point;
+    use crate::kernel::{KernelFamily, Structure};
 
     #[test]
     fn gradients_match_central_differences() {
         let points: Vec<_> = (0..12).map(|i| uniform_random_point(3, i, 4)).collect();
         let targets: Vec<f64> = points.iter().map(|x| (5.0 * x[0]).sin() + x[1] * x[2] - 0.4).collect();
+        let stationary = |family| KernelShape::from(family);
         for family in [KernelFamily::Matern52, KernelFamily::SquaredExponential] {
-            for lengthscales in [Lengthscales::Ard, Lengthscales::Isotropic] {
-                for prior in [HyperPrior::Flat, HyperPrior::DimensionScaled] {
-                    let model = MarginalLikelihood { family, lengthscales, prior, points: &points, targets: &targets };
-                    let mut theta = vec![-0.7, -0.2, 0.3, 0.1, -3.0];
-                    theta.drain(..3 - lengthscales.count(3));
-                    let at = model.log_posterior(&theta).unwrap();
-                    for i in 0..theta.len() {
-                        // Step 1e-5 on a function of size 10: truncation and rounding both near 1e-9.
-                        let moved = |h: f64| {
-                            let mut theta = theta.clone();
-                            theta[i] += h;
-                            model.log_posterior(&theta).unwrap().value
-                        };
-                        let central = (moved(1e-5) - moved(-1e-5)) / 2e-5;
-                        let error = (central - at.gradient[i]).abs();
-                        assert!(error < 1e-7, "{family:?} {lengthscales:?} {prior:?} θ{i}: {error:e}");
+            for shape in [
+                stationary(family),
+                KernelShape { trend: true, ..stationary(family) },
+                KernelShape { trend: true, structure: Structure::Additive, family },
+            ] {
+                for lengthscales in [Lengthscales::Ard, Lengthscales::Isotropic] {
+                    for prior in [HyperPrior::Flat, HyperPrior::DimensionScaled] {
+                        let model =
+                            MarginalLikelihood { shape, lengthscales, prior, points: &points, targets: &targets };
+                        let mut theta = vec![-0.7, -0.2, 0.3, 0.1, -3.0, -1.2, -0.4];
+                        theta.truncate(if shape.trend { 7 } else { 5 });
+                        theta.drain(..3 - lengthscales.count(3));
+                        let at = model.log_posterior(&theta).unwrap();
+                        for i in 0..theta.len() {
+                            // Step 1e-5 on a function of size 10: truncation and rounding both near 1e-9.
+                            let moved = |h: f64| {
+                                let mut theta = theta.clone();
+                                theta[i] += h;
+                                model.log_posterior(&theta).unwrap().value
+                            };
+                            let central = (moved(1e-5) - moved(-1e-5)) / 2e-5;
+                            let error = (central - at.gradient[i]).abs();
+                            assert!(error < 1e-7, "{shape:?} {lengthscales:?} {prior:?} θ{i}: {error:e}");
+                        }
                     }
                 }
             }
+        }
+    }
+
+    /// Second algorithm: the kernel point by point instead of the workspace's columns.
+    #[test]
+    fn the_workspace_factorises_the_kernel_that_predicts() {
+        let points: Vec<_> = (0..9).map(|i| uniform_random_point(3, i, 4)).collect();
+        let targets: Vec<f64> = points.iter().map(|x| (5.0 * x[0]).sin() + x[1] * x[2] - 0.4).collect();
+        for structure in [Structure::Joint, Structure::Additive] {
+            let shape = KernelShape { family: KernelFamily::Matern52, structure, trend: true };
+            let (lengthscales, prior) = (Lengthscales::Ard, HyperPrior::Flat);
+            let model = MarginalLikelihood { shape, lengthscales, prior, points: &points, targets: &targets };
+            let theta = [-0.7, -0.2, 0.3, 0.1, -3.0, -1.2, -0.4];
+            let hyper = HyperParameters::from_log(&theta, lengthscales, 3);
+            let mut covariance = hyper.kernel(shape).gram(&points);
+            (0..9).for_each(|i| covariance[(i, i)] += hyper.noise_variance);
+            let cholesky = super::super::Cholesky::new(&covariance).unwrap();
+            let fit: f64 = targets.iter().zip(cholesky.solve(&targets)).map(|(y, a)| y * a).sum();
+            let want = -0.5 * (fit + cholesky.log_determinant() + 9.0 * (2.0 * std::f64::consts::PI).ln());
+            assert!((model.evaluate(&theta).unwrap().value - want).abs() < 1e-10);
         }
     }
 }

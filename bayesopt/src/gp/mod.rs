@@ -9,16 +9,14 @@ mod prior;
 mod workspace;
 
 pub use cholesky::Cholesky;
-pub use fit::{FEWEST_SAMPLES, Fit, FitSettings, fit, fit_coarse_to_fine};
+pub use fit::{Contender, FEWEST_SAMPLES, Fit, FitSettings, fit, fit_best, fit_coarse_to_fine};
 pub use hyper::{HyperParameters, Lengthscales};
 pub use inducing::InducingGp;
 pub use likelihood::{Evaluation, MarginalLikelihood};
 pub use prior::{HyperPrior, LogNormal};
 
-use faer::Mat;
-
 use crate::BayesoptError;
-use crate::kernel::{Kernel, KernelFamily};
+use crate::kernel::{Kernel, KernelShape};
 
 /// Zero-mean Gaussian process conditioned on n observations:
 ///
@@ -65,7 +63,7 @@ impl Gp {
     /// # Errors
     /// `TooFewSamples` (none), `NonFiniteTarget`, `NonPositivePivot`.
     pub fn new(
-        family: KernelFamily,
+        shape: impl Into<KernelShape>,
         hyper: &HyperParameters,
         points: Vec<Vec<f64>>,
         targets: &[f64],
@@ -76,7 +74,7 @@ impl Gp {
         if let Some(index) = targets.iter().position(|t| !t.is_finite()) {
             return Err(BayesoptError::NonFiniteTarget { index, value: targets[index] });
         }
-        let kernel = hyper.kernel(family);
+        let kernel = hyper.kernel(shape);
         let mut covariance = kernel.gram(&points);
         for i in 0..points.len() {
             covariance[(i, i)] += hyper.noise_variance;
@@ -98,49 +96,38 @@ impl Gp {
 
     /// Posterior at each of m points, by one triangular solve with m right-hand sides.
     pub fn posterior_batch(&self, at: &[Vec<f64>]) -> Vec<Posterior> {
-        let mut cross = Mat::from_fn(self.points.len(), at.len(), |i, j| self.kernel.value(&self.points[i], &at[j]));
+        let mut cross = self.kernel.cross(&self.points, at);
         let means: Vec<f64> =
             (0..at.len()).map(|j| cross.col(j).iter().zip(&self.alpha).map(|(k, a)| k * a).sum()).collect();
         self.cholesky.forward_solve(cross.as_mut());
-        let sd = |j: usize| self.deviation(cross.col(j).iter().map(|v| v * v).sum());
+        let sd = |j: usize| self.deviation(&at[j], cross.col(j).iter().map(|v| v * v).sum());
         (0..at.len()).map(|j| Posterior { mean: means[j], sd: sd(j) }).collect()
     }
 
     /// Posterior and its gradients at one point:
-    /// `∂mean = Jᵀα`, `∂sd = −Jᵀ(K + σ_n² I)⁻¹k / sd`, J_ij = ∂k(x_i, x)/∂x_j.
+    /// `∂mean = Jᵀα`, `∂sd = (½ ∂k(x, x) − Jᵀ(K + σ_n² I)⁻¹k)/sd`, J_ij = ∂k(x_i, x)/∂x_j.
     pub fn posterior_slope(&self, x: &[f64]) -> PosteriorSlope {
-        let n = self.points.len();
-        let (mut column, mut slopes) = (Mat::zeros(n, 1), vec![0.0; n]);
-        for i in 0..n {
-            let r2 = self.kernel.squared_distance(x, &self.points[i]);
-            let (rho, slope) = self.kernel.family.correlation_and_slope(r2);
-            column[(i, 0)] = self.kernel.signal_variance * rho;
-            slopes[i] = 2.0 * self.kernel.signal_variance * slope;
-        }
+        let mut column = self.kernel.cross(&self.points, &[x.to_vec()]);
         let mean = column.col(0).iter().zip(&self.alpha).map(|(k, a)| k * a).sum();
         self.cholesky.forward_solve(column.as_mut());
-        let sd = self.deviation(column.col(0).iter().map(|v| v * v).sum());
+        let sd = self.deviation(x, column.col(0).iter().map(|v| v * v).sum());
         self.cholesky.backward_solve(column.as_mut());
 
         let (mut d_mean, mut d_sd) = (vec![0.0; x.len()], vec![0.0; x.len()]);
-        for i in 0..n {
-            let (for_mean, for_sd) = (slopes[i] * self.alpha[i], -slopes[i] * column[(i, 0)] / sd);
-            for c in 0..x.len() {
-                let difference = x[c] - self.points[i][c];
-                d_mean[c] += for_mean * difference;
-                d_sd[c] += for_sd * difference;
-            }
+        for ((point, alpha), weight) in self.points.iter().zip(&self.alpha).zip(column.col(0).iter()) {
+            self.kernel.add_input_gradient(x, point, [*alpha, -weight / sd], [&mut d_mean, &mut d_sd]);
         }
-        for c in 0..x.len() {
-            let inverse_square = self.kernel.lengthscales[c].powi(-2);
-            d_mean[c] *= inverse_square;
-            d_sd[c] *= inverse_square;
+        // The prior variance itself: ½ ∂k(x, x)/∂x = ∂k(a, x)/∂a at a = x.
+        if let Some(trend) = self.kernel.trend {
+            for c in 0..x.len() {
+                d_sd[c] += trend.input_slope(x[c], x[c], x.len()) / sd;
+            }
         }
         PosteriorSlope { at: Posterior { mean, sd }, d_mean, d_sd }
     }
 
-    fn deviation(&self, explained: f64) -> f64 {
-        let prior = self.kernel.signal_variance;
+    fn deviation(&self, x: &[f64], explained: f64) -> f64 {
+        let prior = self.kernel.variance(x);
         (prior - explained).max(LEAST_VARIANCE * prior).sqrt()
     }
 }
@@ -149,9 +136,24 @@ impl Gp {
 mod tests {
     use super::*;
     use crate::design::sobol_point;
+    use crate::kernel::{KernelFamily, Structure, Trend};
+    use faer::Mat;
 
     fn hyper(noise_variance: f64) -> HyperParameters {
-        HyperParameters { lengthscales: vec![0.5, 0.9], signal_variance: 1.3, noise_variance }
+        HyperParameters { lengthscales: vec![0.5, 0.9], signal_variance: 1.3, noise_variance, trend: None }
+    }
+
+    fn shapes() -> Vec<KernelShape> {
+        let shape = |family, structure, trend| KernelShape { family, structure, trend };
+        [KernelFamily::Matern52, KernelFamily::SquaredExponential]
+            .into_iter()
+            .flat_map(|family| [shape(family, Structure::Joint, false), shape(family, Structure::Additive, true)])
+            .collect()
+    }
+
+    fn with_trend(shape: KernelShape, noise_variance: f64) -> HyperParameters {
+        let trend = shape.trend.then_some(Trend { linear: 0.4, quadratic: 0.2 });
+        HyperParameters { trend, ..hyper(noise_variance) }
     }
 
     fn data() -> (Vec<Vec<f64>>, Vec<f64>) {
@@ -175,8 +177,8 @@ mod tests {
         // Second algorithm: the explicit inverse by faer's LU instead of the Cholesky factor.
         use faer::linalg::solvers::DenseSolveCore;
         let (points, targets) = data();
-        for family in [KernelFamily::Matern52, KernelFamily::SquaredExponential] {
-            let gp = Gp::new(family, &hyper(0.01), points.clone(), &targets).unwrap();
+        for shape in shapes() {
+            let gp = Gp::new(shape, &with_trend(shape, 0.01), points.clone(), &targets).unwrap();
             let noisy = &gp.kernel.gram(&points) + faer::Scale(0.01) * Mat::<f64>::identity(9, 9);
             let inverse = noisy.partial_piv_lu().inverse();
             let at: Vec<_> = (20..25).map(|i| sobol_point(2, i, 7)).collect();
@@ -184,7 +186,7 @@ mod tests {
                 let k = Mat::from_fn(9, 1, |i, _| gp.kernel.value(x, &points[i]));
                 let y = Mat::from_fn(9, 1, |i, _| targets[i]);
                 let mean = (k.transpose() * &inverse * &y)[(0, 0)];
-                let variance = 1.3 - (k.transpose() * &inverse * &k)[(0, 0)];
+                let variance = gp.kernel.value(x, x) - (k.transpose() * &inverse * &k)[(0, 0)];
                 for posterior in [&batch, &gp.posterior_slope(x).at] {
                     assert!((posterior.mean - mean).abs() < 1e-12);
                     assert!((posterior.sd - variance.sqrt()).abs() < 1e-12);
@@ -196,8 +198,8 @@ mod tests {
     #[test]
     fn gradients_match_central_differences() {
         let (points, targets) = data();
-        for family in [KernelFamily::Matern52, KernelFamily::SquaredExponential] {
-            let gp = Gp::new(family, &hyper(0.01), points.clone(), &targets).unwrap();
+        for shape in shapes() {
+            let gp = Gp::new(shape, &with_trend(shape, 0.01), points.clone(), &targets).unwrap();
             let x = vec![0.31, 0.74];
             let slope = gp.posterior_slope(&x);
             for i in 0..2 {
@@ -207,8 +209,8 @@ mod tests {
                     gp.posterior_slope(&x).at
                 };
                 let (right, left) = (moved(1e-6), moved(-1e-6));
-                assert!(((right.mean - left.mean) / 2e-6 - slope.d_mean[i]).abs() < 1e-8, "{family:?} mean");
-                assert!(((right.sd - left.sd) / 2e-6 - slope.d_sd[i]).abs() < 1e-8, "{family:?} sd");
+                assert!(((right.mean - left.mean) / 2e-6 - slope.d_mean[i]).abs() < 1e-8, "{shape:?} mean");
+                assert!(((right.sd - left.sd) / 2e-6 - slope.d_sd[i]).abs() < 1e-8, "{shape:?} sd");
             }
         }
     }

@@ -42,8 +42,15 @@ pub enum HyperPrior {
     /// The length-scale grows as √d, as the distance of random points does, so that the model
     /// stays as simple in 50-D as in 2-D (Hvarfner, Hellsten & Nardi 2024, "Vanilla Bayesian
     /// optimization performs great in high dimensions"). Costs are standardised, hence σ_f² near 1.
+    ///
+    /// The length-scales are pooled: times `exp(−½ Σ ((ln ℓ_i − mean ln ℓ)/0.3)²)`. Fifty trials cannot tell 14 relevances
+    /// apart, and those that a likelihood finds by chance mislead (ackley14: 8.6 instead of 9.1 at 0.5, median of 20 seeds).
+    /// The variances of a trend are LogNormal(0, 3) each.
     DimensionScaled,
 }
+
+/// How far length-scales lie apart before the data speak, in ln ℓ.
+const POOLING_SCALE: f64 = 0.3;
 
 impl HyperPrior {
     /// Prior of each length-scale in `dimension` coordinates.
@@ -59,6 +66,34 @@ impl HyperPrior {
     /// Prior of the signal variance σ_f² of standardised targets.
     pub fn signal(self) -> Option<LogNormal> {
         self.informed(0.0, 1.0)
+    }
+
+    /// Prior of the variances of a trend.
+    pub fn trend(self) -> Option<LogNormal> {
+        self.informed(0.0, 3.0)
+    }
+
+    /// `−½ Σ ((ln ℓ_i − mean)/s)²`, its slopes added to `gradient`.
+    pub(super) fn pooling(self, log_lengthscales: &[f64], gradient: &mut [f64]) -> f64 {
+        if self == Self::Flat {
+            return 0.0;
+        }
+        let mean = log_lengthscales.iter().sum::<f64>() / log_lengthscales.len() as f64;
+        let mut sum = 0.0;
+        for (l, gradient) in log_lengthscales.iter().zip(gradient) {
+            let z = (l - mean) / POOLING_SCALE;
+            sum -= 0.5 * z * z;
+            *gradient -= z / POOLING_SCALE;
+        }
+        sum
+    }
+
+    /// Least noise variance that is searched: a repeatable cost is followed down to rounding.
+    pub(super) fn least_noise(self) -> f64 {
+        match self {
+            Self::Flat => 1e-6,
+            Self::DimensionScaled => 1e-9,
+        }
     }
 
     fn informed(self, location: f64, scale: f64) -> Option<LogNormal> {

@@ -5,7 +5,7 @@ use rand_distr::{Distribution, StandardNormal};
 use serde::{Deserialize, Serialize};
 
 use super::projected_lbfgs::{Bounds, Descent, minimise};
-use crate::acquisition::Acquisition;
+use crate::acquisition::Criterion;
 use crate::design::scrambled_sobol;
 use crate::gp::Gp;
 use crate::random::{Purpose, scramble_key, stream};
@@ -46,25 +46,28 @@ const PERTURBATION_SD: [f64; 2] = [1e-3, 0.2];
 const MOVED_COORDINATES: f64 = 20.0;
 /// A point this close to a known one, in every coordinate, would teach nothing new.
 const SAME_POINT: f64 = 1e-7;
+/// A second robot sent this close to where one already is would waste its trial.
+const SAME_PENDING: f64 = 1e-2;
 
 /// `argmax a(x)` over the box `region`: Sobol candidates, perturbations of `incumbent`,
 /// then projected L-BFGS from the best of both. Deterministic in (seed, trial).
 ///
-/// Points that coincide with one of `known` are passed over; a point of the region is returned in any case.
+/// Points that coincide with one of `known`, or lie within 1 % of the box of one of `pending`, are passed over; a point of
+/// the region is returned in any case.
 pub fn maximise_acquisition(
     gp: &Gp,
-    acquisition: Acquisition,
-    best: f64,
+    criterion: &Criterion,
     region: &Bounds,
     incumbent: Option<&[f64]>,
     known: &[Vec<f64>],
+    pending: &[Vec<f64>],
     settings: &SearchSettings,
     seed: u64,
     trial: usize,
 ) -> Maximum {
     let score = |points: Vec<Vec<f64>>| {
         let posteriors = gp.posterior_batch(&points);
-        let value = |i: usize| acquisition.evaluate(posteriors[i].mean, posteriors[i].sd, best).value;
+        let value = |i: usize| criterion.evaluate(posteriors[i].mean, posteriors[i].sd).value;
         let values: Vec<f64> = (0..points.len()).map(value).collect();
         let mut scored: Vec<Maximum> =
             points.into_iter().zip(values).map(|(point, value)| Maximum { point, value }).collect();
@@ -84,7 +87,7 @@ pub fn maximise_acquisition(
     };
     let mut objective = |x: &[f64], gradient: &mut [f64]| {
         let slope = gp.posterior_slope(x);
-        let at = acquisition.evaluate(slope.at.mean, slope.at.sd, best);
+        let at = criterion.evaluate(slope.at.mean, slope.at.sd);
         for i in 0..x.len() {
             gradient[i] = -(at.d_mean * slope.d_mean[i] + at.d_sd * slope.d_sd[i]);
         }
@@ -99,9 +102,11 @@ pub fn maximise_acquisition(
 
     // Best first; a known point is passed over.
     let fallback = global[0].clone();
-    refined.extend(global.into_iter().take(10));
+    refined.extend(global);
+    refined.extend(local);
     refined.sort_by(|a, b| b.value.total_cmp(&a.value));
-    let is_new = |found: &Maximum| !known.iter().any(|x| same_point(x, &found.point));
+    let is_near = |points: &[Vec<f64>], to: &Maximum, distance| points.iter().any(|x| within(x, &to.point, distance));
+    let is_new = |found: &Maximum| !is_near(known, found, SAME_POINT) && !is_near(pending, found, SAME_PENDING);
     refined.into_iter().find(is_new).unwrap_or(fallback)
 }
 
@@ -133,18 +138,21 @@ fn perturbations(incumbent: &[f64], region: &Bounds, count: usize, seed: u64, tr
     (0..count).map(&mut perturb).collect()
 }
 
-fn same_point(a: &[f64], b: &[f64]) -> bool {
-    a.iter().zip(b).all(|(a, b)| (a - b).abs() < SAME_POINT)
+/// No coordinate differs by `distance` or more.
+fn within(a: &[f64], b: &[f64], distance: f64) -> bool {
+    a.iter().zip(b).all(|(a, b)| (a - b).abs() < distance)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::acquisition::Acquisition;
     use crate::gp::HyperParameters;
     use crate::kernel::KernelFamily;
 
     fn gp() -> Gp {
-        let hyper = HyperParameters { lengthscales: vec![0.3, 0.3], signal_variance: 1.0, noise_variance: 1e-6 };
+        let hyper =
+            HyperParameters { lengthscales: vec![0.3, 0.3], signal_variance: 1.0, noise_variance: 1e-6, trend: None };
         let points = vec![vec![0.1, 0.1], vec![0.9, 0.2], vec![0.5, 0.8]];
         Gp::new(KernelFamily::Matern52, &hyper, points, &[1.0, -0.5, 0.2]).unwrap()
     }
@@ -157,10 +165,10 @@ mod tests {
             let incumbent = [0.9, 0.2];
             let found = maximise_acquisition(
                 &gp,
-                acquisition,
-                -0.5,
+                &Criterion { acquisition, best: -0.5, sd_factor: 1.0 },
                 &region,
                 Some(&incumbent),
+                &[],
                 &[],
                 &SearchSettings::default(),
                 1,
@@ -182,13 +190,16 @@ mod tests {
         let gp = gp();
         let region = Bounds { lower: vec![0.8, 0.1], upper: vec![1.0, 0.3] };
         let settings = SearchSettings::default();
-        let ask = |known: &[Vec<f64>]| {
-            maximise_acquisition(&gp, Acquisition::LogEi, -0.5, &region, Some(&[0.9, 0.2]), known, &settings, 1, 3)
+        let criterion = Criterion { acquisition: Acquisition::LogEi, best: -0.5, sd_factor: 1.0 };
+        let ask = |known: &[Vec<f64>], pending: &[Vec<f64>]| {
+            maximise_acquisition(&gp, &criterion, &region, Some(&[0.9, 0.2]), known, pending, &settings, 1, 3)
         };
-        let first = ask(&[]);
-        let second = ask(std::slice::from_ref(&first.point));
-        assert!(!same_point(&first.point, &second.point));
-        for found in [first, second] {
+        let first = ask(&[], &[]);
+        let second = ask(std::slice::from_ref(&first.point), &[]);
+        assert!(!within(&first.point, &second.point, SAME_POINT));
+        let third = ask(&[], std::slice::from_ref(&first.point));
+        assert!(!within(&first.point, &third.point, SAME_PENDING));
+        for found in [first, second, third] {
             assert!((0.8..=1.0).contains(&found.point[0]) && (0.1..=0.3).contains(&found.point[1]));
         }
     }

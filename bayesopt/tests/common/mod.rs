@@ -4,6 +4,7 @@
 pub mod friction;
 pub mod random_source;
 pub mod standard;
+pub mod variants;
 
 use random_source::RandomSource;
 use tribo_bayesopt::{BayesoptError, Domain, History, Outcome, Settings, suggest};
@@ -24,6 +25,16 @@ pub const PROBLEMS: [Problem; 6] = [
     Problem { name: "levy14", dimension: 14, value: standard::levy14, least: 0.0 },
     Problem { name: "fric14", dimension: 14, value: friction::fric14, least: 0.0 },
     Problem { name: "fric35", dimension: 35, value: friction::fric35, least: 0.0 },
+];
+
+/// What the settings were not chosen on.
+pub const VARIANTS: [Problem; 6] = [
+    Problem { name: "ackley14_shifted", dimension: 14, value: variants::ackley14_shifted, least: 0.0 },
+    Problem { name: "ackley14_mixed", dimension: 14, value: variants::ackley14_mixed, least: 0.0 },
+    Problem { name: "levy14_shifted", dimension: 14, value: variants::levy14_shifted, least: 0.0 },
+    Problem { name: "levy14_mixed", dimension: 14, value: variants::levy14_mixed, least: 0.0 },
+    Problem { name: "hartmann6_in_14", dimension: 14, value: variants::hartmann6_in_14, least: -3.322368011391339 },
+    Problem { name: "ellipsoid14", dimension: 14, value: variants::ellipsoid14, least: 0.0 },
 ];
 
 /// The ten given points of seed s, FUNCTIONS §4.0.

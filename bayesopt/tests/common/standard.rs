@@ -27,15 +27,24 @@ pub fn hartmann6(u: &[f64]) -> f64 {
 }
 
 pub fn ackley14(u: &[f64]) -> f64 {
-    let n = u.len() as f64;
-    let x: Vec<f64> = u.iter().map(|u| -5.0 + 15.0 * u).collect();
+    ackley(&u.iter().map(|u| -5.0 + 15.0 * u).collect::<Vec<_>>())
+}
+
+/// Of x, least at 0.
+pub fn ackley(x: &[f64]) -> f64 {
+    let n = x.len() as f64;
     let square = x.iter().map(|x| x * x).sum::<f64>() / n;
     let cosine = x.iter().map(|x| (2.0 * PI * x).cos()).sum::<f64>() / n;
     -20.0 * (-0.2 * square.sqrt()).exp() - cosine.exp() + 20.0 + 1.0_f64.exp()
 }
 
 pub fn levy14(u: &[f64]) -> f64 {
-    let w: Vec<f64> = u.iter().map(|u| 1.0 + (-5.0 + 15.0 * u - 1.0) / 4.0).collect();
+    levy(&u.iter().map(|u| -5.0 + 15.0 * u).collect::<Vec<_>>())
+}
+
+/// Of x, least at 1.
+pub fn levy(x: &[f64]) -> f64 {
+    let w: Vec<f64> = x.iter().map(|x| 1.0 + (x - 1.0) / 4.0).collect();
     let last = w.len() - 1;
     let head = (PI * w[0]).sin().powi(2);
     let middle: f64 = w[..last].iter().map(|w| (w - 1.0).powi(2) * (1.0 + 10.0 * (PI * w + 1.0).sin().powi(2))).sum();
