@@ -38,6 +38,7 @@ pub mod search;
 mod settings;
 mod study;
 mod suggest;
+mod suggest_sum;
 mod transform;
 mod trust_region;
 
@@ -48,5 +49,6 @@ pub use history::{History, Observation, Outcome};
 pub use settings::{ModelSettings, Settings};
 pub use study::Study;
 pub use suggest::{ModelEvidence, Phase, Suggestion, suggest};
+pub use suggest_sum::suggest_sum;
 pub use transform::{Bend, CostTransform, Targets};
 pub use trust_region::TrustRegion;

@@ -10,6 +10,7 @@ pub(crate) enum Purpose {
     FitStarts = 2,
     Candidates = 3,
     Perturbations = 4,
+    Samples = 5,
 }
 
 /// SplitMix64 finaliser  `z ← (z ⊕ z≫30)·c1; z ← (z ⊕ z≫27)·c2; z ⊕ z≫31`  (Steele et al. 2014).

@@ -2,12 +2,13 @@
 
 use serde::{Deserialize, Serialize};
 
+use crate::acquisition::{OneOutput, SumLogEi, Worth};
 use crate::belief::Belief;
 use crate::gp::Fit;
 use crate::kernel::KernelShape;
 use crate::search::{Bounds, maximise_acquisition};
 use crate::trust_region::TrustRegion;
-use crate::{BayesoptError, Domain, History, Settings};
+use crate::{BayesoptError, Domain, History, ModelSettings, Settings};
 
 /// Who chose a point.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
@@ -71,6 +72,17 @@ pub fn suggest(
     history: &History,
     seed: u64,
 ) -> Result<Suggestion, BayesoptError> {
+    suggest_by::<SumLogEi>(settings, domain, history, seed, |_, _| Ok(None))
+}
+
+/// [`suggest`] by the worth that `other` makes of the belief about the whole; where it makes none, by the belief's own.
+pub(crate) fn suggest_by<W: Worth>(
+    settings: &Settings,
+    domain: &Domain,
+    history: &History,
+    seed: u64,
+    other: impl FnOnce(&ModelSettings, &Belief) -> Result<Option<W>, BayesoptError>,
+) -> Result<Suggestion, BayesoptError> {
     settings.validate(domain)?;
     let trial = history.len();
     let unit_points: Vec<Vec<f64>> =
@@ -84,6 +96,7 @@ pub fn suggest(
         return Ok(Suggestion { trial, point, phase: Phase::Design, acquisition: None, evidence: None });
     };
     let criterion = belief.criterion();
+    let other = other(model, &belief)?;
     let Belief { gp, shape, fit, targets, incumbent: incumbent_trial, best_target, .. } = belief;
 
     // The incumbent, and the region around it.
@@ -99,9 +112,9 @@ pub fn suggest(
     // The most promising point of the region, away from where trials are being run.
     let pending: Vec<Vec<f64>> =
         (0..trial).filter(|&i| history.trials[i].outcome.is_pending()).map(|i| unit_points[i].clone()).collect();
+    let own = OneOutput { gp: &gp, criterion: &criterion };
     let found = maximise_acquisition(
-        &gp,
-        &criterion,
+        other.as_ref().map_or(&own as &dyn Worth, |worth| worth),
         &region,
         Some(incumbent),
         &unit_points,

@@ -4,6 +4,9 @@ use serde::{Deserialize, Serialize};
 
 use crate::{History, Outcome};
 
+/// What stands for the largest cost where costs are added up: their sum is finite too.
+const FINITE: f64 = 1e300;
+
 /// How costs, failures included, become the targets the model sees.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
@@ -74,6 +77,12 @@ impl Bend {
         if e > 1.0 { (0.5 / e).ln() } else { 0.0 }
     }
 
+    /// Slope of [`Self::undo`].
+    fn undone_slope(self, t: f64) -> f64 {
+        let e = (t - self.best) / (self.median - self.best);
+        if e > 1.0 { 2.0 * (2.0 * (e - 1.0)).exp() } else { 1.0 }
+    }
+
     fn undo(self, t: f64) -> f64 {
         let (width, e) = (self.median - self.best, (t - self.best) / (self.median - self.best));
         if e > 1.0 { self.best + width * (2.0 * (e - 1.0)).exp() } else { t }
@@ -137,6 +146,14 @@ impl Targets {
         let values = transformed.iter().map(|t| (t - mean) / sd).collect();
         log_jacobian -= costs.len() as f64 * sd.ln();
         Self { trials: trials.to_vec(), values, mean, sd, logarithmic, bend, log_jacobian }
+    }
+
+    /// The cost that a standardised target stands for, and its slope in the target; both finite.
+    pub fn cost_and_slope(&self, target: f64) -> (f64, f64) {
+        let bent = self.mean + self.sd * target;
+        let (transformed, unbent) = self.bend.map_or((bent, 1.0), |bend| (bend.undo(bent), bend.undone_slope(bent)));
+        let (cost, slope) = if self.logarithmic { (transformed.exp(), transformed.exp()) } else { (transformed, 1.0) };
+        (cost.min(FINITE), (slope * unbent * self.sd).min(FINITE))
     }
 
     /// The cost that a standardised target stands for; finite.

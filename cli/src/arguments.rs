@@ -167,7 +167,7 @@ pub struct CampaignSettings {
     #[arg(long, value_parser = PossibleValuesParser::new(["ekf", "momentum", "qp", "thermal", "double_encoder"]))]
     pub residual: Option<String>,
     /// What chooses the next parameters.
-    #[arg(long, value_parser = PossibleValuesParser::new(["zero", "gaz", "random", "sobol", "paper", "bo", "cma_es", "iterative_learning", "grey_box"]))]
+    #[arg(long, value_parser = PossibleValuesParser::new(["zero", "gaz", "random", "sobol", "paper", "bo", "composite", "cma_es", "iterative_learning", "grey_box"]))]
     pub strategy: Option<String>,
     /// Number of trials.
     #[arg(long, allow_negative_numbers = true)]

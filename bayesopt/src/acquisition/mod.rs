@@ -3,10 +3,14 @@
 mod ei;
 mod log_ei;
 mod normal;
+mod sum_log_ei;
+mod worth;
 
 pub use ei::expected_improvement;
 pub use log_ei::log_expected_improvement;
 pub use normal::{normal_cdf, normal_pdf};
+pub use sum_log_ei::{Part, SumLogEi};
+pub use worth::{OneOutput, Worth};
 
 use serde::{Deserialize, Serialize};
 

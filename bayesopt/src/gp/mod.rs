@@ -35,7 +35,7 @@ pub struct Gp {
 }
 
 /// Posterior of the function value at one point.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Posterior {
     /// Mean, target units.
     pub mean: f64,

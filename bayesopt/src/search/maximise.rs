@@ -5,9 +5,8 @@ use rand_distr::{Distribution, StandardNormal};
 use serde::{Deserialize, Serialize};
 
 use super::projected_lbfgs::{Bounds, Descent, minimise};
-use crate::acquisition::Criterion;
+use crate::acquisition::Worth;
 use crate::design::scrambled_sobol;
-use crate::gp::Gp;
 use crate::random::{Purpose, scramble_key, stream};
 
 /// How hard the acquisition is maximised.
@@ -55,8 +54,7 @@ const SAME_PENDING: f64 = 1e-2;
 /// Points that coincide with one of `known`, or lie within 1 % of the box of one of `pending`, are passed over; a point of
 /// the region is returned in any case.
 pub fn maximise_acquisition(
-    gp: &Gp,
-    criterion: &Criterion,
+    worth: &dyn Worth,
     region: &Bounds,
     incumbent: Option<&[f64]>,
     known: &[Vec<f64>],
@@ -66,9 +64,7 @@ pub fn maximise_acquisition(
     trial: usize,
 ) -> Maximum {
     let score = |points: Vec<Vec<f64>>| {
-        let posteriors = gp.posterior_batch(&points);
-        let value = |i: usize| criterion.evaluate(posteriors[i].mean, posteriors[i].sd).value;
-        let values: Vec<f64> = (0..points.len()).map(value).collect();
+        let values = worth.values(&points);
         let mut scored: Vec<Maximum> =
             points.into_iter().zip(values).map(|(point, value)| Maximum { point, value }).collect();
         scored.sort_by(|a, b| b.value.total_cmp(&a.value));
@@ -86,12 +82,9 @@ pub fn maximise_acquisition(
         ..Descent::default()
     };
     let mut objective = |x: &[f64], gradient: &mut [f64]| {
-        let slope = gp.posterior_slope(x);
-        let at = criterion.evaluate(slope.at.mean, slope.at.sd);
-        for i in 0..x.len() {
-            gradient[i] = -(at.d_mean * slope.d_mean[i] + at.d_sd * slope.d_sd[i]);
-        }
-        -at.value
+        let value = worth.slope(x, gradient);
+        gradient.iter_mut().for_each(|slope| *slope = -*slope);
+        -value
     };
     let from_local = if local.is_empty() { 0 } else { settings.refined / 2 };
     let starts = global.iter().take(settings.refined - from_local).chain(local.iter().take(from_local));
@@ -146,8 +139,8 @@ fn within(a: &[f64], b: &[f64], distance: f64) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::acquisition::Acquisition;
-    use crate::gp::HyperParameters;
+    use crate::acquisition::{Acquisition, Criterion, OneOutput};
+    use crate::gp::{Gp, HyperParameters};
     use crate::kernel::KernelFamily;
 
     fn gp() -> Gp {
@@ -164,8 +157,7 @@ mod tests {
             let region = Bounds::unit_cube(2);
             let incumbent = [0.9, 0.2];
             let found = maximise_acquisition(
-                &gp,
-                &Criterion { acquisition, best: -0.5, sd_factor: 1.0 },
+                &OneOutput { gp: &gp, criterion: &Criterion { acquisition, best: -0.5, sd_factor: 1.0 } },
                 &region,
                 Some(&incumbent),
                 &[],
@@ -192,7 +184,8 @@ mod tests {
         let settings = SearchSettings::default();
         let criterion = Criterion { acquisition: Acquisition::LogEi, best: -0.5, sd_factor: 1.0 };
         let ask = |known: &[Vec<f64>], pending: &[Vec<f64>]| {
-            maximise_acquisition(&gp, &criterion, &region, Some(&[0.9, 0.2]), known, pending, &settings, 1, 3)
+            let worth = OneOutput { gp: &gp, criterion: &criterion };
+            maximise_acquisition(&worth, &region, Some(&[0.9, 0.2]), known, pending, &settings, 1, 3)
         };
         let first = ask(&[], &[]);
         let second = ask(std::slice::from_ref(&first.point), &[]);

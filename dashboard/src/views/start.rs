@@ -22,6 +22,7 @@ const STRATEGIES: Choices = &[
     ("grey_box", "least squares on past logs, then local search"),
     ("bo", "Bayesian optimisation grown from zero compensation"),
     ("paper", "the route of roveda2022"),
+    ("composite", "Bayesian optimisation of the parts of the cost"),
     ("cma_es", "covariance matrix adaptation"),
     ("iterative_learning", "the fixed-gain baseline of roveda2022"),
     ("random", "baseline: uniform random search"),
@@ -188,7 +189,9 @@ mod tests {
     fn the_form_knows_every_name() {
         let strategies: Vec<StrategyName> =
             STRATEGIES.iter().map(|(name, _)| named(name).expect("a strategy")).collect();
-        for name in ["zero", "gaz", "random", "sobol", "paper", "bo", "cma_es", "iterative_learning", "grey_box"] {
+        for name in
+            ["zero", "gaz", "random", "sobol", "paper", "bo", "composite", "cma_es", "iterative_learning", "grey_box"]
+        {
             assert!(strategies.contains(&named(name).expect("a strategy")), "{name}");
         }
         let estimators: Vec<&str> = ESTIMATORS.iter().map(|(name, _)| *name).collect();

@@ -1,6 +1,6 @@
-//! Strategies that only look at the cost.
+//! Strategies that only look at the cost, or at its parts.
 
-use tribo_bayesopt::{Domain, History, Observation, Outcome, Phase, Settings, suggest};
+use tribo_bayesopt::{Domain, History, Observation, Outcome, Phase, Settings, suggest, suggest_sum};
 
 use super::{FinishedTrial, LogSource, Origin, Past, Proposal, RunningTrial, Strategy, StrategyError};
 use crate::{AbortReason, ParameterSpace};
@@ -10,24 +10,33 @@ pub(super) struct Search {
     settings: Settings,
     domain: Domain,
     seed: u64,
+    /// Whether every part of the cost has a model of its own.
+    by_parts: bool,
 }
 
 impl Search {
     pub(super) fn random(space: &ParameterSpace, seed: u64) -> Result<Self, StrategyError> {
-        Ok(Self { settings: Settings::random(), domain: space.domain()?, seed })
+        Self::of(space, seed, Settings::random())
     }
 
     pub(super) fn sobol(space: &ParameterSpace, seed: u64) -> Result<Self, StrategyError> {
-        Ok(Self { settings: Settings::sobol(), domain: space.domain()?, seed })
+        Self::of(space, seed, Settings::sobol())
     }
 
     pub(super) fn paper(space: &ParameterSpace, seed: u64, init: usize) -> Result<Self, StrategyError> {
-        Ok(Self { settings: Settings { init_trials: init, ..Settings::paper() }, domain: space.domain()?, seed })
+        Self::of(space, seed, Settings { init_trials: init, ..Settings::paper() })
     }
 
     pub(super) fn bo(space: &ParameterSpace, seed: u64, init: usize) -> Result<Self, StrategyError> {
-        let settings = Settings { init_trials: init, ..Settings::bo(space.zero()) };
-        Ok(Self { settings, domain: space.domain()?, seed })
+        Self::of(space, seed, Settings { init_trials: init, ..Settings::bo(space.zero()) })
+    }
+
+    pub(super) fn composite(space: &ParameterSpace, seed: u64, init: usize) -> Result<Self, StrategyError> {
+        Ok(Self { by_parts: true, ..Self::bo(space, seed, init)? })
+    }
+
+    fn of(space: &ParameterSpace, seed: u64, settings: Settings) -> Result<Self, StrategyError> {
+        Ok(Self { settings, domain: space.domain()?, seed, by_parts: false })
     }
 }
 
@@ -41,8 +50,12 @@ impl<const N: usize> Strategy<N> for Search {
     }
 
     fn propose(&self, _number: usize, past: Past<'_>, _logs: &dyn LogSource<N>) -> Result<Proposal, StrategyError> {
-        let history = observations(past.finished, past.running);
-        let suggestion = suggest(&self.settings, &self.domain, &history, self.seed)?;
+        let (history, parts) = observations_with_parts(past.finished, past.running);
+        let suggestion = if self.by_parts {
+            suggest_sum(&self.settings, &self.domain, &history, &parts, self.seed)?
+        } else {
+            suggest(&self.settings, &self.domain, &history, self.seed)?
+        };
         let origin = match suggestion.phase {
             Phase::Design => Origin::Design,
             Phase::Model => Origin::Model,
@@ -58,6 +71,11 @@ const TELLING_PART: f64 = 0.3;
 /// for reasons of its own says nothing against its parameters: what was seen of it counts without penalty, and a glimpse
 /// counts for nothing.
 pub(crate) fn observations(finished: &[FinishedTrial], running: &[RunningTrial]) -> History {
+    observations_with_parts(finished, running).0
+}
+
+/// The same, and beside each trial that has not failed the twelve parts of its cost: maxima, then means.
+fn observations_with_parts(finished: &[FinishedTrial], running: &[RunningTrial]) -> (History, Vec<Vec<f64>>) {
     let finished = finished.iter().filter_map(|trial| {
         let cost = &trial.cost;
         let outcome = match trial.aborted {
@@ -68,12 +86,18 @@ pub(crate) fn observations(finished: &[FinishedTrial], running: &[RunningTrial])
             Some(AbortReason::Stopped) => return None,
             Some(_) => Outcome::Failed { value: Some(cost.total()) },
         };
-        Some((trial.number, Observation { point: trial.theta.clone(), outcome }))
+        let parts = match outcome {
+            Outcome::Value(_) => cost.max.iter().chain(&cost.mean).copied().collect(),
+            _ => Vec::new(),
+        };
+        Some((trial.number, &trial.theta, outcome, parts))
     });
-    let running = running
-        .iter()
-        .map(|trial| (trial.number, Observation { point: trial.theta.clone(), outcome: Outcome::Pending }));
-    let mut trials: Vec<(usize, Observation)> = finished.chain(running).collect();
-    trials.sort_by_key(|(number, _)| *number);
-    History { trials: trials.into_iter().map(|(_, trial)| trial).collect() }
+    let running = running.iter().map(|trial| (trial.number, &trial.theta, Outcome::Pending, Vec::new()));
+    let mut trials: Vec<_> = finished.chain(running).collect();
+    trials.sort_by_key(|(number, ..)| *number);
+    let (observed, parts) = trials
+        .into_iter()
+        .map(|(_, theta, outcome, parts)| (Observation { point: theta.clone(), outcome }, parts))
+        .unzip();
+    (History { trials: observed }, parts)
 }

@@ -35,6 +35,8 @@ pub enum StrategyName {
     Paper,
     /// Bayesian optimisation grown from zero compensation: ARD Matérn-5/2, LogEI, capped log cost.
     Bo,
+    /// The same with a model for each of the twelve parts of the cost, and the improvement of their sum.
+    Composite,
     /// Covariance matrix adaptation from the centre of the box.
     CmaEs,
     /// Iterative learning with fixed gains from the motion alone, the baseline of roveda2022.
@@ -164,6 +166,7 @@ impl StrategyName {
             Self::Sobol => Box::new(bayes::Search::sobol(space, seed)?),
             Self::Paper => Box::new(bayes::Search::paper(space, seed, tune.config.init)?),
             Self::Bo => Box::new(bayes::Search::bo(space, seed, tune.config.init)?),
+            Self::Composite => Box::new(bayes::Search::composite(space, seed, tune.config.init)?),
             Self::CmaEs => Box::new(cma_es::CmaEs::new(space, seed)?),
             Self::IterativeLearning => Box::new(iterative_learning::IterativeLearning::new(space.clone())),
             Self::GreyBox => Box::new(GreyBox::new(tune)?),
