@@ -78,6 +78,7 @@ pub fn tuning_trial(truth: Truth<7>, velocity: VelocitySource) -> Trial<7> {
         reference: SinusoidReference::paper(ready_flange(), PAPER_PHASES_RAD),
         velocity,
         limits: PenaltyLimits::default(),
+        stopped_at_s: None,
         dt_s: DT_S,
     }
 }

@@ -37,7 +37,7 @@ fn a_conversion_says_what_is_there_what_is_missing_and_what_that_switches_off() 
         "duration     0.049 s at 1000.0 Hz",
         "bursts       2 (longest gap 3.00 ms)",
         "columns      time, q_i, dq_i, tau_J_i, tau_J_d_i",
-        "absent       tau_link_i, theta_i",
+        "absent       tau_friction_i, tau_link_i, theta_i",
         "without      theta_i: estimate leaves out double_encoder",
         "without      O_F_ext_i: estimate has no error figures",
         "warning      line 50 has no line ending",

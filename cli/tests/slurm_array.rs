@@ -26,10 +26,9 @@ settings: {sub_steps: 1}
 
 /// Whether a cluster can be started here.
 fn can_start() -> Result<(), &'static str> {
-    let succeeds = |program: &str, argument: &str| {
-        Command::new(program).arg(argument).output().is_ok_and(|output| output.status.success())
-    };
-    if !["slurmctld", "slurmd", "sbatch"].iter().all(|program| succeeds(program, "-V")) || !succeeds("munged", "-V") {
+    // Without a cluster sbatch fails even to say its version; that it starts is enough.
+    let is_there = |program: &&str| Command::new(program).arg("-V").output().is_ok();
+    if !["slurmctld", "slurmd", "sbatch", "munged"].iter().all(is_there) {
         return Err("no slurm-wlm or munge here");
     }
     let user = Command::new("id").arg("-u").output().unwrap();

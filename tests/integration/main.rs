@@ -3,11 +3,13 @@
 mod architecture;
 mod box_friction;
 mod closed_loop_cost;
+mod drift;
 mod dynamics_identities;
 mod dynamics_reference;
 mod ekf_consistency;
 mod ekf_frequency;
 mod ekf_known_input;
 mod estimators_on_pulses;
+mod payload;
 mod tick_faults;
 mod wrench_on_pulses;
