@@ -52,7 +52,7 @@ fn what_is_odd_but_legal_is_in_the_summary() {
     let table = summary.to_string();
     assert!(table.contains("rows         2 (1 repeated rows dropped)"), "{table}");
     assert!(table.contains("not known    note, (unnamed)"), "{table}");
-    assert!(table.contains("absent       tau_J_d_i, tau_link_i, theta_i"), "{table}");
+    assert!(table.contains("absent       tau_J_d_i, tau_friction_i, tau_link_i, theta_i"), "{table}");
 }
 
 #[test]
