@@ -8,11 +8,13 @@ use crate::ParameterSpace;
 
 /// Standard deviation of the first generation, in parts of the box.
 const FIRST_SD: f64 = 0.3;
+/// Growth of the cost with the squared distance from the box, in parts of the box.
+const WALL: f64 = 10.0;
 /// What a trial without cost counts as: worse than any.
 const NO_COST: f64 = f64::MAX;
 
-/// Covariance matrix adaptation (Hansen 2016) from the centre of the box, population `4 + ⌊3 ln d⌋`, points outside the box put on
-/// its wall. An aborted trial counts with its penalty.
+/// Covariance matrix adaptation (Hansen 2016) from the centre of the box, population `4 + ⌊3 ln d⌋`, points outside the box are put on
+/// its wall and cost more, by a factor that grows with the way; else the search would wander off unpunished. An aborted trial counts with its penalty.
 ///
 /// The crate minimises a function; what is wanted is the next point of a search whose costs come from a journal. So the search
 /// is run again from its seed, told the costs that are known, and asked for the first point whose cost is not.
@@ -40,7 +42,8 @@ impl CmaEs {
             }
             let known = finished.iter().find(|trial| trial.number == evaluation);
             evaluation += 1;
-            known.map_or(NO_COST, |trial| trial.cost.total())
+            let outside: f64 = x.iter().map(|u| (u - u.clamp(0.0, 1.0)).powi(2)).sum();
+            known.map_or(NO_COST, |trial| trial.cost.total() * (1.0 + WALL * outside))
         };
         let options = CMAESOptions::new(vec![0.5; dimension], FIRST_SD)
             .population_size(self.population())
