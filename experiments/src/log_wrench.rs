@@ -59,13 +59,7 @@ pub fn wrench_on_log<const N: usize, E: WrenchEstimator<N>>(
         let first = burst.start;
         let mut bristles = Bristles::default();
         for k in burst {
-            let frame = SensorFrame {
-                time_s: log.time_s[k],
-                q: at(&log.q_rad, k),
-                qd: at(&log.dq_rad_s, k),
-                tau: at(&log.tau_j_nm, k),
-                theta: log.theta_rad.as_ref().map(|theta| at(theta, k)),
-            };
+            let frame = frame_at(log, k);
             let terms = ControlTerms::at(arm, &frame.q, &frame.qd);
             let estimate = if k == first {
                 estimator.reset(&frame, &terms);
@@ -125,6 +119,17 @@ pub fn without_effects<const N: usize>(
         }
     }
     columns.validate()
+}
+
+/// Row k of a log as a sample of the joint sensors.
+pub(crate) fn frame_at<const N: usize>(log: &RobotLog, k: usize) -> SensorFrame<N> {
+    SensorFrame {
+        time_s: log.time_s[k],
+        q: at(&log.q_rad, k),
+        qd: at(&log.dq_rad_s, k),
+        tau: at(&log.tau_j_nm, k),
+        theta: log.theta_rad.as_ref().map(|theta| at(theta, k)),
+    }
 }
 
 /// Row k of the columns, one per joint.

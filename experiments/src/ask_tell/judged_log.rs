@@ -8,7 +8,7 @@ use tribo_robot::{ControlTerms, EstimatorInput, Pose, SensorFrame, WrenchEstimat
 use tribo_runtime::TickRecord;
 
 use super::{SentTorque, UserTrials};
-use crate::log_wrench::{LONGEST_GAP_PERIODS, at};
+use crate::log_wrench::{LONGEST_GAP_PERIODS, at, frame_at};
 use crate::{AnyEstimator, Cost, CostAccumulator, EstimatorError, EstimatorName, TrialLog, ValidTune};
 
 /// A trial that ran elsewhere, judged.
@@ -108,13 +108,7 @@ pub fn judge_log<const N: usize>(
         if since_judged_s > user_trials.judged_s - 0.5 * period_s || (failed && k + 1 == log.rows()) {
             break;
         }
-        let frame = SensorFrame {
-            time_s: log.time_s[k],
-            q: at(&log.q_rad, k),
-            qd: at(&log.dq_rad_s, k),
-            tau: at(&log.tau_j_nm, k),
-            theta: log.theta_rad.as_ref().map(|theta| at(theta, k)),
-        };
+        let frame: SensorFrame<N> = frame_at(log, k);
         let terms = ControlTerms::at(arm, &frame.q, &frame.qd);
         let dt_s = if k == 0 { period_s } else { nanoseconds(log.time_s[k] - log.time_s[k - 1]) };
         match acted {

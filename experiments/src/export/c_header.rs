@@ -1,8 +1,6 @@
 //! The compensator as a C99 header.
 
-use tribo_friction::VelocitySource;
-
-use super::float::{float, floats};
+use super::float::floats;
 use super::program::Program;
 use super::text::{in_comment, is_identifier};
 use super::{ExportError, Exported, TunedCompensator};
@@ -42,12 +40,12 @@ pub(super) fn export<const N: usize>(tuned: &TunedCompensator<N>, name: Option<&
         text.push_str(&format!("    static const double {table}[{macros}_JOINTS] = {{{}}};\n", floats(*values)));
     }
     text.push_str(&format!("    int j;\n    for (j = 0; j < {macros}_JOINTS; ++j) {{\n"));
-    let statements = body(tuned, &program);
+    let statements = body(&program);
     for line in statements.iter().flat_map(|statement| statement.lines()) {
         text.push_str(&format!("    {}{line}\n", if line.starts_with(' ') { "" } else { "    " }));
     }
     text.push_str("    }\n");
-    for unused in unused(tuned, &program) {
+    for unused in unused(&program) {
         text.push_str(&format!("    (void){unused};\n"));
     }
     text.push_str(&format!("}}\n\n#endif /* {macros}_COMPENSATOR_H */\n"));
@@ -55,35 +53,16 @@ pub(super) fn export<const N: usize>(tuned: &TunedCompensator<N>, name: Option<&
 }
 
 /// The statements of the loop over joints.
-fn body<const N: usize>(tuned: &TunedCompensator<N>, program: &Program<N>) -> Vec<String> {
-    let velocity = match tuned.compensator.source {
-        VelocitySource::Measured => "dq_measured[j]".to_owned(),
-        VelocitySource::Reference => "dq_reference[j]".to_owned(),
-        VelocitySource::Hybrid => format!(
-            "fabs(dq_measured[j]) > {} ? dq_measured[j] : dq_reference[j]",
-            float(tuned.compensator.hybrid_threshold_rad_s)
-        ),
-    };
-    let mut statements = vec![format!("const double dq = {velocity};")];
-    if program.uses("s") {
-        let smoothing = tuned.compensator.smoothing_rad_s;
-        statements.push(match smoothing > 0.0 {
-            true => format!("const double s = tanh(dq / {});", float(smoothing)),
-            false => "const double s = dq > 0.0 ? 1.0 : dq < 0.0 ? -1.0 : dq;".to_owned(),
-        });
-    }
+fn body<const N: usize>(program: &Program<N>) -> Vec<String> {
+    let mut statements: Vec<String> = program.opening.iter().map(|statement| statement.c.clone()).collect();
     statements.extend(program.terms.iter().map(|term| term.c.clone()));
     statements.push("tau[j] = torque;".to_owned());
     statements
 }
 
 /// Arguments that this compensator does not need.
-fn unused<const N: usize>(tuned: &TunedCompensator<N>, program: &Program<N>) -> Vec<&'static str> {
-    let velocity = match tuned.compensator.source {
-        VelocitySource::Measured => Some("dq_reference"),
-        VelocitySource::Reference => Some("dq_measured"),
-        VelocitySource::Hybrid => None,
-    };
+fn unused<const N: usize>(program: &Program<N>) -> Vec<&'static str> {
+    let velocities = ["dq_measured", "dq_reference"].into_iter().zip(program.takes).filter(|(_, takes)| !takes);
     let others = ["q", "load", "dt", "z"].into_iter().filter(|name| program.effects && !program.uses(name));
-    velocity.into_iter().chain(others).collect()
+    velocities.map(|(name, _)| name).chain(others).collect()
 }

@@ -3,15 +3,19 @@
 use tribo_friction::VelocitySource;
 
 use super::loss::{believed_arm, not_cancelled};
-use super::terms::{Term, effect_terms, law_term};
+use super::terms::{Statement, Term, effect_terms, law_term, sign, velocity};
 use super::{Loss, TunedCompensator};
 
 /// A compensator as a program: its terms, what they need, and the words at the head of the file.
 pub(super) struct Program<const N: usize> {
+    /// What comes before them: `dq`, and `s` where a term uses it.
+    pub opening: Vec<Statement>,
     /// The law, then the effects.
     pub terms: Vec<Term<N>>,
     /// Whether there are effects: then the function takes position, load, period and memory too.
     pub effects: bool,
+    /// Whether it takes the measured velocity, and the reference velocity.
+    pub takes: [bool; 2],
     /// What the file does not say.
     pub losses: Vec<Loss>,
     /// Lines for people.
@@ -57,7 +61,16 @@ impl<const N: usize> Program<N> {
             );
         }
         remarks.extend(losses.iter().map(|loss| format!("Not in this file: {loss}")));
-        Self { terms, effects, losses, remarks }
+        let mut opening = vec![velocity(tuned)];
+        if any_uses(&terms, "s") {
+            opening.push(sign(tuned));
+        }
+        let takes = match tuned.compensator.source {
+            VelocitySource::Measured => [true, false],
+            VelocitySource::Reference => [false, true],
+            VelocitySource::Hybrid => [true, true],
+        };
+        Self { opening, terms, effects, takes, losses, remarks }
     }
 
     /// The tables of all terms, each once.
@@ -73,7 +86,11 @@ impl<const N: usize> Program<N> {
 
     /// Whether a variable is used in any statement (those in C stand for those in Rust).
     pub fn uses(&self, variable: &str) -> bool {
-        let ours = |letter: char| letter.is_ascii_alphanumeric() || letter == '_';
-        self.terms.iter().any(|term| term.c.split(|letter| !ours(letter)).any(|word| word == variable))
+        any_uses(&self.terms, variable)
     }
+}
+
+fn any_uses<const N: usize>(terms: &[Term<N>], variable: &str) -> bool {
+    let ours = |letter: char| letter.is_ascii_alphanumeric() || letter == '_';
+    terms.iter().any(|term| term.c.split(|letter| !ours(letter)).any(|word| word == variable))
 }

@@ -1,8 +1,6 @@
 //! The compensator as a Rust module.
 
-use tribo_friction::VelocitySource;
-
-use super::float::{float, floats};
+use super::float::floats;
 use super::program::Program;
 use super::text::in_comment;
 use super::{ExportError, Exported, TunedCompensator};
@@ -19,15 +17,10 @@ pub(super) fn export<const N: usize>(tuned: &TunedCompensator<N>) -> Result<Expo
     text.push_str(&format!("\n/// Number of joints.\npub const JOINTS: usize = {N};\n\n"));
     text.push_str("/// Friction compensation torque (Nm) of every joint.\n#[allow(clippy::needless_range_loop)]\n");
 
-    let used_velocities = match tuned.compensator.source {
-        VelocitySource::Measured => [true, false],
-        VelocitySource::Reference => [false, true],
-        VelocitySource::Hybrid => [true, true],
-    };
     let argument = |name: &str, used: bool, kind: &str| format!("{}{name}: {kind}", if used { "" } else { "_" });
     let vector = "&[f64; JOINTS]";
     let mut arguments =
-        vec![argument("dq_measured", used_velocities[0], vector), argument("dq_reference", used_velocities[1], vector)];
+        vec![argument("dq_measured", program.takes[0], vector), argument("dq_reference", program.takes[1], vector)];
     if program.effects {
         arguments.insert(0, argument("q", program.uses("q"), vector));
         arguments.push(argument("load", program.uses("load"), vector));
@@ -39,7 +32,7 @@ pub(super) fn export<const N: usize>(tuned: &TunedCompensator<N>) -> Result<Expo
         text.push_str(&format!("    const {}: [f64; JOINTS] = [{}];\n", table.to_uppercase(), floats(*values)));
     }
     text.push_str("    let mut tau = [0.0; JOINTS];\n    for j in 0..JOINTS {\n");
-    for statement in body(tuned, &program) {
+    for statement in body(&program) {
         text.push_str(&format!("        {statement}\n"));
     }
     text.push_str("    }\n    tau\n}\n");
@@ -47,23 +40,8 @@ pub(super) fn export<const N: usize>(tuned: &TunedCompensator<N>) -> Result<Expo
 }
 
 /// The statements of the loop over joints.
-fn body<const N: usize>(tuned: &TunedCompensator<N>, program: &Program<N>) -> Vec<String> {
-    let velocity = match tuned.compensator.source {
-        VelocitySource::Measured => "dq_measured[j]".to_owned(),
-        VelocitySource::Reference => "dq_reference[j]".to_owned(),
-        VelocitySource::Hybrid => format!(
-            "if dq_measured[j].abs() > {} {{ dq_measured[j] }} else {{ dq_reference[j] }}",
-            float(tuned.compensator.hybrid_threshold_rad_s)
-        ),
-    };
-    let mut statements = vec![format!("let dq = {velocity};")];
-    if program.uses("s") {
-        let smoothing = tuned.compensator.smoothing_rad_s;
-        statements.push(match smoothing > 0.0 {
-            true => format!("let s = (dq / {}).tanh();", float(smoothing)),
-            false => "let s = if dq == 0.0 { 0.0 } else { dq.signum() };".to_owned(),
-        });
-    }
+fn body<const N: usize>(program: &Program<N>) -> Vec<String> {
+    let mut statements: Vec<String> = program.opening.iter().map(|statement| statement.rust.clone()).collect();
     let law = &program.terms[0].rust;
     statements.push(if program.terms.len() > 1 { law.clone() } else { law.replacen("let mut", "let", 1) });
     statements.extend(program.terms[1..].iter().map(|term| term.rust.clone()));

@@ -1,9 +1,10 @@
 //! The terms of a compensator, each in C and in Rust side by side.
 
-use tribo_friction::{JointEffects, MAX_RIPPLES};
+use tribo_friction::{JointEffects, MAX_RIPPLES, VelocitySource};
 
 use super::TunedCompensator;
 use super::columns::law_columns;
+use super::float::float;
 
 /// One term of the torque of joint j: its tables, one value per joint, and the statement that adds it to `torque`, in both
 /// languages. Statements know `j`, `dq` [rad/s], `s` (the smoothed sign of dq), `q` (rad), `load` (Nm), `dt` (s) and the
@@ -17,6 +18,40 @@ pub(super) struct Term<const N: usize> {
     pub c: String,
     /// In Rust.
     pub rust: String,
+}
+
+/// A statement in both languages.
+pub(super) struct Statement {
+    /// In C.
+    pub c: String,
+    /// In Rust.
+    pub rust: String,
+}
+
+/// `dq`, the velocity that the compensator believes.
+pub(super) fn velocity<const N: usize>(tuned: &TunedCompensator<N>) -> Statement {
+    let threshold = float(tuned.compensator.hybrid_threshold_rad_s);
+    let (c, rust) = match tuned.compensator.source {
+        VelocitySource::Measured => ("dq_measured[j]".to_owned(), "dq_measured[j]".to_owned()),
+        VelocitySource::Reference => ("dq_reference[j]".to_owned(), "dq_reference[j]".to_owned()),
+        VelocitySource::Hybrid => (
+            format!("fabs(dq_measured[j]) > {threshold} ? dq_measured[j] : dq_reference[j]"),
+            format!("if dq_measured[j].abs() > {threshold} {{ dq_measured[j] }} else {{ dq_reference[j] }}"),
+        ),
+    };
+    Statement { c: format!("const double dq = {c};"), rust: format!("let dq = {rust};") }
+}
+
+/// `s`, the smoothed sign of `dq`.
+pub(super) fn sign<const N: usize>(tuned: &TunedCompensator<N>) -> Statement {
+    let smoothing = tuned.compensator.smoothing_rad_s;
+    let (c, rust) = match smoothing > 0.0 {
+        true => (format!("tanh(dq / {})", float(smoothing)), format!("(dq / {}).tanh()", float(smoothing))),
+        false => {
+            ("dq > 0.0 ? 1.0 : dq < 0.0 ? -1.0 : dq".to_owned(), "if dq == 0.0 { 0.0 } else { dq.signum() }".to_owned())
+        }
+    };
+    Statement { c: format!("const double s = {c};"), rust: format!("let s = {rust};") }
 }
 
 /// The law, which begins `torque`.

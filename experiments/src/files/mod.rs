@@ -20,4 +20,5 @@ pub use model_file::{ModelFile, PayloadSection};
 pub use robot_section::LimitsSection;
 pub use trajectory_file::{TrajectoryFile, ViaPoint};
 pub use tuned_file::TunedFile;
+pub(crate) use yaml::file_name;
 pub use yaml::{FieldError, YamlDocument, read_text, to_yaml};

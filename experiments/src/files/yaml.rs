@@ -180,6 +180,15 @@ pub fn to_yaml<T: Serialize>(value: &T) -> Result<String, std::io::Error> {
     serde_saphyr::to_string(value).map_err(std::io::Error::other)
 }
 
+/// The name that a setting has in files.
+pub(crate) fn file_name(value: &impl Serialize) -> String {
+    match serde_json::to_value(value) {
+        Ok(serde_json::Value::String(name)) => name,
+        Ok(other) => other.to_string(),
+        Err(_) => String::new(),
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -3,7 +3,8 @@
 use serde::{Deserialize, Serialize};
 
 use super::settings::Study;
-use crate::strategy::FinishedTrial;
+use crate::campaign::best_trial;
+use crate::files::file_name;
 use crate::{AbortReason, AnyTune, CampaignError, EstimatorError, References, ValidTune, references, run_in_memory};
 
 /// What a cell computes.
@@ -61,9 +62,7 @@ impl Cell {
         let work = match self.work {
             Work::References => "references".to_owned(),
             Work::Campaign(k) => {
-                let name = serde_json::to_value(study.strategies[k].strategy).ok();
-                let name = name.as_ref().and_then(|name| name.as_str()).unwrap_or("strategy");
-                format!("{name}_{}", study.strategies[k].trials)
+                format!("{}_{}", file_name(&study.strategies[k].strategy), study.strategies[k].trials)
             }
         };
         format!("case{}_{estimator}_pose{}_seed{:04}_{work}", self.case, self.pose, self.seed)
@@ -85,12 +84,10 @@ impl Cell {
             Work::References => Ok(mean_references(tune, study.oracle_runs)?),
             Work::Campaign(_) => {
                 let trials = run_in_memory(tune)?;
-                let best = trials.iter().filter(|trial| trial.aborted.is_none());
-                let best = best.min_by(|a, b| a.cost.total().total_cmp(&b.cost.total()));
                 Ok(CellResult::Campaign {
                     cost: trials.iter().map(|trial| trial.cost.total()).collect(),
                     aborted: trials.iter().map(|trial| trial.aborted).collect(),
-                    best: best.map_or(Vec::new(), |trial: &FinishedTrial| trial.theta.clone()),
+                    best: best_trial(&trials).map_or(Vec::new(), |(number, _)| trials[number].theta.clone()),
                 })
             }
         }

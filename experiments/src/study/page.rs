@@ -7,6 +7,7 @@ use tribo_figure::{Figure, Layer, Scale};
 
 use super::summary::quantile;
 use super::{Campaigns, Study, StudySummary};
+use crate::files::file_name;
 
 /// One HTML file: the comparison, and how the campaigns of every case went. Equal studies have equal pages.
 pub fn study_page(study: &Study, summary: &StudySummary) -> String {
@@ -84,12 +85,11 @@ fn courses(study: &Study, summary: &StudySummary) -> String {
             let mut figure = Figure::new(title, x, Scale::of("J / J with the true friction").or_logarithmic());
             let rows = summary.campaigns.iter().filter(|row| row.place[..2] == [case, estimator]);
             for (ink, row) in rows.enumerate() {
-                let name = serde_json::to_value(study.strategies[row.place[2]].strategy).ok();
-                let name = name.as_ref().and_then(|name| name.as_str()).unwrap_or_default();
+                let name = file_name(&study.strategies[row.place[2]].strategy);
                 let [low, median, high] = [0.25, 0.5, 0.75].map(|p| course(row, p));
                 let x: Vec<f64> = (0..median.len()).map(|trial| trial as f64).collect();
                 figure.layers.push(Layer::band("", ink, x.clone(), low, high));
-                figure.layers.push(Layer::line(name, ink, x, median));
+                figure.layers.push(Layer::line(&name, ink, x, median));
             }
             drawn.push(figure);
         }

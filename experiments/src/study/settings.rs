@@ -5,7 +5,7 @@ use std::path::Path;
 use serde::{Deserialize, Serialize};
 
 use super::cell::{Cell, Work};
-use crate::files::{FieldError, FileError, ModelFile, YamlDocument};
+use crate::files::{FieldError, FileError, ModelFile, YamlDocument, file_name};
 use crate::robot::POSES;
 use crate::scenario::{TruthName, freeze};
 use crate::strategy::StrategyName;
@@ -68,9 +68,7 @@ pub struct Case {
 impl Case {
     /// `lugre tuned as coulomb_viscous`, or the truth alone where it is the law.
     pub fn name(&self) -> String {
-        let law = serde_json::to_value(self.friction).ok();
-        let law = law.as_ref().and_then(|law| law.as_str()).unwrap_or_default();
-        let truth = String::from(self.truth.clone());
+        let (truth, law) = (String::from(self.truth.clone()), file_name(&self.friction));
         if truth == law { truth } else { format!("{truth}, tuned as {law}") }
     }
 }

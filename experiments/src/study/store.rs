@@ -37,6 +37,7 @@ impl StudyStore {
     pub fn open(directory: &Path, study: &Study) -> Result<Self, FileError> {
         let path = directory.join("study.yaml");
         let text = to_yaml(study).map_err(FileError::io(&path))?;
+        std::fs::create_dir_all(directory.join("cells")).map_err(FileError::io(directory))?;
         if path.exists() {
             // Through the parser: files written by another version or hand may be spelt differently.
             let there: Study = YamlDocument::read(&path)?.parse()?;
@@ -45,10 +46,8 @@ impl StudyStore {
                 return Err(FileError::Campaign { path: directory.to_owned(), message });
             }
         } else {
-            std::fs::create_dir_all(directory.join("cells")).map_err(FileError::io(directory))?;
             write_atomic(&path, |file| file.write_all(text.as_bytes()))?;
         }
-        std::fs::create_dir_all(directory.join("cells")).map_err(FileError::io(directory))?;
         Ok(Self { directory: directory.to_owned() })
     }
 

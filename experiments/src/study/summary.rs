@@ -3,7 +3,7 @@
 use serde::Serialize;
 
 use super::{Cell, CellResult, Study, StudyStore, Work, signed_rank_p};
-use crate::files::FileError;
+use crate::files::{FileError, file_name};
 
 /// The campaigns of one case, estimator and strategy, in the order of poses and seeds; costs over the oracle's.
 #[derive(Clone, Debug, PartialEq)]
@@ -147,11 +147,10 @@ impl StudyRow {
         let pairs = || ends.iter().zip(&ends_of_first);
         let over_first: Vec<f64> = pairs().map(|(ours, theirs)| ours / theirs).collect();
         let differences: Vec<f64> = pairs().map(|(ours, theirs)| (ours / theirs).ln()).collect();
-        let name = serde_json::to_value(study.strategies[strategy].strategy).ok();
         Self {
             case: study.cases[case].name(),
             estimator: study.estimators[estimator].as_str().to_owned(),
-            strategy: name.as_ref().and_then(|name| name.as_str()).unwrap_or_default().to_owned(),
+            strategy: file_name(&study.strategies[strategy].strategy),
             trials: study.strategies[strategy].trials,
             campaigns: ends.len(),
             uncompensated: quantile(&row.uncompensated, 0.5),

@@ -6,6 +6,7 @@ use std::sync::Arc;
 use tribo_figure::number::fixed;
 
 use super::TrialColumns;
+use crate::files::file_name;
 use crate::strategy::FinishedTrial;
 use crate::{AnyTune, CampaignError, References};
 
@@ -127,14 +128,5 @@ impl CampaignSnapshot {
             ("pose", config.pose.to_string()),
             ("seed", config.seed.to_string()),
         ]
-    }
-}
-
-/// The name that a setting has in files.
-fn file_name(value: &impl serde::Serialize) -> String {
-    match serde_json::to_value(value) {
-        Ok(serde_json::Value::String(name)) => name,
-        Ok(other) => other.to_string(),
-        Err(_) => String::new(),
     }
 }
