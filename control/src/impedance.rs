@@ -2,7 +2,7 @@
 
 use nalgebra::{SVector, Vector6};
 use serde::{Deserialize, Serialize};
-use tribo_robot::{ControlTerms, Pose};
+use tribo_robot::{ControlTerms, Pose, product};
 
 use crate::{DampedPseudoInverse, reference_model::pose_error};
 
@@ -157,7 +157,7 @@ impl<const N: usize> ImpedanceController<N> {
     ) -> Result<(TorqueTerms<N>, TaskState), ControlFault> {
         let inverse = self.pseudo_inverse.factor(&terms.jacobian).ok_or(ControlFault::NotFinite)?;
         let pose = &terms.base_from_flange;
-        let twist = terms.jacobian * qd;
+        let twist = product(&terms.jacobian, qd);
         let error = pose_error(&pose.translation.vector, pose.rotation.matrix(), reference);
         let acceleration_command = self.settings.acceleration(&twist, &error);
         let gamma = inverse.apply(&(acceleration_command - terms.jdot_qd));
@@ -168,7 +168,7 @@ impl<const N: usize> ImpedanceController<N> {
             settle -= displaced * self.settings.posture_stiffness_per_s2;
         }
         let qd_reference = inverse.apply(twist_model);
-        let (task, nullspace) = (terms.mass_matrix * gamma, terms.mass_matrix * settle);
+        let (task, nullspace) = (product(&terms.mass_matrix, &gamma), product(&terms.mass_matrix, &settle));
         let rotor = self.rotor_inertia_kg_m2.component_mul(&(gamma + settle));
         let load = task + nullspace - rotor + terms.bias_nm();
         let (friction, effects) = compensation(qd, &qd_reference, &load);

@@ -1,6 +1,7 @@
 //! Right inverse of the Jacobian of a redundant arm.
 
 use nalgebra::{Matrix6, SMatrix, SVector, Vector6};
+use tribo_robot::{SpdFactor, product, product_transposed};
 
 /// `J# = Jᵀ (J Jᵀ + λ² I)⁻¹` (Nakamura & Hanafusa 1986).
 ///
@@ -30,8 +31,8 @@ impl Default for DampedPseudoInverse {
 #[derive(Clone, Copy, Debug)]
 pub struct Factored<const N: usize> {
     jacobian: SMatrix<f64, 6, N>,
-    /// (J Jᵀ + λ² I)⁻¹.
-    inverse: Matrix6<f64>,
+    /// J#.
+    inverse: SMatrix<f64, N, 6>,
     /// λ² in use.
     pub damping_squared: f64,
 }
@@ -40,15 +41,16 @@ impl DampedPseudoInverse {
     /// Factors J; `None` if it is not finite.
     #[inline]
     pub fn factor<const N: usize>(&self, jacobian: &SMatrix<f64, 6, N>) -> Option<Factored<N>> {
-        let gram = jacobian * jacobian.transpose();
-        let w2 = gram.cholesky().map_or(0.0, |factor| {
-            let l = factor.l_dirty();
-            (0..6).map(|i| l[(i, i)] * l[(i, i)]).product::<f64>()
-        });
+        let gram = product_transposed(jacobian, jacobian);
+        let exact = SpdFactor::of(&gram);
+        let w2 = exact.map_or(0.0, |factor| factor.determinant());
         let ratio2 = w2 / (self.threshold * self.threshold);
         let damping_squared = if ratio2 < 1.0 { self.max_damping * self.max_damping * (1.0 - ratio2) } else { 0.0 };
-        let damped = gram + Matrix6::identity() * damping_squared;
-        Some(Factored { jacobian: *jacobian, inverse: damped.cholesky()?.inverse(), damping_squared })
+        let gram = match exact {
+            Some(factor) if damping_squared == 0.0 => factor,
+            _ => SpdFactor::of(&(gram + Matrix6::identity() * damping_squared))?,
+        };
+        Some(Factored { jacobian: *jacobian, inverse: gram.right_solve(&jacobian.transpose()), damping_squared })
     }
 }
 
@@ -56,13 +58,13 @@ impl<const N: usize> Factored<N> {
     /// Joint motion `J# x` of smallest norm for the task motion x (angular part first).
     #[inline]
     pub fn apply(&self, x: &Vector6<f64>) -> SVector<f64, N> {
-        self.jacobian.transpose() * (self.inverse * x)
+        product(&self.inverse, x)
     }
 
     /// `(I − J#J) y`: the part of a joint motion y that does not move the tool.
     #[inline]
     pub fn project_to_null_space(&self, y: &SVector<f64, N>) -> SVector<f64, N> {
-        y - self.apply(&(self.jacobian * y))
+        y - self.apply(&product(&self.jacobian, y))
     }
 }
 

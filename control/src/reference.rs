@@ -71,16 +71,13 @@ impl SinusoidReference {
     pub fn at(&self, time_s: f64) -> Pose {
         let t = time_s - self.pre_roll_s();
         let ramp = quintic((time_s - self.hold_s) / self.ramp_s);
-        let x: [f64; 6] = std::array::from_fn(|i| ramp * self.amplitude[i] * self.phase(i, t).cos());
+        let turn = 2.0 * std::f64::consts::PI;
+        let modulation = 1.0 + (turn * self.f2_hz * t).cos();
+        let phase = |i: usize| turn * self.f1_hz[i] * modulation * t + self.phase_rad[i];
+        let x: [f64; 6] = std::array::from_fn(|i| ramp * self.amplitude[i] * phase(i).cos());
         let rotation = so3::exp(&Vector3::new(x[3], x[4], x[5])) * self.centre.rotation.matrix();
         let position = self.centre.translation.vector + Vector3::new(x[0], x[1], x[2]);
         Pose::from_parts(position.into(), nalgebra::Rotation3::from_matrix_unchecked(rotation))
-    }
-
-    #[inline]
-    fn phase(&self, i: usize, t: f64) -> f64 {
-        let turn = 2.0 * std::f64::consts::PI;
-        turn * self.f1_hz[i] * (1.0 + (turn * self.f2_hz * t).cos()) * t + self.phase_rad[i]
     }
 }
 

@@ -12,7 +12,7 @@
 //!
 //! | paper | here | why |
 //! |---|---|---|
-//! | (20): K = P C R⁻¹ | K = P Cᵀ S⁻¹ | the transpose is missing; discrete update, Joseph form |
+//! | (20): K = P C R⁻¹ | K = P Cᵀ S⁻¹ | the transpose is missing; discrete update, symmetric by construction |
 //! | (17): Euler angles integrated from ω | R ← exp(dt ω) R | Euler rates are not ω: not integrable |
 //! | (18): noise on ẋ = v through M⁻¹ | noise on the acceleration and on h only | ẋ = v is an identity |
 //! | u = −M⁻¹(D v + K e) | known input `J B⁻¹(tau − tau_f_hat − bias) + J̇ qd`, the paper's as a setting | stays right under saturation; the results are nearly equal |

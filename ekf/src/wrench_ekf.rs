@@ -2,7 +2,8 @@
 
 use nalgebra::{Matrix3, Matrix6, SMatrix, SVector, Vector3, Vector6};
 use tribo_robot::{
-    ControlTerms, EstimateFault, EstimatorInput, Pose, SensorFrame, Twist, Wrench, WrenchEstimate, WrenchEstimator, so3,
+    ControlTerms, EstimateFault, EstimatorInput, Pose, SensorFrame, SpdFactor, Twist, Wrench, WrenchEstimate,
+    WrenchEstimator, product, product_transposed, so3,
 };
 
 use crate::{AugmentedCovariance, KnownInput, MeasurementNoise, WrenchEkfSettings};
@@ -22,11 +23,9 @@ pub struct Innovation {
 /// `[moment; force]`, base axes. `None` where B or Λ cannot be factored.
 #[inline]
 pub fn wrench_from_torque<const N: usize>(terms: &ControlTerms<N>) -> Option<SMatrix<f64, 6, N>> {
-    let mut b_inverse_jt = terms.jacobian.transpose();
-    terms.mass_matrix.cholesky()?.solve_mut(&mut b_inverse_jt);
-    let mut w = b_inverse_jt.transpose();
-    (terms.jacobian * b_inverse_jt).cholesky()?.solve_mut(&mut w);
-    Some(w)
+    let j_b_inverse = SpdFactor::of(&terms.mass_matrix)?.right_solve(&terms.jacobian);
+    let lambda_inverse = SpdFactor::of(&product_transposed(&j_b_inverse, &terms.jacobian))?;
+    Some(lambda_inverse.right_solve(&j_b_inverse.transpose()).transpose())
 }
 
 /// 18-state extended Kalman filter of the tool wrench; see the crate documentation for its law.
@@ -84,7 +83,7 @@ impl WrenchEkf {
     /// `v ← v + dt (u − Λ⁻¹ h)`, `x ← x ⊕ (dt v + dt²/2 (u − Λ⁻¹ h))`, `h ← h`.
     #[inline]
     pub fn predict(&mut self, u: &Vector6<f64>, lambda_inverse: &Matrix6<f64>, dt_s: f64) {
-        let acceleration = u - lambda_inverse * self.wrench;
+        let acceleration = u - product(lambda_inverse, &self.wrench);
         let motion = self.twist * dt_s + acceleration * (0.5 * dt_s * dt_s);
         self.twist += acceleration * dt_s;
         let turn: Vector3<f64> = motion.fixed_rows::<3>(0).into_owned();
@@ -105,22 +104,24 @@ impl WrenchEkf {
     #[inline]
     pub fn update(&mut self, pose: &Pose, measurement_covariance: &Matrix6<f64>) -> bool {
         let s = self.covariance.xx + measurement_covariance;
-        let Some(factor) = s.cholesky() else {
+        let Some(factor) = SpdFactor::of(&s) else {
             return false;
         };
         let innovation = self.pose_difference(pose);
-        let nis = innovation.dot(&factor.solve(&innovation));
+        let whitened = factor.half(&innovation);
+        let y = whitened.component_mul(factor.reciprocal_pivots());
+        let nis = whitened.dot(&y);
         if !nis.is_finite() {
             return false;
         }
         let gain = self.covariance.pose_gain(&factor);
-        self.twist += gain.v * innovation;
-        self.wrench += gain.h * innovation;
-        let correction = gain.x * innovation;
+        self.twist += product(&gain.v, &y);
+        self.wrench += product(&gain.h, &y);
+        let correction = product(&gain.x, &y);
         let turn: Vector3<f64> = correction.fixed_rows::<3>(0).into_owned();
         self.rotation = so3::exp(&turn) * self.rotation;
         self.position += correction.fixed_rows::<3>(3);
-        self.covariance.joseph_update(&gain, &s);
+        self.covariance.update(&gain, &factor);
         self.innovation = Some(Innovation { innovation, covariance: s, nis });
         true
     }
@@ -140,7 +141,7 @@ impl WrenchEkf {
                 let (p, r) = (position_m * position_m, rotation_rad * rotation_rad);
                 Matrix6::from_diagonal(&Vector6::new(r, r, r, p, p, p))
             }
-            MeasurementNoise::Encoder { sd_rad } => jacobian * jacobian.transpose() * (sd_rad * sd_rad),
+            MeasurementNoise::Encoder { sd_rad } => product_transposed(jacobian, jacobian) * (sd_rad * sd_rad),
         }
     }
 
@@ -184,17 +185,16 @@ impl<const N: usize> WrenchEstimator<N> for WrenchEkf {
         if let Err(fault) = input.check() {
             return self.estimate().held(fault);
         }
-        let Some(mass) = terms.mass_matrix.cholesky() else {
+        let Some(mass) = SpdFactor::of(&terms.mass_matrix) else {
             return self.estimate().held(EstimateFault::NotPositiveDefinite);
         };
-        // J B⁻¹ = (B⁻¹ Jᵀ)ᵀ
-        let mut b_inverse_jt = jacobian.transpose();
-        mass.solve_mut(&mut b_inverse_jt);
-        let lambda_inverse = jacobian * b_inverse_jt;
+        // J B⁻¹ x = half D⁻¹ (L⁻¹ x)
+        let half = mass.right_half(jacobian);
+        let lambda_inverse = product_transposed(&mass.scaled(&half), &half);
         let u = match self.settings.known_input {
             KnownInput::AppliedTorque => {
                 let net = input.tau_motor - input.tau_friction - terms.bias_nm();
-                b_inverse_jt.transpose() * net + terms.jdot_qd
+                product(&half, &mass.half(&net).component_mul(mass.reciprocal_pivots())) + terms.jdot_qd
             }
             KnownInput::CommandedAcceleration => *input.acceleration_command,
         };

@@ -86,6 +86,8 @@ impl From<TickFault> for AbortReason {
 pub struct TrialMonitor {
     limits: PenaltyLimits,
     dt_s: f64,
+    /// Share of a new sample in the filtered acceleration.
+    weight: f64,
     last_twist: Option<Vector6<f64>>,
     acceleration: Vector6<f64>,
     saturated_s: f64,
@@ -94,7 +96,8 @@ pub struct TrialMonitor {
 impl TrialMonitor {
     /// A monitor for a loop of period `dt_s` (s).
     pub fn new(limits: PenaltyLimits, dt_s: f64) -> Self {
-        Self { limits, dt_s, last_twist: None, acceleration: Vector6::zeros(), saturated_s: 0.0 }
+        let weight = 1.0 - (-2.0 * std::f64::consts::PI * limits.acceleration_cutoff_hz * dt_s).exp();
+        Self { limits, dt_s, weight, last_twist: None, acceleration: Vector6::zeros(), saturated_s: 0.0 }
     }
 
     /// Judges one tick; the first violated limit, if any.
@@ -103,10 +106,9 @@ impl TrialMonitor {
         if let Some(fault) = record.fault {
             return Some(fault.into());
         }
-        let weight = 1.0 - (-2.0 * std::f64::consts::PI * self.limits.acceleration_cutoff_hz * self.dt_s).exp();
         let twist = record.task.twist;
         if let Some(last) = self.last_twist {
-            self.acceleration += ((twist - last) / self.dt_s - self.acceleration) * weight;
+            self.acceleration += ((twist - last) / self.dt_s - self.acceleration) * self.weight;
         }
         self.last_twist = Some(twist);
         self.saturated_s = if record.saturated { self.saturated_s + self.dt_s } else { 0.0 };

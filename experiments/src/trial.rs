@@ -120,10 +120,10 @@ pub fn run_trial_observed<const N: usize, E: WrenchEstimator<N>>(
 
     for tick in 0..ticks {
         let record = control.tick(&mut plant);
-        observe(&record, &plant);
+        observe(record, &plant);
         let time_s = (tick as f64 - judged_from as f64) * trial.dt_s;
         let stopped = trial.stopped_at_s.is_some_and(|at_s| time_s >= at_s).then_some(AbortReason::Stopped);
-        if let Some(reason) = monitor.check(&record).or(stopped) {
+        if let Some(reason) = monitor.check(record).or(stopped) {
             violation = Some((reason, time_s));
             break;
         }
@@ -131,7 +131,7 @@ pub fn run_trial_observed<const N: usize, E: WrenchEstimator<N>>(
             accumulator.add(&record.estimate.wrench_base);
         }
         if tick % LOG_DECIMATION == 0 {
-            log.push(time_s, &record);
+            log.push(time_s, record);
         }
     }
 

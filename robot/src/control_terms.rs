@@ -1,8 +1,9 @@
 //! Everything a task-space controller and a task-space estimator need at one state, computed once per tick.
 
-use nalgebra::{SMatrix, SVector, Vector6};
+use nalgebra::{Matrix3, SMatrix, SVector, Vector3, Vector6};
 
-use crate::{Arm, Kinematics, Pose, bias_torque, mass_matrix};
+use crate::inertia::{steiner, turned};
+use crate::{Arm, Kinematics, Pose};
 
 /// Model terms at (q, qd): pose, J, J̇ qd, M, C qd, g. Base axes, angular part first, SI units.
 #[derive(Clone, Copy, Debug)]
@@ -22,17 +23,76 @@ pub struct ControlTerms<const N: usize> {
 }
 
 impl<const N: usize> ControlTerms<N> {
-    /// Evaluates all terms at q (rad), qd [rad/s].
+    /// Evaluates all terms at q (rad), qd [rad/s], in one pass outwards and one inwards.
+    ///
+    /// Everything is in base axes, so that nothing has to be turned from link to link, as [`crate::rnea`] and
+    /// [`crate::mass_matrix`] do:
+    ///
+    /// ```text
+    /// outwards, qdd = 0, no gravity:  ω̇ += ω × z qd,  ω += z qd,  a = acceleration of the link's origin
+    ///                                 f = m (a + ω̇ × r + ω × (ω × r)),   n = I_c ω̇ + ω × I_c ω,   r = c − o
+    /// inwards, about the base origin: F += f,  N += n + c × f,           C qd = z · (N − o × F)
+    ///                                 composite body m, h = Σ m c, I_o:  g = −z · ((h − m o) × gravity)
+    ///                                 [n; f]_k = [I_o z + h × l; m l + z × h],   l = o × z
+    ///                                 M_ik = z_i · n_k + l_i · f_k,      i ≤ k
+    /// ```
     #[inline]
     pub fn at(arm: &Arm<N>, q: &SVector<f64, N>, qd: &SVector<f64, N>) -> Self {
         let kinematics = Kinematics::at(arm, q);
-        let gravity_nm = kinematics.gravity_torque(arm);
+        let mut bodies = [Body::default(); N];
+        let (mut w, mut dw, mut a) = (Vector3::zeros(), Vector3::zeros(), Vector3::<f64>::zeros());
+        let mut at = Vector3::zeros();
+        for k in 0..N {
+            let (origin, axis) = (kinematics.origins[k], kinematics.axis(k));
+            let d = origin - at;
+            a += dw.cross(&d) + w.cross(&w.cross(&d));
+            at = origin;
+            let spin = axis * qd[k];
+            dw += w.cross(&spin);
+            w += spin;
+
+            let link = &arm.links[k];
+            let rotation = &kinematics.rotations[k];
+            let r = rotation * link.com_m;
+            let com = origin + r;
+            let inertia = turned(rotation, &link.inertia_kg_m2);
+            let force = (a + dw.cross(&r) + w.cross(&w.cross(&r))) * link.mass_kg;
+            let moment = inertia * dw + w.cross(&(inertia * w)) + com.cross(&force);
+            let first_moment = com * link.mass_kg;
+            let inertia = inertia + steiner(&first_moment, &com);
+            bodies[k] = Body { mass_kg: link.mass_kg, first_moment, inertia, force, moment };
+        }
+        let d = kinematics.flange_origin - at;
+        a += dw.cross(&d) + w.cross(&w.cross(&d));
+
+        let mut mass_matrix = SMatrix::<f64, N, N>::zeros();
+        let (mut coriolis_nm, mut gravity_nm) = (SVector::zeros(), SVector::zeros());
+        let mut jacobian = SMatrix::<f64, 6, N>::zeros();
+        let moments: [Vector3<f64>; N] = std::array::from_fn(|k| kinematics.origins[k].cross(&kinematics.axis(k)));
+        let mut outboard = Body::default();
+        for k in (0..N).rev() {
+            outboard.weld(&bodies[k]);
+            let (origin, z, l) = (&kinematics.origins[k], kinematics.axis(k), &moments[k]);
+            coriolis_nm[k] = z.dot(&outboard.moment) + l.dot(&outboard.force);
+            let lever = outboard.first_moment - origin * outboard.mass_kg;
+            gravity_nm[k] = -z.dot(&lever.cross(&arm.gravity_m_s2));
+            let moment = outboard.inertia * z + outboard.first_moment.cross(l);
+            let force = l * outboard.mass_kg + z.cross(&outboard.first_moment);
+            for i in 0..=k {
+                let m = kinematics.axis(i).dot(&moment) + moments[i].dot(&force);
+                mass_matrix[(i, k)] = m;
+                mass_matrix[(k, i)] = m;
+            }
+            mass_matrix[(k, k)] += arm.rotor_inertia_kg_m2[k];
+            let linear = l + z.cross(&kinematics.flange_origin);
+            jacobian.set_column(k, &Vector6::new(z.x, z.y, z.z, linear.x, linear.y, linear.z));
+        }
         Self {
             base_from_flange: kinematics.base_from_flange(),
-            jacobian: kinematics.jacobian(),
-            jdot_qd: kinematics.jdot_qd(qd),
-            mass_matrix: mass_matrix(arm, q),
-            coriolis_nm: bias_torque(arm, q, qd) - gravity_nm,
+            jacobian,
+            jdot_qd: Vector6::new(dw.x, dw.y, dw.z, a.x, a.y, a.z),
+            mass_matrix,
+            coriolis_nm,
             gravity_nm,
         }
     }
@@ -41,5 +101,28 @@ impl<const N: usize> ControlTerms<N> {
     #[inline]
     pub fn bias_nm(&self) -> SVector<f64, N> {
         self.coriolis_nm + self.gravity_nm
+    }
+}
+
+/// A rigid body, or several welded together, and the wrench that moves it; base axes, about the base origin.
+#[derive(Clone, Copy, Default)]
+struct Body {
+    mass_kg: f64,
+    /// h = Σ m c.
+    first_moment: Vector3<f64>,
+    /// I_o.
+    inertia: Matrix3<f64>,
+    force: Vector3<f64>,
+    moment: Vector3<f64>,
+}
+
+impl Body {
+    #[inline]
+    fn weld(&mut self, other: &Self) {
+        self.mass_kg += other.mass_kg;
+        self.first_moment += other.first_moment;
+        self.inertia += other.inertia;
+        self.force += other.force;
+        self.moment += other.moment;
     }
 }

@@ -3,6 +3,7 @@
 use nalgebra::{Matrix3, SMatrix, SVector, Vector3};
 
 use crate::Arm;
+use crate::inertia::{symmetric, turned};
 
 /// Joint-space mass matrix M(q) + diag(Ir) [kg m²] (Featherstone 2008, table 6.2), link frames.
 ///
@@ -38,8 +39,7 @@ pub fn mass_matrix<const N: usize>(arm: &Arm<N>, q: &SVector<f64, N>) -> SMatrix
             let p = &arm.placements[k].translation;
             let h = r * first_moments[k];
             // I' = R I Rᵀ + shift of a body with first moment h and mass m to the parent origin (Steiner).
-            let shift = shifted(&h, p, masses[k]);
-            inertias[k - 1] += r * inertias[k] * r.transpose() + shift;
+            inertias[k - 1] += turned(&r, &inertias[k]) + shifted(&h, p, masses[k]);
             first_moments[k - 1] += h + p * masses[k];
             masses[k - 1] += masses[k];
         }
@@ -50,7 +50,9 @@ pub fn mass_matrix<const N: usize>(arm: &Arm<N>, q: &SVector<f64, N>) -> SMatrix
 /// `−([p]×[h]× + [h]×[p]×) − m [p]×[p]×`: what moving the reference point by p adds to an inertia tensor.
 #[inline]
 fn shifted(h: &Vector3<f64>, p: &Vector3<f64>, mass: f64) -> Matrix3<f64> {
-    // [a]×[b]× = b aᵀ − (a·b) I
-    let outer = p * h.transpose() + h * p.transpose() + p * p.transpose() * mass;
-    Matrix3::identity() * (2.0 * p.dot(h) + mass * p.norm_squared()) - outer
+    // −([p]×[u]× + [u]×[p]×) with u = h + m p/2, as [a]×[b]× = b aᵀ − (a·b) I.
+    let u = h + p * (0.5 * mass);
+    let (xx, yy, zz) = (2.0 * p.x * u.x, 2.0 * p.y * u.y, 2.0 * p.z * u.z);
+    let (xy, xz, yz) = (p.x * u.y + p.y * u.x, p.x * u.z + p.z * u.x, p.y * u.z + p.z * u.y);
+    symmetric([yy + zz, -xy, -xz, xx + zz, -yz, xx + yy])
 }

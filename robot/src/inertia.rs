@@ -28,8 +28,7 @@ impl LinkInertia {
     /// Inertia tensor about the link origin [kg m²] (Steiner): `I_o = I_c − m [c]×[c]×`.
     #[inline]
     pub fn inertia_about_origin(&self) -> Matrix3<f64> {
-        let c = self.com_m.cross_matrix();
-        self.inertia_kg_m2 - c * c * self.mass_kg
+        self.inertia_kg_m2 + steiner(&(self.com_m * self.mass_kg), &self.com_m)
     }
 
     /// The ten parameters in which the dynamics are linear: `[m, m c (3), I_o: xx xy xz yy yz zz]`.
@@ -60,6 +59,29 @@ impl LinkInertia {
         let inertia_kg_m2 = self.inertia_about_origin() + other.inertia_about_origin() + c * c * mass_kg;
         Self { mass_kg, com_m, inertia_kg_m2 }
     }
+}
+
+/// `R I Rᵀ` of a symmetric I.
+#[inline]
+pub(crate) fn turned(rotation: &Matrix3<f64>, inertia: &Matrix3<f64>) -> Matrix3<f64> {
+    let half = rotation * inertia;
+    let entry = |r: usize, c: usize| {
+        half[(r, 0)] * rotation[(c, 0)] + half[(r, 1)] * rotation[(c, 1)] + half[(r, 2)] * rotation[(c, 2)]
+    };
+    symmetric([entry(0, 0), entry(0, 1), entry(0, 2), entry(1, 1), entry(1, 2), entry(2, 2)])
+}
+
+/// `−[h]×[c]× = (h·c) I − c hᵀ` where h = m c: what a body's mass adds to its inertia about a point at distance c.
+#[inline]
+pub(crate) fn steiner(h: &Vector3<f64>, c: &Vector3<f64>) -> Matrix3<f64> {
+    let (xx, yy, zz) = (h.x * c.x, h.y * c.y, h.z * c.z);
+    symmetric([yy + zz, -h.x * c.y, -h.x * c.z, xx + zz, -h.y * c.z, xx + yy])
+}
+
+/// The symmetric matrix of these entries, xx xy xz yy yz zz.
+#[inline]
+pub(crate) fn symmetric([xx, xy, xz, yy, yz, zz]: [f64; 6]) -> Matrix3<f64> {
+    Matrix3::new(xx, xy, xz, xy, yy, yz, xz, yz, zz)
 }
 
 #[cfg(test)]

@@ -37,10 +37,12 @@ mod inertia;
 mod kinematics;
 mod plant;
 pub mod presets;
+mod product;
 mod regressor;
 mod rnea;
 pub mod so3;
 mod spatial;
+mod spd_factor;
 pub mod urdf;
 mod well_conditioned;
 
@@ -52,7 +54,9 @@ pub use estimator::{EstimateFault, EstimatorInput, LAMBDA_95, WrenchEstimate, Wr
 pub use inertia::{LinkInertia, Payload};
 pub use kinematics::Kinematics;
 pub use plant::{Plant, SensorFrame};
+pub use product::{product, product_transposed, transposed_product};
 pub use regressor::inverse_dynamics_regressor;
 pub use rnea::{bias_torque, gravity_torque, rnea};
 pub use spatial::{Pose, Twist, Wrench};
+pub use spd_factor::SpdFactor;
 pub use well_conditioned::well_conditioned_poses;

@@ -2,7 +2,7 @@
 
 use nalgebra::{SMatrix, SVector, Vector3};
 
-use crate::Arm;
+use crate::{Arm, Kinematics};
 
 /// Regressor of the rigid-body torque in the ten inertial parameters of every link (Atkeson, An & Hollerbach 1986).
 ///
@@ -18,23 +18,26 @@ pub fn inverse_dynamics_regressor<const N: usize>(
     qd: &SVector<f64, N>,
     qdd: &SVector<f64, N>,
 ) -> [SMatrix<f64, N, 10>; N] {
+    let kinematics = Kinematics::at(arm, q);
     let mut blocks = [SMatrix::<f64, N, 10>::zeros(); N];
     let (mut w, mut dw, mut a) = (Vector3::zeros(), Vector3::zeros(), -arm.gravity_m_s2);
+    let mut at = Vector3::zeros();
     for k in 0..N {
-        let placement = &arm.placements[k];
-        let rt = placement.parent_from_link(q[k]).transpose();
-        let p = &placement.translation;
-        a = rt * (a + dw.cross(p) + w.cross(&w.cross(p)));
-        let w_parent = rt * w;
-        dw = rt * dw + Vector3::new(w_parent.y * qd[k], -w_parent.x * qd[k], qdd[k]);
-        w = w_parent + Vector3::new(0.0, 0.0, qd[k]);
+        let (origin, axis) = (kinematics.origins[k], kinematics.axis(k));
+        let d = origin - at;
+        a += dw.cross(&d) + w.cross(&w.cross(&d));
+        at = origin;
+        let spin = axis * qd[k];
+        dw += w.cross(&spin) + axis * qdd[k];
+        w += spin;
 
-        let (mut force, mut moment) = body_regressor(&w, &dw, &a);
-        for i in (0..=k).rev() {
-            blocks[k].set_row(i, &moment.row(2));
-            let r = arm.placements[i].parent_from_link(q[i]);
-            force = r * force;
-            moment = r * moment + arm.placements[i].translation.cross_matrix() * force;
+        let to_link = kinematics.rotations[k].transpose();
+        let (force, moment) = body_regressor(&(to_link * w), &(to_link * dw), &(to_link * a));
+        for i in 0..=k {
+            // tau_i = z_i · (n + (o_k − o_i) × f) = z_i · n + (z_i × (o_k − o_i)) · f
+            let z = kinematics.axis(i);
+            let (z, l) = (to_link * z, to_link * z.cross(&(origin - kinematics.origins[i])));
+            blocks[k].set_row(i, &(z.transpose() * moment + l.transpose() * force));
         }
     }
     blocks

@@ -2,7 +2,7 @@
 
 use nalgebra::{Matrix3, SVector, Vector3};
 
-use crate::Arm;
+use crate::{Arm, Kinematics};
 
 /// Inverse dynamics (Luh, Walker & Paul 1980), link frames, forward then backward pass.
 ///
@@ -30,10 +30,10 @@ pub fn bias_torque<const N: usize>(arm: &Arm<N>, q: &SVector<f64, N>, qd: &SVect
     newton_euler(arm, q, qd, &SVector::zeros(), &arm.gravity_m_s2)
 }
 
-/// Gravity torque g(q) (Nm): inverse dynamics at rest.
+/// Gravity torque g(q) (Nm): inverse dynamics at rest, where only weights and levers are left.
 #[inline]
 pub fn gravity_torque<const N: usize>(arm: &Arm<N>, q: &SVector<f64, N>) -> SVector<f64, N> {
-    newton_euler(arm, q, &SVector::zeros(), &SVector::zeros(), &arm.gravity_m_s2)
+    Kinematics::at(arm, q).gravity_torque(arm)
 }
 
 #[inline]

@@ -1,12 +1,12 @@
 //! One period of the control loop.
 
-use nalgebra::{SVector, Vector6};
+use nalgebra::SVector;
 use tribo_control::{
     DampedPseudoInverse, ImpedanceController, ImpedanceSettings, ReferenceModel, SafeTorque, SinusoidReference,
     TaskState, TorqueLimiter, TorqueTerms,
 };
 use tribo_friction::{Bristles, Compensator, CompensatorInput};
-use tribo_robot::{Arm, ControlTerms, EstimatorInput, Plant, SensorFrame, WrenchEstimate, WrenchEstimator};
+use tribo_robot::{Arm, ControlTerms, EstimatorInput, Plant, WrenchEstimator};
 
 use crate::{TickFault, TickRecord};
 
@@ -34,17 +34,9 @@ pub struct ControlLoop<const N: usize, E> {
     limiter: TorqueLimiter<N>,
     bristles: Bristles<N>,
     safe: SafeTorque<N>,
-    applied: Option<Applied<N>>,
-    estimate: WrenchEstimate,
-    fault: Option<TickFault>,
-}
-
-/// What acted during the period before this tick.
-#[derive(Clone, Copy, Debug)]
-struct Applied<const N: usize> {
-    tau: SVector<f64, N>,
-    friction: SVector<f64, N>,
-    acceleration: Vector6<f64>,
+    /// Whether the estimator has seen its first sample, and `record` says what acted since.
+    started: bool,
+    record: TickRecord<N>,
 }
 
 impl<const N: usize, E: WrenchEstimator<N>> ControlLoop<N, E> {
@@ -62,9 +54,8 @@ impl<const N: usize, E: WrenchEstimator<N>> ControlLoop<N, E> {
             limiter: TorqueLimiter::new(&arm.limits),
             bristles: Bristles::default(),
             safe: SafeTorque::new(q),
-            applied: None,
-            estimate: WrenchEstimate::none_yet(),
-            fault: None,
+            started: false,
+            record: TickRecord::none_yet(q, start),
             arm,
             settings,
             estimator,
@@ -81,72 +72,65 @@ impl<const N: usize, E: WrenchEstimator<N>> ControlLoop<N, E> {
         &self.arm
     }
 
-    /// One tick. No heap, no lock, no clock, no panic.
+    /// One tick, and everything it knew. No heap, no lock, no clock, no panic.
     #[inline]
-    pub fn tick<P: Plant<N>>(&mut self, plant: &mut P) -> TickRecord<N> {
-        let frame = plant.sense();
-        let reference = self.settings.reference.at(frame.time_s);
-        let decision = self.check(&frame).and_then(|()| self.decide(&frame, &reference));
-        let (torque, task) = match decision {
-            Ok(terms) => {
-                self.safe.remember(&frame.q);
-                terms
-            }
+    pub fn tick<P: Plant<N>>(&mut self, plant: &mut P) -> &TickRecord<N> {
+        self.record.frame = plant.sense();
+        self.record.reference = self.settings.reference.at(self.record.frame.time_s);
+        match self.check().and_then(|()| self.decide()) {
+            Ok(()) => self.safe.remember(&self.record.frame.q),
             Err(fault) => {
                 // The first reason stays: what follows a fault is only its echo.
-                self.fault.get_or_insert(fault);
-                (TorqueTerms::zero(), TaskState::zero())
+                self.record.fault.get_or_insert(fault);
+                self.record.torque = TorqueTerms::zero();
+                self.record.task = TaskState::zero();
             }
+        }
+        let record = &mut self.record;
+        let wanted = match record.fault {
+            None => record.torque.total(),
+            Some(_) => self.safe.torque(&self.arm, &record.frame.q, &record.frame.qd),
         };
-        let wanted = match self.fault {
-            None => torque.total(),
-            Some(_) => self.safe.torque(&self.arm, &frame.q, &frame.qd),
-        };
-        let (command, saturated) = self.limiter.limit(&wanted, self.settings.dt_s);
-        plant.actuate(&command);
-        self.applied = Some(Applied {
-            tau: command,
-            friction: torque.friction + torque.effects,
-            acceleration: task.acceleration_command,
-        });
-        TickRecord { frame, estimate: self.estimate, reference, task, torque, command, saturated, fault: self.fault }
+        (record.command, record.saturated) = self.limiter.limit(&wanted, self.settings.dt_s);
+        plant.actuate(&record.command);
+        record
     }
 
     #[inline]
-    fn check(&self, frame: &SensorFrame<N>) -> Result<(), TickFault> {
-        self.fault.or_else(|| TickFault::of_frame(&self.arm, frame)).map_or(Ok(()), Err)
+    fn check(&self) -> Result<(), TickFault> {
+        self.record.fault.or_else(|| TickFault::of_frame(&self.arm, &self.record.frame)).map_or(Ok(()), Err)
     }
 
     /// Estimate, then control.
     #[inline]
-    fn decide(
-        &mut self,
-        frame: &SensorFrame<N>,
-        reference: &tribo_robot::Pose,
-    ) -> Result<(TorqueTerms<N>, TaskState), TickFault> {
+    fn decide(&mut self) -> Result<(), TickFault> {
+        let record = &mut self.record;
+        let frame = &record.frame;
         let terms = ControlTerms::at(&self.arm, &frame.q, &frame.qd);
-        match &self.applied {
-            Some(applied) => {
-                self.estimate = self.estimator.step(&EstimatorInput {
-                    frame,
-                    terms: &terms,
-                    tau_motor: &applied.tau,
-                    tau_friction: &applied.friction,
-                    acceleration_command: &applied.acceleration,
-                    dt_s: self.settings.dt_s,
-                });
-            }
-            None => self.estimator.reset(frame, &terms),
+        if self.started {
+            record.estimate = self.estimator.step(&EstimatorInput {
+                frame,
+                terms: &terms,
+                tau_motor: &record.command,
+                tau_friction: &(record.torque.friction + record.torque.effects),
+                acceleration_command: &record.task.acceleration_command,
+                dt_s: self.settings.dt_s,
+            });
+        } else {
+            self.estimator.reset(frame, &terms);
+            self.started = true;
         }
-        let twist_model = self.model.step(&self.settings.impedance, reference, self.settings.dt_s);
+        let twist_model = self.model.step(&self.settings.impedance, &record.reference, self.settings.dt_s);
         let (compensator, bristles, dt_s) = (&self.settings.compensator, &mut self.bristles, self.settings.dt_s);
-        self.controller
-            .tick(&terms, &frame.q, &frame.qd, reference, &twist_model, |measured, modelled, load| {
+        (record.torque, record.task) = self
+            .controller
+            .tick(&terms, &frame.q, &frame.qd, &record.reference, &twist_model, |measured, modelled, load| {
                 let (q, qd_measured, qd_reference, load_nm) = (frame.q, *measured, *modelled, *load);
                 let input = CompensatorInput { q, qd_measured, qd_reference, load_nm, dt_s };
                 let compensation = compensator.tick(bristles, &input);
                 (compensation.law_nm, compensation.effects_nm)
             })
-            .map_err(|_| TickFault::TorqueNotFinite)
+            .map_err(|_| TickFault::TorqueNotFinite)?;
+        Ok(())
     }
 }

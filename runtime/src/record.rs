@@ -26,3 +26,20 @@ pub struct TickRecord<const N: usize> {
     /// Why the safe torque was sent, if it was.
     pub fault: Option<TickFault>,
 }
+
+impl<const N: usize> TickRecord<N> {
+    /// What stands before the first tick of an arm at rest at q (rad) that is to hold `reference`.
+    pub fn none_yet(q: SVector<f64, N>, reference: Pose) -> Self {
+        let zero = SVector::zeros();
+        Self {
+            frame: SensorFrame { time_s: 0.0, q, qd: zero, tau: zero, theta: None },
+            estimate: WrenchEstimate::none_yet(),
+            reference,
+            task: TaskState::zero(),
+            torque: TorqueTerms::zero(),
+            command: zero,
+            saturated: false,
+            fault: None,
+        }
+    }
+}

@@ -1,6 +1,7 @@
 //! Springs between motors and links.
 
 use nalgebra::{SMatrix, SVector};
+use tribo_robot::SpdFactor;
 
 use crate::hidden::Elasticity;
 use crate::projected_gauss_seidel::solve_friction;
@@ -70,7 +71,7 @@ impl<const N: usize> FlexibleJoints<N> {
         b: &SVector<f64, N>,
         h: f64,
     ) -> FlexiblePeriod<N> {
-        let inverse = |m: SMatrix<f64, N, N>| m.cholesky().map_or_else(SMatrix::zeros, |factor| factor.inverse());
+        let inverse = |m: SMatrix<f64, N, N>| SpdFactor::of(&m).map_or_else(SMatrix::zeros, |factor| factor.inverse());
         let link_inverse = inverse(mass - SMatrix::from_diagonal(rotor_inertia));
         let mut compliant = link_inverse;
         for j in 0..N {
@@ -109,7 +110,7 @@ impl<const N: usize> FlexibleJoints<N> {
             }
         }
         let momentum = period.rotor_inertia.component_mul(&self.motor_qd) + drive * h + period.coupling * pull;
-        let motor_qd = solve_friction(a, &(a * momentum), lower, upper, impulse);
+        let motor_qd = solve_friction(a, &momentum, lower, upper, impulse);
         let through_spring = period.coupling * (motor_qd - pull);
         let mut link_qd = qd + period.free_acceleration * h + period.link_inverse * through_spring;
         for j in 0..N {

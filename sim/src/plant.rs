@@ -3,7 +3,7 @@
 use nalgebra::{SMatrix, SVector};
 use tribo_friction::law::{Bristle, Lugre};
 use tribo_friction::{JointFriction, SetValued};
-use tribo_robot::{Kinematics, Plant, SensorFrame, Wrench, bias_torque, mass_matrix};
+use tribo_robot::{ControlTerms, Plant, SensorFrame, SpdFactor, Wrench, product, transposed_product};
 
 use crate::hidden::Hidden;
 use crate::plant_effects::PlantEffects;
@@ -211,17 +211,17 @@ impl<const N: usize> Plant<N> for BoxFrictionPlant<N> {
         let tau = SVector::<f64, N>::from_fn(|j, _| tau_nm[j].clamp(-limit[j], limit[j]));
         let time_s = self.time_s();
         let h = self.dt_s / self.sub_steps as f64;
-        let mass = mass_matrix(arm, &self.q);
-        let bias = bias_torque(arm, &self.q, &self.qd);
+        let terms = ControlTerms::at(arm, &self.q, &self.qd);
+        let mass = terms.mass_matrix;
         self.wrench = self.pulses.at(time_s);
         if let Some(effects) = &self.effects {
             let contact = effects.contact_at(time_s);
             self.wrench.force_n += contact.force_n;
             self.wrench.moment_nm += contact.moment_nm;
         }
-        let mut drive = tau - bias;
+        let mut drive = tau - terms.bias_nm();
         if self.wrench != Wrench::default() {
-            drive -= Kinematics::at(arm, &self.q).jacobian().transpose() * self.wrench.to_vector();
+            drive -= transposed_product(&terms.jacobian, &self.wrench.to_vector());
         }
         let scale = self.truth.warm_up.map_or(1.0, |warm_up| warm_up.scale(time_s));
         let motor_qd_before = self.motor_qd();
@@ -254,7 +254,7 @@ impl<const N: usize> Plant<N> for BoxFrictionPlant<N> {
                             implicit[(j, j)] += h * viscous[j];
                         }
                     }
-                    let inverse = implicit.cholesky().map_or_else(SMatrix::zeros, |factor| factor.inverse());
+                    let inverse = SpdFactor::of(&implicit).map_or_else(SMatrix::zeros, |factor| factor.inverse());
                     factored = Some((viscous, inverse));
                     inverse
                 }
@@ -265,8 +265,8 @@ impl<const N: usize> Plant<N> for BoxFrictionPlant<N> {
                     flexible.step(period, &a, &self.qd, &(tau - offset), [&lower, &upper], &mut self.impulse)
                 }
                 _ => {
-                    let v_free = a * (mass * self.qd + (drive - offset) * h);
-                    solve_friction(&a, &v_free, &lower, &upper, &mut self.impulse)
+                    let momentum = product(&mass, &self.qd) + (drive - offset) * h;
+                    solve_friction(&a, &momentum, &lower, &upper, &mut self.impulse)
                 }
             };
             self.qd = qd_new;

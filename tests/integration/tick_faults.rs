@@ -34,7 +34,7 @@ fn records(at: u64, tamper: impl Fn(u64, &mut SensorFrame<7>)) -> Vec<TickRecord
     let limits = presets::panda().limits;
     let mut records: Vec<TickRecord<7>> = Vec::new();
     for tick in 0..TICKS {
-        let record = control.tick(&mut plant);
+        let record = *control.tick(&mut plant);
         for j in 0..7 {
             let tau = record.command[j];
             assert!(tau.is_finite() && tau.abs() <= limits.tau_max_nm[j], "tick {tick} joint {j}: {tau} Nm");
