@@ -11,7 +11,7 @@ use crate::config::ConfigError;
 use crate::files::{FileError, TunedFile, to_yaml};
 use crate::journal::{Clock, Journal, JournalTrial, TrialState, attributes, finished_trial};
 use crate::stored_logs::StoredLogs;
-use crate::strategy::{FinishedTrial, Past, Proposal, Strategy, StrategyError};
+use crate::strategy::{FinishedTrial, GreyBox, LawCheck, Past, Proposal, Strategy, StrategyError, StrategyName};
 use crate::trial_store::{trial_log_path, write_trial_log};
 use crate::{EstimatorError, ParameterSpace, References, TuneConfig, ValidTune, references, run_numbered};
 
@@ -77,6 +77,8 @@ pub struct CampaignResult {
     pub best: Option<(usize, f64)>,
     /// Reference costs.
     pub references: References,
+    /// Whether the friction law explains the first trial, where the strategy identifies one.
+    pub law_check: Option<LawCheck>,
 }
 
 /// A campaign in its directory.
@@ -146,10 +148,16 @@ impl<const N: usize> Campaign<N> {
             self.run_batch(&batch, &logs, observer)?;
         }
 
+        let law_check = match self.tune.config.strategy {
+            StrategyName::GreyBox => GreyBox::new(&self.tune)
+                .and_then(|grey_box| grey_box.law_check(self.trials.len(), &logs))
+                .map_err(|source| CampaignError::Strategy { trial: 0, source })?,
+            _ => None,
+        };
         let trials: Vec<FinishedTrial> = self.trials.into_iter().flatten().collect();
         let best = best_trial(&trials);
         let (config, space) = (self.tune.config.clone(), self.tune.space.clone());
-        let result = CampaignResult { config, space, trials, best, references };
+        let result = CampaignResult { config, space, trials, best, references, law_check };
         write_tuned(&self.directory, &self.tune, &result.trials, Some(references.uncompensated))?;
         Ok(result)
     }

@@ -47,6 +47,10 @@ impl CampaignResult {
                 "cost_of_ekf_campaign": judged.cost_of_ekf_campaign,
                 "excess": judged.excess(),
             })),
+            "law_check": self.law_check.map(|check| json!({
+                "unexplained": check.unexplained,
+                "passed": check.passed(),
+            })),
             "wall_s": wall_s,
         })
     }

@@ -211,6 +211,15 @@ fn show(result: &CampaignResult, judged: Option<&AgainstEkf>, directory: &Path, 
         }
         print(format_args!("\n{parameters}"));
     }
+    if let Some(check) = result.law_check.filter(|check| !check.passed()) {
+        print(format_args!(
+            "\nthe friction law leaves {:.0} % of the wrench unexplained on parts of trial 0 that it was not fitted to: something else \
+             is at work in this robot.\nfind out what: tribo simulate {} --trial 0 --log free_motion.csv   (yours comes from your robot)\n\
+             \x20              tribo diagnose free_motion.csv",
+            100.0 * check.unexplained,
+            directory.join("campaign.yaml").display(),
+        ));
+    }
     if let Some(judged) = judged {
         let name = result.config.residual.as_str();
         let verb = if judged.excess() > 0.0 { "costs" } else { "gains" };

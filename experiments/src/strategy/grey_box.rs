@@ -5,16 +5,20 @@ use std::sync::{Mutex, PoisonError};
 
 use nalgebra::SVector;
 use tribo_bayesopt::{Domain, Settings, suggest};
-use tribo_friction::identify::{Basis, GlsFit, GlsSample, GlsSettings, SavitzkyGolay, fit_from_wrench};
+use tribo_friction::identify::{Basis, GlsError, GlsFit, GlsSample, GlsSettings, SavitzkyGolay, fit_from_wrench};
 use tribo_friction::law::CoulombViscous;
 use tribo_robot::{Arm, ControlTerms, WrenchEstimator};
 
 use super::bayes::observations;
-use super::{FinishedTrial, LogSource, Origin, Past, Proposal, RunningTrial, Strategy, StrategyError};
+use super::{FinishedTrial, LawCheck, LogSource, Origin, Past, Proposal, RunningTrial, Strategy, StrategyError};
 use crate::{AnyEstimator, ParameterSpace, TrialLog, TunedLaw, ValidTune};
 
 /// Trials whose parameters come straight from least squares, after the first without compensation.
 const REFITS: usize = 3;
+/// The same where the law does not explain the first log: more fits of it would tell nothing new.
+const REFITS_OF_A_WRONG_LAW: usize = 1;
+/// Largest correction where the law does not explain the first log, as a part of the parameter and of the width of its box [-].
+const WIDE: [f64; 2] = [0.5, 0.05];
 /// Logs that the fit looks back on: two track a robot that warms up, and lose nothing on one that does not.
 const LOGS: usize = 2;
 
@@ -32,6 +36,9 @@ const LOGS: usize = 2;
 /// noise and the maxima in J leave to gain. S holds the standard deviations of the first fit, so a correction never
 /// leaves what the data allow.
 ///
+/// Least squares is as good as its law. [`LawCheck`] asks the first log whether the law holds on parts of it that were not fitted;
+/// where it does not, there is one fit only, S grows to half of each parameter, and Bayesian optimisation carries the weight.
+///
 /// Where trials run elsewhere, several at once, least squares takes the last logs that have come back, and a trial that would
 /// repeat one still running gets a correction instead. Before the first log there is nothing but to try without
 /// compensation again.
@@ -44,6 +51,8 @@ pub struct GreyBox<const N: usize> {
     seed: u64,
     /// Fits by trial number: each is a pure function of the logs before it, so remembering them changes nothing.
     fits: Mutex<BTreeMap<usize, GlsFit<N>>>,
+    /// Checks of the law by the number of the trial whose log they are of.
+    checks: Mutex<BTreeMap<usize, LawCheck>>,
 }
 
 impl<const N: usize> GreyBox<N> {
@@ -79,6 +88,7 @@ impl<const N: usize> GreyBox<N> {
             gls,
             seed: tune.config.seed,
             fits: Mutex::new(BTreeMap::new()),
+            checks: Mutex::new(BTreeMap::new()),
         })
     }
 
@@ -114,6 +124,27 @@ impl<const N: usize> GreyBox<N> {
         Ok(Some(fit))
     }
 
+    /// What the first log before trial `number` that is long enough says of the law; none without one.
+    pub fn law_check(&self, number: usize, logs: &dyn LogSource<N>) -> Result<Option<LawCheck>, StrategyError> {
+        for trial in 0..number {
+            let mut checks = self.checks.lock().unwrap_or_else(PoisonError::into_inner);
+            if let Some(check) = checks.get(&trial) {
+                return Ok(Some(*check));
+            }
+            if let Some(log) = logs.log(trial)? {
+                let samples = identification_samples(&self.model, &log, &self.estimator);
+                let check = match LawCheck::of(&samples, &self.gls) {
+                    // Stopped too early to tell.
+                    Err(GlsError::TooFewSamples { .. }) => continue,
+                    check => check?,
+                };
+                checks.insert(trial, check);
+                return Ok(Some(check));
+            }
+        }
+        Ok(None)
+    }
+
     /// The first fit before trial `number`: its deviations are the scale of the corrections.
     fn first_fit(&self, number: usize, logs: &dyn LogSource<N>) -> Result<Option<GlsFit<N>>, StrategyError> {
         for trial in 1..=number {
@@ -124,14 +155,17 @@ impl<const N: usize> GreyBox<N> {
         Ok(None)
     }
 
-    /// Scale S of the correction: the standard deviation of each parameter in the first fit; zero for parameters that
-    /// least squares does not touch.
-    fn scales(&self, first: &GlsFit<N>) -> Vec<f64> {
+    /// Scale S of the correction: the standard deviation of each parameter in the first fit, or [`WIDE`] where the law is
+    /// wrong and its deviations mean nothing; zero for parameters that least squares does not touch.
+    fn scales(&self, first: &GlsFit<N>, law_holds: bool) -> Vec<f64> {
         let per_joint = self.space.parameters_per_joint();
-        let sd = |(k, entry): (usize, &(&str, f64, f64))| {
-            basis_column(entry.0).map_or(0.0, |column| first.sd[k / per_joint][column])
+        let centre = self.space.theta(&first.friction);
+        let scale = |(k, (name, low, high)): (usize, &(&str, f64, f64))| {
+            let Some(column) = basis_column(name) else { return 0.0 };
+            let sd = first.sd[k / per_joint][column];
+            if law_holds { sd } else { sd.max(WIDE[0] * centre[k].abs() + WIDE[1] * (high - low)) }
         };
-        self.space.entries().iter().enumerate().map(sd).collect()
+        self.space.entries().iter().enumerate().map(scale).collect()
     }
 
     /// A trial as the correction δ that it was to its own fit; none before there was a fit.
@@ -169,11 +203,13 @@ impl<const N: usize> Strategy<N> for GreyBox<N> {
         let (Some(fit), Some(first)) = (self.identify(number, logs)?, self.first_fit(number, logs)?) else {
             return Ok(Proposal { theta: self.space.zero(), origin: Origin::Constant });
         };
+        let law_holds = self.law_check(number, logs)?.is_none_or(|check| check.passed());
+        let refits = if law_holds { REFITS } else { REFITS_OF_A_WRONG_LAW };
         let theta = self.space.theta(&fit.friction);
-        if number <= REFITS && past.running.iter().all(|trial| trial.theta != theta) {
+        if number <= refits && past.running.iter().all(|trial| trial.theta != theta) {
             return Ok(Proposal { theta, origin: Origin::LeastSquares });
         }
-        let scales = self.scales(&first);
+        let scales = self.scales(&first, law_holds);
         let free: Vec<usize> = (0..scales.len()).filter(|&k| scales[k] > 0.0).collect();
         let names = free.iter().map(|&k| self.domain.names()[k].clone()).collect();
         let box_of_corrections = Domain::new(names, vec![-1.0; free.len()], vec![1.0; free.len()])?;

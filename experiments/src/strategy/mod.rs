@@ -5,6 +5,7 @@ mod bayes;
 mod cma_es;
 mod grey_box;
 mod iterative_learning;
+mod law_check;
 
 use std::fmt;
 
@@ -15,6 +16,7 @@ use tribo_friction::identify::GlsError;
 pub(crate) use baseline::published_gaz;
 pub(crate) use bayes::observations;
 pub use grey_box::{GreyBox, identification_samples};
+pub use law_check::LawCheck;
 
 use crate::files::FileError;
 use crate::{AbortReason, Cost, EstimatorError, TrialLog, ValidTune};

@@ -1,8 +1,9 @@
 //! Generalised least squares on the estimated wrench, with the stuck-joint projector.
 
-use nalgebra::{DMatrix, DVector, Matrix6, SMatrix, SVector, Vector6};
+use nalgebra::{DMatrix, Matrix6, SMatrix, SVector, Vector6};
 
-use super::{Basis, minimize_in_box};
+use super::Basis;
+use super::normal_equations::{NormalEquations, Solution};
 use crate::FrictionModel;
 
 /// One sample of a free-motion trial (100 Hz is plenty), angular part first, base axes.
@@ -132,30 +133,8 @@ pub fn fit_from_wrench<const N: usize>(
         return Err(GlsError::TooFewSamples { need, got: samples.len() });
     }
 
-    let mut information = DMatrix::<f64>::zeros(layout.total, layout.total);
-    let mut score = DVector::<f64>::zeros(layout.total);
-    let mut rows = DMatrix::<f64>::zeros(6, layout.total);
-    for (index, sample) in samples.iter().enumerate() {
-        let y = sample.wrench + sample.wrench_from_torque * sample.tau_compensation;
-        if !y.iter().all(|value| value.is_finite()) || !sample.qd.iter().all(|value| value.is_finite()) {
-            return Err(GlsError::NotFinite { index });
-        }
-        fill_rows(&mut rows, sample, settings, &layout);
-        let Some(weight) = error_covariance(sample, settings).try_inverse() else {
-            return Err(GlsError::NotFinite { index });
-        };
-        let weighted = weight * &rows;
-        information += rows.transpose() * &weighted;
-        score += weighted.transpose() * y;
-    }
-    information /= settings.correlated_samples;
-    score /= settings.correlated_samples;
-    for (k, sd) in layout.prior_sd.iter().enumerate() {
-        information[(k, k)] += 1.0 / (sd * sd);
-    }
-
-    let theta = minimize_in_box(&information, &score, &layout.lower, &layout.upper).x;
-    let covariance = information.clone().try_inverse().unwrap_or_else(|| DMatrix::zeros(layout.total, layout.total));
+    let equations = NormalEquations::of(samples, 0, settings, &layout)?;
+    let Solution { theta, covariance } = equations.solve(settings, &layout);
 
     let mut coefficients = [[0.0; 3]; N];
     let mut sd = [[0.0; 3]; N];
@@ -171,16 +150,13 @@ pub fn fit_from_wrench<const N: usize>(
 
     let mut before = Vector6::<f64>::zeros();
     let mut after = Vector6::<f64>::zeros();
-    let mut chi_square = 0.0;
+    let mut rows = DMatrix::<f64>::zeros(6, layout.total);
     for sample in samples {
         let y = sample.wrench + sample.wrench_from_torque * sample.tau_compensation;
         fill_rows(&mut rows, sample, settings, &layout);
         let residual = y - Vector6::from_iterator((&rows * &theta).iter().copied());
         before += sample.wrench.component_mul(&sample.wrench);
         after += residual.component_mul(&residual);
-        if let Some(weight) = error_covariance(sample, settings).try_inverse() {
-            chi_square += residual.dot(&(weight * residual));
-        }
     }
     let count = samples.len() as f64;
     Ok(GlsFit {
@@ -189,24 +165,24 @@ pub fn fit_from_wrench<const N: usize>(
         sd,
         offset_nm,
         payload_kg,
-        mean_square: chi_square / (6.0 * count),
+        mean_square: equations.square_left(&theta) / (6.0 * count),
         wrench_rms: [before, after].map(|sum| sum.map(|value| (value / count).sqrt())),
         samples: samples.len(),
     })
 }
 
 /// Where each unknown sits in the parameter vector, with its prior and bounds.
-struct Layout {
-    total: usize,
+pub(super) struct Layout {
+    pub total: usize,
     offset: Option<usize>,
     payload: Option<usize>,
-    prior_sd: Vec<f64>,
-    lower: Vec<f64>,
-    upper: Vec<f64>,
+    pub prior_sd: Vec<f64>,
+    pub lower: Vec<f64>,
+    pub upper: Vec<f64>,
 }
 
 impl Layout {
-    fn new<const N: usize>(settings: &GlsSettings) -> Self {
+    pub fn new<const N: usize>(settings: &GlsSettings) -> Self {
         let columns = settings.basis.columns();
         let mut layout = Self { total: 0, offset: None, payload: None, prior_sd: vec![], lower: vec![], upper: vec![] };
         for _ in 0..N {
@@ -236,7 +212,12 @@ impl Layout {
 }
 
 /// Rows `[W_j Φ(qd_j) …, W_j …, g e_z]` of one sample.
-fn fill_rows<const N: usize>(rows: &mut DMatrix<f64>, sample: &GlsSample<N>, settings: &GlsSettings, layout: &Layout) {
+pub(super) fn fill_rows<const N: usize>(
+    rows: &mut DMatrix<f64>,
+    sample: &GlsSample<N>,
+    settings: &GlsSettings,
+    layout: &Layout,
+) {
     /// Standard gravity used for the mass nuisance [m/s²].
     const GRAVITY_M_S2: f64 = 9.81;
     let columns = settings.basis.columns();
@@ -264,7 +245,7 @@ fn fill_rows<const N: usize>(rows: &mut DMatrix<f64>, sample: &GlsSample<N>, set
 }
 
 /// `diag(moment², force²) + Σ_stuck W_j W_jᵀ Fc0²/3`.
-fn error_covariance<const N: usize>(sample: &GlsSample<N>, settings: &GlsSettings) -> Matrix6<f64> {
+pub(super) fn error_covariance<const N: usize>(sample: &GlsSample<N>, settings: &GlsSettings) -> Matrix6<f64> {
     let (m, f) = (settings.moment_sd_nm.powi(2), settings.force_sd_n.powi(2));
     let mut covariance = Matrix6::from_diagonal(&Vector6::new(m, m, m, f, f, f));
     for j in 0..N {

@@ -4,6 +4,8 @@ mod basis;
 mod box_least_squares;
 mod column_fit;
 mod gls;
+mod held_out;
+mod normal_equations;
 mod savitzky_golay;
 mod torque_fit;
 
@@ -11,5 +13,6 @@ pub use basis::{Basis, STRIBECK_BASIS_INVERSE_VELOCITY_S_PER_RAD, STRIBECK_BASIS
 pub use box_least_squares::{BoxLeastSquares, minimize_in_box};
 pub use column_fit::{ColumnFit, fit_columns};
 pub use gls::{GlsError, GlsFit, GlsSample, GlsSettings, fit_from_wrench};
+pub use held_out::unexplained_on_held_out;
 pub use savitzky_golay::SavitzkyGolay;
 pub use torque_fit::{JointTorqueFit, TorqueFitError, fit_joint_torque};

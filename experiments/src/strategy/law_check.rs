@@ -1,0 +1,29 @@
+//! Whether the friction law is the right kind of law for this robot.
+
+use serde::{Deserialize, Serialize};
+use tribo_friction::identify::{GlsError, GlsSample, GlsSettings, unexplained_on_held_out};
+
+/// What the best parameters of a law leave of the wrench in free motion, on parts of a log that they were not fitted to.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct LawCheck {
+    /// Part of the friction's wrench, weighted, that stays unexplained [-]; see [`unexplained_on_held_out`].
+    pub unexplained: f64,
+}
+
+impl LawCheck {
+    /// Unexplained part above which something else than this law must be at work.
+    pub const LIMIT: f64 = 0.03;
+
+    /// The check on the samples of one trial.
+    ///
+    /// # Errors
+    /// Samples that the fit could not use either.
+    pub fn of<const N: usize>(samples: &[GlsSample<N>], settings: &GlsSettings) -> Result<Self, GlsError> {
+        Ok(Self { unexplained: unexplained_on_held_out(samples, settings)? })
+    }
+
+    /// Whether the law explains the log.
+    pub fn passed(&self) -> bool {
+        self.unexplained <= Self::LIMIT
+    }
+}
