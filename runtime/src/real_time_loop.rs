@@ -124,12 +124,14 @@ impl<const N: usize, E: WrenchEstimator<N>, P: Plant<N>, C: Clock> RealTimeLoop<
         periods
     }
 
-    /// Steps until `periods` periods have gone by, whether with a command or without.
-    pub fn run(&mut self, periods: u64) {
+    /// Steps until `periods` periods have gone by, whether with a command or without, and says how many did: a late tick may go
+    /// beyond.
+    pub fn run(&mut self, periods: u64) -> u64 {
         let mut gone = 0;
         while gone < periods {
             gone += self.step();
         }
+        gone
     }
 
     /// Ticks run.
