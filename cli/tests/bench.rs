@@ -46,7 +46,8 @@ fn a_stall_stops_the_loop_and_the_arm_is_safe() {
     let number = |key: &str| run[key].as_u64().expect("a number");
     assert!(number("missed") >= 20 && number("missed_in_a_row") >= 20, "{run}");
     assert!(number("periods") >= 2000 && number("periods") >= number("ticks"), "{run}");
-    let ticks: u64 = run["response_counts"].as_array().expect("classes").iter().filter_map(|count| count.as_u64()).sum();
+    let ticks: u64 =
+        run["response_counts"].as_array().expect("classes").iter().filter_map(|count| count.as_u64()).sum();
     assert_eq!(ticks, number("ticks"));
     let after = &run["after_fault"];
     assert_eq!(after["safe"], true, "{after}");

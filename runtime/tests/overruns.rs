@@ -153,7 +153,10 @@ fn a_stall_of_three_periods_stops_the_arm_for_good() {
 
     let records: Vec<_> = std::iter::from_fn(|| drain.pop()).map(|(_, record)| record).collect();
     assert!(records[..=at].iter().all(|record| record.fault.is_none()));
-    assert!(records[at + 1..].iter().all(|record| record.fault == Some(TickFault::DeadlineMissed)), "there is no way back");
+    assert!(
+        records[at + 1..].iter().all(|record| record.fault == Some(TickFault::DeadlineMissed)),
+        "there is no way back"
+    );
     assert!(plant.fastest < 0.2, "no joint beyond a fifth of its speed: {}", plant.fastest);
     assert!(inside_limits(plant.arm.q()) && plant.arm.qd().amax() < 1e-3, "it stands: {}", plant.arm.qd());
 }

@@ -4,7 +4,8 @@ use std::time::Duration;
 
 use serde_json::json;
 use tribo_experiments::bench::{
-    BenchReport, BenchSettings, Fitness, OverrunPolicy, Percentiles, RealTimeReport, RealTimeSettings, Rights, Stall, Verdict,
+    BenchReport, BenchSettings, Fitness, OverrunPolicy, Percentiles, RealTimeReport, RealTimeSettings, Rights, Stall,
+    Verdict,
 };
 use tribo_experiments::{AnyTune, TuneConfig};
 
@@ -70,7 +71,9 @@ fn on_the_clock(tune: &AnyTune, settings: &RealTimeSettings, check: bool, common
         return checked(check, &report.verdict);
     }
     match &report.after_fault {
-        Some(after) if check && !after.safe => Err(CheckFailed("the arm was not safe after the fault".to_owned()).into()),
+        Some(after) if check && !after.safe => {
+            Err(CheckFailed("the arm was not safe after the fault".to_owned()).into())
+        }
         _ => Ok(()),
     }
 }

@@ -37,8 +37,6 @@ struct Solver {
         result.x = x.data();
         result.lam = multipliers.data();
         if (setup_daqp(&qp, &work, nullptr) < 0) std::exit(2);
-        // With the default of 1e-6 a bound that just holds is left out of the active set, and a limit is off by tenths.
-        work.settings->primal_tol = 1e-11;
     }
 
     void cold() {
@@ -111,10 +109,10 @@ struct Estimator {
             if (keep_terms) linear_terms.push_back(solver.c);
             solver.again();
             ++programmes;
-            unsigned now = 0;
-            for (int i = 0; i < JOINTS; ++i) now |= unsigned(active(i)) << i;
-            if (now == set) break;
-            set = now;
+            unsigned grown = set;
+            for (int i = 0; i < JOINTS; ++i) grown |= unsigned(active(i)) << i;
+            if (grown == set) break;
+            set = grown;
         }
         return force()[axis] + shift;
     }

@@ -59,8 +59,7 @@ fn states<const N: usize>(arm: &Arm<N>) -> Vec<State<N>> {
         SVector::<f64, N>::from_fn(|j, _| random.random_range(low[j]..=high[j]))
     };
     let limits = &arm.limits;
-    let [speed, acceleration, torque] =
-        [limits.qd_max_rad_s, SVector::repeat(ACCELERATION_RAD_S2), limits.tau_max_nm];
+    let [speed, acceleration, torque] = [limits.qd_max_rad_s, SVector::repeat(ACCELERATION_RAD_S2), limits.tau_max_nm];
     let mut draw = |_| {
         let q = within(limits.q_min_rad, limits.q_max_rad);
         [q, within(-speed, speed), within(-acceleration, acceleration), within(-torque, torque)]

@@ -24,8 +24,8 @@ pub use real_time::{AfterFault, RealTimeReport, RealTimeSettings, Stall, real_ti
 pub use report::{BenchReport, BenchSettings, bench};
 pub use tick::{TickTimes, tick_times};
 pub use trial::TrialTimes;
-pub use verdict::{Fitness, Percentiles, Rights, Verdict};
 pub use tribo_runtime::OverrunPolicy;
+pub use verdict::{Fitness, Percentiles, Rights, Verdict};
 
 use hdrhistogram::CreationError;
 use tribo_bayesopt::BayesoptError;

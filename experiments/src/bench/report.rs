@@ -6,8 +6,8 @@ use serde::Serialize;
 
 use super::interference::DISTURBANCE_US;
 use super::{
-    BenchError, DynamicsTimes, EstimatorTimes, Interference, OptimiserTimes, Percentiles, Rights, TickTimes, TrialTimes,
-    Verdict, idle_gaps, tick_times,
+    BenchError, DynamicsTimes, EstimatorTimes, Interference, OptimiserTimes, Percentiles, Rights, TickTimes,
+    TrialTimes, Verdict, idle_gaps, tick_times,
 };
 use crate::ValidTune;
 

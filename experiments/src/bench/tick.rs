@@ -61,7 +61,8 @@ pub fn tick_times<const N: usize>(tune: &ValidTune<N>, ticks: u64) -> Result<Tic
     let empty = LatencyHistogram::new;
     let (mut tick_time, mut plant_time, mut both) = (empty()?, empty()?, empty()?);
     let (mut sink, ring) = record_ring::<N>(RING);
-    let nanoseconds = |from: Instant, to: Instant| u64::try_from(to.duration_since(from).as_nanos()).unwrap_or(u64::MAX);
+    let nanoseconds =
+        |from: Instant, to: Instant| u64::try_from(to.duration_since(from).as_nanos()).unwrap_or(u64::MAX);
 
     std::thread::scope(|scope| {
         let reader = scope.spawn(move || drain(ring, |_, _| ()));

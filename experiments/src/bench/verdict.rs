@@ -117,7 +117,9 @@ impl Verdict {
         let limit = if p999 <= RESERVE * period_us { RESERVE } else { FIT } * period_us;
         let tail = match over {
             0 => String::new(),
-            n => format!("; {n} of {} ticks were longer than the period, which the loop would have missed", tick.count()),
+            n => {
+                format!("; {n} of {} ticks were longer than the period, which the loop would have missed", tick.count())
+            }
         };
         Self { answer, because: format!("99.9 % of ticks take {p999:.1} us or less, limit {limit:.0} us{tail}") }
     }

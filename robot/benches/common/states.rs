@@ -7,11 +7,11 @@ use crate::reference_stream::ReferenceStream;
 
 /// One state with an acceleration and a torque.
 #[derive(Clone, Copy, Debug)]
-pub struct State {
-    pub q: SVector<f64, 7>,
-    pub qd: SVector<f64, 7>,
-    pub qdd: SVector<f64, 7>,
-    pub tau: SVector<f64, 7>,
+pub struct State<const N: usize> {
+    pub q: SVector<f64, N>,
+    pub qd: SVector<f64, N>,
+    pub qdd: SVector<f64, N>,
+    pub tau: SVector<f64, N>,
 }
 
 /// The Panda without rotor inertia.
@@ -19,13 +19,17 @@ pub fn bare_panda() -> Arm<7> {
     Arm { rotor_inertia_kg_m2: SVector::zeros(), ..presets::panda() }
 }
 
+/// `n` states of the Panda.
+pub fn states(n: usize) -> Vec<State<7>> {
+    states_of(&bare_panda(), n)
+}
+
 /// `n` states: q, q̇, q̈ (up to 10 rad/s²), torque, each uniform within the arm's limits.
-pub fn states(n: usize) -> Vec<State> {
-    let (arm, mut source) = (bare_panda(), ReferenceStream::new(1));
-    let limits = &arm.limits;
-    let mut vector = |low: SVector<f64, 7>, high: SVector<f64, 7>| {
-        let mut x = SVector::<f64, 7>::zeros();
-        for i in 0..7 {
+pub fn states_of<const N: usize>(arm: &Arm<N>, n: usize) -> Vec<State<N>> {
+    let (limits, mut source) = (&arm.limits, ReferenceStream::new(1));
+    let mut vector = |low: SVector<f64, N>, high: SVector<f64, N>| {
+        let mut x = SVector::<f64, N>::zeros();
+        for i in 0..N {
             x[i] = source.range(low[i], high[i]);
         }
         x
