@@ -97,7 +97,7 @@ fn main() -> ExitCode {
     }
     // The programs inherit the core; where it cannot be had the run is not pinned, and says so.
     let core = tribo_runtime::allowed_cores().last().copied();
-    let pinned = core.filter(|core| tribo_runtime::pin_to_core(*core).is_ok());
+    let pinned = core.filter(|core| tribo_runtime::run_on_cores(&[*core]).is_ok());
 
     let mut peers = Vec::new();
     let mut disagree = false;

@@ -50,4 +50,4 @@ pub use process_image::ProcessImage;
 pub use real_time_loop::{LoopTiming, RealTimeLoop};
 pub use record::TickRecord;
 pub use record_ring::{RecordDrain, RecordSink, record_ring};
-pub use thread_rights::{Refusal, allowed_cores, lock_memory, pin_to_core, take_fifo_priority};
+pub use thread_rights::{Refusal, allowed_cores, lock_memory, run_on_cores, take_fifo_priority};

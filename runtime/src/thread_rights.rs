@@ -16,17 +16,19 @@ pub fn allowed_cores() -> Vec<usize> {
     Vec::new()
 }
 
-/// Keeps the calling thread on one core.
+/// Keeps the calling thread, and the threads that it starts from now on, on these cores.
 ///
 /// # Errors
 /// What the system answers.
 #[cfg(target_os = "linux")]
-pub fn pin_to_core(core: usize) -> Result<(), Refusal> {
+pub fn run_on_cores(cores: &[usize]) -> Result<(), Refusal> {
     let mut set = rustix::thread::CpuSet::new();
-    if core >= rustix::thread::CpuSet::MAX_CPU {
-        return Err(format!("no core {core}"));
+    for &core in cores {
+        if core >= rustix::thread::CpuSet::MAX_CPU {
+            return Err(format!("no core {core}"));
+        }
+        set.set(core);
     }
-    set.set(core);
     rustix::thread::sched_setaffinity(None, &set).map_err(|error| error.to_string())
 }
 
@@ -68,11 +70,11 @@ mod elsewhere {
         Err("not known on this system".to_owned())
     }
 
-    /// Keeps the calling thread on one core; only on Linux.
+    /// Keeps the calling thread on these cores; only on Linux.
     ///
     /// # Errors
     /// Always.
-    pub fn pin_to_core(_core: usize) -> Result<(), Refusal> {
+    pub fn run_on_cores(_cores: &[usize]) -> Result<(), Refusal> {
         unknown()
     }
 
@@ -93,4 +95,4 @@ mod elsewhere {
     }
 }
 #[cfg(not(target_os = "linux"))]
-pub use elsewhere::{lock_memory, pin_to_core, take_fifo_priority};
+pub use elsewhere::{lock_memory, run_on_cores, take_fifo_priority};

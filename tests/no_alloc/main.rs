@@ -117,8 +117,7 @@ fn no_step_on_a_clock_allocates() {
     let (sink, _drain) = record_ring(500);
     let timing = LoopTiming::new().expect("valid bounds");
     let policy = OverrunPolicy::default();
-    let mut real_time =
-        RealTimeLoop::new(control, plant, SlowClock::default(), policy, sink, timing, SVector::zeros());
+    let mut real_time = RealTimeLoop::new(control, plant, SlowClock::default(), policy, sink, timing, SVector::zeros());
     let seen = allocation_counter::measure(|| {
         real_time.run(TICKS);
     });

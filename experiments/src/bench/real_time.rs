@@ -8,7 +8,7 @@ use serde::Serialize;
 use tribo_robot::{Arm, Plant, SensorFrame, gravity_torque};
 use tribo_runtime::{
     Clock, LoopTiming, MonotonicClock, OverrunPolicy, RealTimeLoop, TickFault, TickRecord, allowed_cores, lock_memory,
-    pin_to_core, record_ring, take_fifo_priority,
+    record_ring, run_on_cores, take_fifo_priority,
 };
 
 use super::records::drain;
@@ -247,7 +247,7 @@ pub fn real_time<const N: usize>(
 /// Keeps one core and its caches busy until told to stop.
 fn busy(core: usize, stop: &AtomicBool) {
     // Where it cannot be pinned it is busy all the same.
-    let _ = pin_to_core(core);
+    let _ = run_on_cores(&[core]);
     let mut memory = vec![1_u64; LOAD_WORDS];
     while !stop.load(Ordering::Relaxed) {
         for word in &mut memory {

@@ -3,6 +3,7 @@
 use std::time::Duration;
 
 use serde::Serialize;
+use tribo_runtime::allowed_cores;
 
 use super::interference::DISTURBANCE_US;
 use super::{
@@ -75,12 +76,14 @@ pub fn bench<const N: usize>(
     settings: BenchSettings,
     mut stage: impl FnMut(&str),
 ) -> Result<BenchReport, BenchError> {
+    let cores = allowed_cores();
     let mut rights = Rights::none();
     rights.pin();
+    let others: Vec<usize> = cores.iter().copied().filter(|core| Some(*core) != rights.pinned_core).collect();
     stage("idle loop");
     let idle = idle_gaps(settings.idle)?;
     stage("ticks");
-    let times = tick_times(tune, settings.ticks)?;
+    let times = tick_times(tune, settings.ticks, if others.is_empty() { &cores } else { &others })?;
     stage("dynamics");
     let dynamics = DynamicsTimes::of(&tune.trial.model);
     stage("estimators");

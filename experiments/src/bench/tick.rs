@@ -4,7 +4,7 @@ use std::time::Instant;
 
 use tribo_friction::Compensator;
 use tribo_robot::Plant;
-use tribo_runtime::{ControlLoop, LatencyHistogram, LoopSettings, ProcessImage, record_ring};
+use tribo_runtime::{ControlLoop, LatencyHistogram, LoopSettings, ProcessImage, record_ring, run_on_cores};
 use tribo_sim::BoxFrictionPlant;
 
 use super::BenchError;
@@ -52,11 +52,16 @@ pub(super) fn rig<const N: usize>(
     Ok((ControlLoop::new(trial.model.clone(), trial.start, settings, estimator), plant))
 }
 
-/// Runs `ticks` ticks of the tuning trial, again from its start where it ends, with another thread taking the records.
+/// Runs `ticks` ticks of the tuning trial, again from its start where it ends, with another thread on one of `reader_cores` taking
+/// the records.
 ///
 /// # Errors
 /// An estimator that cannot be, or a loop that stops by itself.
-pub fn tick_times<const N: usize>(tune: &ValidTune<N>, ticks: u64) -> Result<TickTimes, BenchError> {
+pub fn tick_times<const N: usize>(
+    tune: &ValidTune<N>,
+    ticks: u64,
+    reader_cores: &[usize],
+) -> Result<TickTimes, BenchError> {
     let per_trial = (tune.trial.reference.total_s() / tune.trial.dt_s).round() as u64;
     let empty = LatencyHistogram::new;
     let (mut tick_time, mut plant_time, mut both) = (empty()?, empty()?, empty()?);
@@ -65,7 +70,11 @@ pub fn tick_times<const N: usize>(tune: &ValidTune<N>, ticks: u64) -> Result<Tic
         |from: Instant, to: Instant| u64::try_from(to.duration_since(from).as_nanos()).unwrap_or(u64::MAX);
 
     std::thread::scope(|scope| {
-        let reader = scope.spawn(move || drain(ring, |_, _| ()));
+        let reader = scope.spawn(move || {
+            // It would inherit the core of this thread, and take it away a thousand times per second. Refused, it only disturbs.
+            let _ = run_on_cores(reader_cores);
+            drain(ring, |_, _| ())
+        });
         let (started, before) = (Instant::now(), preemptions());
         let mut run = 0;
         while run < ticks {

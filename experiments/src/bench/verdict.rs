@@ -55,7 +55,7 @@ impl Rights {
     /// Keeps the calling thread on the last core that it may use: the first is where most interrupts go.
     pub fn pin(&mut self) {
         let answer = match tribo_runtime::allowed_cores().last() {
-            Some(core) => tribo_runtime::pin_to_core(*core).map(|()| self.pinned_core = Some(*core)),
+            Some(core) => tribo_runtime::run_on_cores(&[*core]).map(|()| self.pinned_core = Some(*core)),
             None => Err("the system does not say which cores there are".to_owned()),
         };
         self.granted("core", answer);
