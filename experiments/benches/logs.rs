@@ -30,10 +30,19 @@ fn wrench(bencher: Bencher, seconds: usize) {
         .bench_local(|| wrench_on_log(&log, &tune.oracle, 5e-3, &mut WrenchEkf::new(WrenchEkfSettings::default())));
 }
 
-#[divan::bench(args = [10, 30, 90], consts = [false, true], sample_count = 5, sample_size = 1)]
-fn read<const PARQUET: bool>(bencher: Bencher, seconds: usize) {
+#[divan::bench(args = [10, 30, 90], sample_count = 5, sample_size = 1)]
+fn read_csv(bencher: Bencher, seconds: usize) {
+    read(bencher, seconds, "log.csv");
+}
+
+#[divan::bench(args = [10, 30, 90], sample_count = 5, sample_size = 1)]
+fn read_parquet(bencher: Bencher, seconds: usize) {
+    read(bencher, seconds, "log.parquet");
+}
+
+fn read(bencher: Bencher, seconds: usize, name: &str) {
     let directory = tempfile::tempdir().expect("a directory");
-    let path = directory.path().join(if PARQUET { "log.parquet" } else { "log.csv" });
+    let path = directory.path().join(name);
     let target = LogTarget::of_path(&path).expect("a known ending");
     write_log(&path, &log(seconds), target).expect("a disk");
     bencher.counter(ItemsCount::new(seconds * 1000)).bench_local(|| read_log(&path).expect("a log"));

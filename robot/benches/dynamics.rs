@@ -1,10 +1,12 @@
 //! Rigid-body algorithms, one call: `cargo bench -p tribo-robot --bench dynamics`.
 //!
-//! The thousand states of the peers (bare Panda), and with six joints (UR10e) states drawn in the same way, to see the growth.
+//! The thousand states of the peers (bare Panda), and with six joints (UR10e) states drawn in the same way, to see the growth. On a
+//! computer that does other things too, the column `fastest` is the one to compare.
 
 mod common {
     pub mod states;
 }
+#[allow(dead_code, reason = "of the stream only uniform numbers are needed")]
 #[path = "../../residual/tests/common/reference_stream.rs"]
 mod reference_stream;
 
@@ -41,37 +43,37 @@ macro_rules! algorithms {
                 ($arm, $states)
             }
 
-            #[divan::bench]
+            #[divan::bench(sample_count = 500, sample_size = 10)]
             fn rnea(bencher: Bencher) {
                 let (arm, states) = rig();
                 each(bencher, &states, |s| super::rnea(&arm, &s.q, &s.qd, &s.qdd));
             }
 
-            #[divan::bench]
+            #[divan::bench(sample_count = 500, sample_size = 10)]
             fn crba(bencher: Bencher) {
                 let (arm, states) = rig();
                 each(bencher, &states, |s| mass_matrix(&arm, &s.q));
             }
 
-            #[divan::bench]
+            #[divan::bench(sample_count = 500, sample_size = 10)]
             fn aba(bencher: Bencher) {
                 let (arm, states) = rig();
                 each(bencher, &states, |s| forward_dynamics(&arm, &s.q, &s.qd, &s.tau));
             }
 
-            #[divan::bench]
+            #[divan::bench(sample_count = 500, sample_size = 10)]
             fn bias(bencher: Bencher) {
                 let (arm, states) = rig();
                 each(bencher, &states, |s| bias_torque(&arm, &s.q, &s.qd));
             }
 
-            #[divan::bench]
+            #[divan::bench(sample_count = 500, sample_size = 10)]
             fn gravity(bencher: Bencher) {
                 let (arm, states) = rig();
                 each(bencher, &states, |s| gravity_torque(&arm, &s.q));
             }
 
-            #[divan::bench]
+            #[divan::bench(sample_count = 500, sample_size = 10)]
             fn pose_and_jacobian(bencher: Bencher) {
                 let (arm, states) = rig();
                 each(bencher, &states, |s| {
@@ -80,7 +82,7 @@ macro_rules! algorithms {
                 });
             }
 
-            #[divan::bench]
+            #[divan::bench(sample_count = 500, sample_size = 10)]
             fn pose_jacobian_and_drift(bencher: Bencher) {
                 let (arm, states) = rig();
                 each(bencher, &states, |s| {
@@ -89,13 +91,13 @@ macro_rules! algorithms {
                 });
             }
 
-            #[divan::bench]
+            #[divan::bench(sample_count = 500, sample_size = 10)]
             fn control_terms(bencher: Bencher) {
                 let (arm, states) = rig();
                 each(bencher, &states, |s| ControlTerms::at(&arm, &s.q, &s.qd));
             }
 
-            #[divan::bench]
+            #[divan::bench(sample_count = 500, sample_size = 10)]
             fn regressor(bencher: Bencher) {
                 let (arm, states) = rig();
                 each(bencher, &states, |s| inverse_dynamics_regressor(&arm, &s.q, &s.qd, &s.qdd));

@@ -45,7 +45,7 @@ pub use clock::{Clock, MonotonicClock};
 pub use control_loop::{ControlLoop, LoopSettings};
 pub use fault::TickFault;
 pub use latency::LatencyHistogram;
-pub use overrun::{OverrunGuard, OverrunPolicy, Verdict};
+pub use overrun::{Delivery, OverrunGuard, OverrunPolicy};
 pub use process_image::ProcessImage;
 pub use real_time_loop::{LoopTiming, RealTimeLoop};
 pub use record::TickRecord;

@@ -18,7 +18,7 @@ impl Default for OverrunPolicy {
 
 /// What to do with the command of a tick.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Verdict {
+pub enum Delivery {
     /// It is in time: send it.
     Send,
     /// It is late: the last one that was sent stands, the robot is asked again.
@@ -49,15 +49,15 @@ impl OverrunGuard {
 
     /// Judges a tick that let `missed` deadlines pass.
     #[inline]
-    pub fn judge(&mut self, missed: u64) -> Verdict {
+    pub fn judge(&mut self, missed: u64) -> Delivery {
         if missed == 0 {
             self.in_a_row = 0;
-            return Verdict::Send;
+            return Delivery::Send;
         }
         self.in_a_row += missed;
         self.missed += missed;
         self.longest = self.longest.max(self.in_a_row);
-        if self.in_a_row >= u64::from(self.policy.fault_after.max(1)) { Verdict::Fault } else { Verdict::Hold }
+        if self.in_a_row >= u64::from(self.policy.fault_after.max(1)) { Delivery::Fault } else { Delivery::Hold }
     }
 
     /// Deadlines missed since the start.
@@ -78,17 +78,17 @@ mod tests {
     #[test]
     fn a_row_ends_with_a_command_in_time() {
         let mut guard = OverrunGuard::new(OverrunPolicy { fault_after: 3 });
-        let verdicts = [0, 1, 1, 0, 2, 0, 1, 1, 1].map(|missed| guard.judge(missed));
-        use Verdict::{Fault, Hold, Send};
-        assert_eq!(verdicts, [Send, Hold, Hold, Send, Hold, Send, Hold, Hold, Fault]);
+        let deliveries = [0, 1, 1, 0, 2, 0, 1, 1, 1].map(|missed| guard.judge(missed));
+        use Delivery::{Fault, Hold, Send};
+        assert_eq!(deliveries, [Send, Hold, Hold, Send, Hold, Send, Hold, Hold, Fault]);
         assert_eq!((guard.missed(), guard.longest_row()), (7, 3));
     }
 
     #[test]
     fn one_stall_counts_every_deadline_it_covers() {
         let mut guard = OverrunGuard::new(OverrunPolicy::default());
-        assert_eq!(guard.judge(3), Verdict::Fault);
+        assert_eq!(guard.judge(3), Delivery::Fault);
         let mut strict = OverrunGuard::new(OverrunPolicy { fault_after: 0 });
-        assert_eq!(strict.judge(1), Verdict::Fault, "zero is one");
+        assert_eq!(strict.judge(1), Delivery::Fault, "zero is one");
     }
 }

@@ -5,7 +5,7 @@ use nalgebra::SVector;
 use tribo_robot::{Plant, WrenchEstimator};
 
 use crate::{
-    Clock, ControlLoop, LatencyHistogram, OverrunGuard, OverrunPolicy, ProcessImage, RecordSink, TickFault, Verdict,
+    Clock, ControlLoop, Delivery, LatencyHistogram, OverrunGuard, OverrunPolicy, ProcessImage, RecordSink, TickFault,
 };
 
 /// What the loop's clock has seen.
@@ -108,9 +108,9 @@ impl<const N: usize, E: WrenchEstimator<N>, P: Plant<N>, C: Clock> RealTimeLoop<
 
         let missed = response_ns / self.period_ns;
         match self.guard.judge(missed) {
-            Verdict::Send => self.sent = self.image.command,
-            Verdict::Hold => {}
-            Verdict::Fault => {
+            Delivery::Send => self.sent = self.image.command,
+            Delivery::Hold => {}
+            Delivery::Fault => {
                 self.control.stop(TickFault::DeadlineMissed);
                 self.faulted_at.get_or_insert(self.ticks);
             }

@@ -134,6 +134,9 @@ fn show_speed(report: &BenchReport) {
         significant(i.idle_gaps_above_100_us_per_s, 3),
         significant(i.idle_gap_max_us, 3),
     ));
+    if i.ticks_above_100_us > 0 && i.ticks_above_100_us_per_s <= 1.5 * i.idle_gaps_above_100_us_per_s {
+        print("So the computer disturbs them, not the loop itself: measure again when nothing else runs.");
+    }
     if let Some(preempted) = i.preempted {
         print(format_args!("The system took the core away {preempted} times during the ticks."));
     }
