@@ -3,7 +3,7 @@
 //! The peers are C and C++ programs of our own around their libraries (`peers/`, built by `peers/build.sh` with
 //! `-O3 -march=native -DNDEBUG`). All get the same inputs from the same files; before anything is timed, the outputs of the first
 //! twenty must agree with ours to 1e-9. Then five rounds, in each of which every program and we are timed in turn; the least of
-//! the five medians counts. Prints one table and leaves `peers.json`; `--json` prints that instead. Set
+//! the five medians counts. Prints one table (Markdown) and leaves `peers.json`; `--json` prints that instead. Set
 //! `RUSTFLAGS="-C target-cpu=native"` for the instruction set that the peers get. A peer that cannot be had is SKIPPED.
 
 #[path = "../../residual/tests/common/published_instances.rs"]
@@ -420,14 +420,15 @@ fn show(document: &Value) {
     let core = document["pinned_core"].as_u64().map_or("not pinned".to_owned(), |core| format!("core {core}"));
     let native = if document["native"] == true { "native instructions" } else { "any x86-64 instructions" };
     println!("least of {ROUNDS} medians, {core}; ours with {native}; peers {}\n", document["versions"]);
-    println!("{:<48} {:<10} {:>10} {:>10} {:>7}", "call [ns]", "peer", "ours", "peer", "ratio");
+    println!("| {:<46} | {:<9} | {:>7} | {:>7} | {:>7} |", "call [ns]", "peer", "ours", "theirs", "ratio");
+    println!("|{0:-<48}|{0:-<11}|{0:->8}:|{0:->8}:|{0:->8}:|", "");
     for row in document["rows"].as_array().into_iter().flatten() {
         let number = |key: &str, digits: usize| {
             row[key].as_f64().map_or("SKIPPED".to_owned(), |value| format!("{value:.digits$}"))
         };
         let text = |key: &str| row[key].as_str().unwrap_or_default().to_owned();
         println!(
-            "{:<48} {:<10} {:>10} {:>10} {:>7}",
+            "| {:<46} | {:<9} | {:>7} | {:>7} | {:>7} |",
             text("what"),
             text("peer"),
             number("ours_ns", 0),
