@@ -83,7 +83,7 @@ impl AnyTune {
         }
     }
 
-    /// [`bench`].
+    /// [`bench()`].
     ///
     /// # Errors
     /// Settings that the estimator cannot work with, or a loop that stops by itself.
