@@ -32,6 +32,8 @@ const EXAMPLES: &str = "Examples:
   tribo convert panda_gaz2019 panda.csv        a log of another program as canonical CSV
   tribo estimate panda.csv --torque-side link  what the joint torques and the tool say about it
   tribo diagnose panda.csv --model panda.yaml  what the model lacks, and what that is worth
+  tribo bench                                  is this computer fast enough for 1 kHz?
+  tribo bench --realtime 60 --load             … and is it on time, with every core busy?
 
 Exit codes: 0 done, 1 a check asked for has failed, 2 bad input, 3 internal error.";
 
@@ -97,6 +99,10 @@ pub enum Command {
     /// one directory. Whoever finishes the last one writes results.json and report.html. In a Slurm array (sbatch --array) or an
     /// indexed Kubernetes job each task takes its slice by itself.
     Study(Study),
+    /// Is this computer fast enough for a 1 kHz loop? Times of a tick and of what it is made of, and a verdict.
+    ///
+    /// With --realtime the loop runs on the clock: missed deadlines, late wake-ups, what it does when it is too late.
+    Bench(Bench),
     /// Rerun the experiments of a paper and print their table.
     Reproduce(Reproduce),
     /// Print a shell completion script.
@@ -374,6 +380,38 @@ pub struct Export {
     /// identifiers (c: tribo), the model (urdf, mjcf: the robot's name).
     #[arg(long, value_name = "NAME")]
     pub name: Option<String>,
+}
+
+/// Arguments of `bench`.
+#[derive(Debug, Args)]
+pub struct Bench {
+    /// The arm: panda, fr3, ur10e, kinova_gen3, iiwa14 or the path of a URDF [default: panda].
+    #[arg(long, value_name = "NAME|URDF")]
+    pub robot: Option<String>,
+    /// Ticks to be timed [default: 1000000].
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1000..=100_000_000), conflicts_with = "realtime")]
+    pub ticks: Option<u64>,
+    /// A few seconds in place of a minute: 30000 ticks, everything else once.
+    #[arg(long, conflicts_with = "realtime")]
+    pub quick: bool,
+    /// Run the loop on the clock for this long (s) instead, with SCHED_FIFO and locked memory where they are permitted.
+    #[arg(long, value_name = "SECONDS", allow_negative_numbers = true)]
+    pub realtime: Option<f64>,
+    /// Keep every core busy meanwhile.
+    #[arg(long, requires = "realtime")]
+    pub load: bool,
+    /// Missed deadlines in a row at which the loop gives up and sends the safe torque; before, the last command is held.
+    #[arg(long, value_name = "N", default_value_t = 3, value_parser = clap::value_parser!(u32).range(1..=1000), requires = "realtime")]
+    pub overruns: u32,
+    /// Let the loop stand still once for this long (ms), to see what happens.
+    #[arg(long, value_name = "MS", requires = "realtime", allow_negative_numbers = true)]
+    pub stall: Option<f64>,
+    /// When (s) [default: in the middle].
+    #[arg(long, value_name = "S", requires = "stall", allow_negative_numbers = true)]
+    pub stall_at: Option<f64>,
+    /// Exit code 1 when the verdict is "not fit"; with --stall, when the arm is not safe afterwards.
+    #[arg(long)]
+    pub check: bool,
 }
 
 /// Arguments of `report`.

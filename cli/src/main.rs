@@ -35,6 +35,7 @@ fn main() -> ExitCode {
         Command::Dashboard(dashboard) => command::dashboard::run(&dashboard),
         Command::Report(report) => command::report::run(&report, &common),
         Command::Study(study) => command::study::run(&study, &common),
+        Command::Bench(bench) => command::bench::run(&bench, &common),
         Command::Reproduce(reproduce) => command::reproduce::run(&reproduce, &common),
         Command::Completions { shell } => command::shell::completions(shell),
         Command::Man => command::shell::man_page(),

@@ -2,6 +2,7 @@
 
 use std::path::Path;
 
+use crate::bench::{BenchError, BenchReport, BenchSettings, RealTimeReport, RealTimeSettings, bench, real_time};
 use crate::files::FileError;
 use crate::watch::{LoopTimes, TrialColumns, loop_times};
 use crate::{
@@ -79,6 +80,28 @@ impl AnyTune {
         match self {
             Self::Six(tune) => read(tune, &path),
             Self::Seven(tune) => read(tune, &path),
+        }
+    }
+
+    /// [`bench()`].
+    ///
+    /// # Errors
+    /// Settings that the estimator cannot work with, or a loop that stops by itself.
+    pub fn bench(&self, settings: BenchSettings, stage: impl FnMut(&str)) -> Result<BenchReport, BenchError> {
+        match self {
+            Self::Six(tune) => bench(tune, settings, stage),
+            Self::Seven(tune) => bench(tune, settings, stage),
+        }
+    }
+
+    /// [`real_time`].
+    ///
+    /// # Errors
+    /// Settings that the estimator cannot work with.
+    pub fn real_time(&self, settings: &RealTimeSettings) -> Result<RealTimeReport, BenchError> {
+        match self {
+            Self::Six(tune) => real_time(tune, settings),
+            Self::Seven(tune) => real_time(tune, settings),
         }
     }
 }

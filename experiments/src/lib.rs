@@ -22,6 +22,7 @@ mod against_ekf;
 mod any_tune;
 mod ask_tell;
 mod believed;
+pub mod bench;
 mod by_joints;
 mod calibration;
 mod campaign;

@@ -77,6 +77,7 @@ impl From<TickFault> for AbortReason {
             TickFault::SensorNotFinite { .. } | TickFault::TorqueNotFinite => Self::NotFinite,
             TickFault::JointLimit { .. } => Self::JointLimit,
             TickFault::JointSpeed { .. } => Self::JointSpeed,
+            TickFault::DeadlineMissed => Self::Stopped,
         }
     }
 }

@@ -72,6 +72,16 @@ impl<const N: usize, E: WrenchEstimator<N>> ControlLoop<N, E> {
         &self.arm
     }
 
+    /// Control period (s).
+    pub fn period_s(&self) -> f64 {
+        self.settings.dt_s
+    }
+
+    /// From the next tick on sends the safe torque, for a reason that the loop itself cannot see. An earlier fault stays.
+    pub fn stop(&mut self, fault: TickFault) {
+        self.record.fault.get_or_insert(fault);
+    }
+
     /// One tick, and everything it knew. No heap, no lock, no clock, no panic.
     #[inline]
     pub fn tick<P: Plant<N>>(&mut self, plant: &mut P) -> &TickRecord<N> {

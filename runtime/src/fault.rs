@@ -27,6 +27,9 @@ pub enum TickFault {
     /// The control law gave a torque that is not finite.
     #[error("the control law gave a torque that is not finite")]
     TorqueNotFinite,
+    /// More deadlines in a row were missed than the overrun policy bears.
+    #[error("too many deadlines in a row were missed")]
+    DeadlineMissed,
 }
 
 impl TickFault {

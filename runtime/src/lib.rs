@@ -3,6 +3,8 @@
 //! [`ControlLoop::tick`] is one period of the 1 kHz loop. It drives any [`tribo_robot::Plant`] with any
 //! [`tribo_robot::WrenchEstimator`], allocates nothing, never panics, and reads no clock: time comes with the sensor
 //! frame. What goes wrong is a [`TickFault`], after which the loop sends the safe torque until it is built anew.
+//! [`RealTimeLoop`] puts it on a [`Clock`]: deadlines, what happens when one is missed, histograms of the times, records to
+//! another thread through a ring.
 //!
 //! ```
 //! use tribo_control::{ImpedanceSettings, SinusoidReference};
@@ -28,10 +30,24 @@
 //! }
 //! ```
 
+mod clock;
 mod control_loop;
 mod fault;
+mod latency;
+mod overrun;
+mod process_image;
+mod real_time_loop;
 mod record;
+mod record_ring;
+mod thread_rights;
 
+pub use clock::{Clock, MonotonicClock};
 pub use control_loop::{ControlLoop, LoopSettings};
 pub use fault::TickFault;
+pub use latency::LatencyHistogram;
+pub use overrun::{Delivery, OverrunGuard, OverrunPolicy};
+pub use process_image::ProcessImage;
+pub use real_time_loop::{LoopTiming, RealTimeLoop};
 pub use record::TickRecord;
+pub use record_ring::{RecordDrain, RecordSink, record_ring};
+pub use thread_rights::{Refusal, allowed_cores, lock_memory, run_on_cores, take_fifo_priority};

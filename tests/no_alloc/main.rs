@@ -2,8 +2,9 @@
 //!
 //! A counting allocator (crate `allocation-counter`, one counter per thread) watches a thousand ticks of the whole loop
 //! (sense, wrench filter, controller, limits, plant) for every truth and velocity source, then a thousand ticks after a
-//! fault; and a thousand ticks of every other wrench estimator. There is no tolerance: one allocation in two thousand ticks is a failure.
+//! fault; a thousand steps of the loop on a clock; and a thousand ticks of every other wrench estimator. There is no tolerance: one allocation in two thousand ticks is a failure.
 
+use std::cell::Cell;
 use std::sync::Arc;
 
 use nalgebra::{SVector, Vector6};
@@ -16,6 +17,7 @@ use tribo_residual::{
     QpEstimator, QpSettings, Rest, Rests, ThermalEstimator, ThermalSettings, calibrate,
 };
 use tribo_robot::{ControlTerms, EstimatorInput, SensorFrame, Wrench, WrenchEstimator, presets};
+use tribo_runtime::{Clock, LoopTiming, OverrunPolicy, RealTimeLoop, record_ring};
 use tribo_sim::{BoxFrictionPlant, Sensors, Truth, WrenchPulses};
 use tribo_tests::{DT_S, TamperedPlant, all_effects, five_truths, loop_with, ready_flange};
 
@@ -84,6 +86,44 @@ fn calibrated() -> Arc<DoubleEncoderModel<7>> {
     let settings = DoubleEncoderSettings { inducing: 40, ..DoubleEncoderSettings::default() };
     let rests = Rests { free, loaded: loaded.collect() };
     Arc::new(calibrate(&arm, &rests, settings.validate().expect("valid settings"), 1).expect("enough rests"))
+}
+
+/// The loop on a clock: woken late, a deadline missed, then stopped by the overrun policy; the ring full half-way.
+#[test]
+fn no_step_on_a_clock_allocates() {
+    /// Every reading takes 20 µs; the readings of two ticks much longer.
+    #[derive(Debug, Default)]
+    struct SlowClock(Cell<(u64, u64)>);
+    impl Clock for SlowClock {
+        fn now_ns(&self) -> u64 {
+            let (reading, now_ns) = self.0.get();
+            let longer_ns = match reading {
+                301 => 1_500_000,
+                601 => 5_000_000,
+                _ => 20_000,
+            };
+            self.0.set((reading + 1, now_ns + longer_ns));
+            now_ns + longer_ns
+        }
+        fn sleep_until_ns(&self, at_ns: u64) {
+            let (reading, now_ns) = self.0.get();
+            self.0.set((reading, now_ns.max(at_ns)));
+        }
+    }
+    let truth = Truth::panda_coulomb_viscous();
+    let reference = SinusoidReference::paper(ready_flange(), PAPER_PHASES_RAD);
+    let control = loop_with(reference, Compensator::new(truth.friction, VelocitySource::Hybrid));
+    let plant = BoxFrictionPlant::new(truth, Sensors::default(), presets::panda_ready_pose(), 1);
+    let (sink, _drain) = record_ring(500);
+    let timing = LoopTiming::new().expect("valid bounds");
+    let policy = OverrunPolicy::default();
+    let mut real_time = RealTimeLoop::new(control, plant, SlowClock::default(), policy, sink, timing, SVector::zeros());
+    let seen = allocation_counter::measure(|| {
+        real_time.run(TICKS);
+    });
+    assert_eq!(seen.count_total, 0, "{seen:?}");
+    assert_eq!((real_time.overruns().missed(), real_time.faulted_at()), (6, Some(300)), "one held, five stop it");
+    assert!(real_time.dropped() > 0, "a full ring");
 }
 
 fn watch_estimator<E: WrenchEstimator<7>>(name: &str, mut estimator: E) {

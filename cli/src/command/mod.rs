@@ -1,6 +1,7 @@
 //! One file per command.
 
 pub mod ask;
+pub mod bench;
 pub mod convert;
 pub mod dashboard;
 pub mod diagnose;

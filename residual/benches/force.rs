@@ -1,4 +1,4 @@
-//! Time of one estimate with its twelve limits: `cargo run --release -p tribo-residual --example timing`.
+//! Time of one estimate with its twelve limits: `cargo bench -p tribo-residual --bench force`.
 //!
 //! The thousand published instances of the tests, as other solvers are measured on them: each after an unrelated one
 //! (cold), and each again after itself (warm). Then two of them stacked to fourteen joints. Prints percentiles (µs) over
