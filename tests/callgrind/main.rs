@@ -6,7 +6,7 @@
 //!
 //! Fails at 20 % more than `recorded.json` holds for the profile it was compiled with. After a change that is meant,
 //! `TRIBO_RECORD_INSTRUCTIONS=1 cargo test --release -p tribo-tests --test callgrind` writes the new figures there; for those of
-//! `.ci/run` with `CARGO_PROFILE_RELEASE_LTO=off CARGO_PROFILE_RELEASE_CODEGEN_UNITS=16`. Without valgrind it says SKIPPED.
+//! `.ci/run` with `CARGO_PROFILE_RELEASE_LTO=off`. Without valgrind it says SKIPPED.
 
 use std::collections::BTreeMap;
 use std::io::Write;
