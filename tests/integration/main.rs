@@ -10,6 +10,7 @@ mod ekf_consistency;
 mod ekf_frequency;
 mod ekf_known_input;
 mod estimators_on_pulses;
+mod law_check;
 mod payload;
 mod tick_faults;
 mod wrench_on_pulses;
