@@ -168,7 +168,7 @@ impl Targets {
 /// The finite raw cost of a trial, penalty included.
 fn raw_cost(outcome: Outcome) -> Option<f64> {
     match outcome {
-        Outcome::Value(value) | Outcome::Failed { value: Some(value) } if value.is_finite() => Some(value),
+        Outcome::Value(value) | Outcome::Failed { value: Some(value), .. } if value.is_finite() => Some(value),
         _ => None,
     }
 }
@@ -202,8 +202,14 @@ mod tests {
     #[test]
     fn failures_are_capped_and_costs_come_back_through_log_bend_and_standardisation() {
         use Outcome::{Failed, Pending, Value};
-        let history =
-            history(&[Value(10.0), Failed { value: Some(900.0) }, Pending, Value(20.0), Value(f64::NAN), Value(40.0)]);
+        let history = history(&[
+            Value(10.0),
+            Failed { value: Some(900.0), part: None },
+            Pending,
+            Value(20.0),
+            Value(f64::NAN),
+            Value(40.0),
+        ]);
         let candidates = CostTransform::ByEvidence { cap_factor: 1.3 }.candidates(&history);
         assert_eq!(candidates.len(), 4);
         for targets in candidates {
@@ -247,7 +253,7 @@ mod tests {
     #[test]
     fn raw_keeps_the_penalty() {
         use Outcome::{Failed, Value};
-        let history = history(&[Value(10.0), Failed { value: Some(900.0) }, Failed { value: None }]);
+        let history = history(&[Value(10.0), Failed { value: Some(900.0), part: None }, Outcome::FAILED]);
         let targets = CostTransform::Raw.candidates(&history).remove(0);
         assert!((targets.cost(targets.values[1]) - 900.0).abs() < 1e-9);
         assert!((targets.cost(targets.values[2]) - 900.0).abs() < 1e-9);
@@ -255,7 +261,7 @@ mod tests {
 
     #[test]
     fn negative_costs_are_capped_without_a_logarithm() {
-        let history = history(&[Outcome::Value(-3.0), Outcome::Value(-1.0), Outcome::Failed { value: None }]);
+        let history = history(&[Outcome::Value(-3.0), Outcome::Value(-1.0), Outcome::FAILED]);
         let candidates = CostTransform::ByEvidence { cap_factor: 1.3 }.candidates(&history);
         assert_eq!(candidates.len(), 2);
         for targets in candidates {
@@ -266,10 +272,10 @@ mod tests {
 
     #[test]
     fn degenerate_histories_give_finite_targets() {
-        use Outcome::{Failed, Value};
+        use Outcome::Value;
         for outcomes in [
             vec![],
-            vec![Failed { value: None }; 3],
+            vec![Outcome::FAILED; 3],
             vec![Value(f64::NAN), Value(f64::INFINITY)],
             vec![Value(5.0); 4],
             vec![Value(1e300), Value(-1e300), Value(0.0)],

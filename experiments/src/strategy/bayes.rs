@@ -58,7 +58,7 @@ impl<const N: usize> Strategy<N> for Search {
         };
         let origin = match suggestion.phase {
             Phase::Design => Origin::Design,
-            Phase::Model => Origin::Model,
+            Phase::Model | Phase::Repeat => Origin::Model,
         };
         Ok(Proposal { theta: suggestion.point, origin })
     }
@@ -84,7 +84,7 @@ fn observations_with_parts(finished: &[FinishedTrial], running: &[RunningTrial])
                 Outcome::Value(cost.total() - cost.penalty)
             }
             Some(AbortReason::Stopped) => return None,
-            Some(_) => Outcome::Failed { value: Some(cost.total()) },
+            Some(_) => Outcome::Failed { value: Some(cost.total()), part: Some(cost.part_seen()) },
         };
         let parts = match outcome {
             Outcome::Value(_) => cost.max.iter().chain(&cost.mean).copied().collect(),
