@@ -7,6 +7,7 @@ use crate::belief::Belief;
 use crate::gp::Fit;
 use crate::kernel::KernelShape;
 use crate::search::{Bounds, Maximum, maximise_acquisition};
+use crate::stop::ExpectedGain;
 use crate::trust_region::TrustRegion;
 use crate::{BayesoptError, Domain, History, ModelSettings, Settings};
 
@@ -56,6 +57,8 @@ pub struct ModelEvidence {
     pub sd: f64,
     /// The cost that `mean` stands for (the median, where the target is a logarithm).
     pub predicted_cost: f64,
+    /// What the most promising point promises; `StopRule` judges it.
+    pub expected_gain: ExpectedGain,
     /// State of the trust region, where one is used.
     pub trust_region: Option<TrustRegion>,
 }
@@ -120,6 +123,17 @@ pub(crate) fn suggest_by<W: Worth>(
     let worth = of_finished.as_ref().map_or(worth, |worth| worth);
     let found =
         maximise_acquisition(worth, &region, Some(incumbent), &unit_points, &pending, &model.search, seed, trial);
+    let posterior = gp.posterior_slope(&found.point).at;
+    let improvement = match &other {
+        // Of a sum the acquisition is the logarithm of just that.
+        Some(sum) => sum.values(std::slice::from_ref(&found.point))[0].exp(),
+        None => targets.expected_improvement(posterior.mean, model.sd_factor * posterior.sd, best_target),
+    };
+    let at_found = std::slice::from_ref(&found.point);
+    let finishes = feasibility.as_ref().map_or(1.0, |feasibility| feasibility.log_probabilities(at_found)[0].exp());
+    let (best, slope) = targets.cost_and_slope(best_target);
+    let expected_gain =
+        ExpectedGain { gain: improvement * finishes, repeatability: slope * fit.hyper.noise_variance.sqrt(), best };
 
     // Unless another trial of the incumbent tells more.
     let repeats = doubtful && may_repeat(model, &unit_points, settings.init_trials) && !pending.contains(incumbent);
@@ -140,6 +154,7 @@ pub(crate) fn suggest_by<W: Worth>(
         mean: posterior.mean,
         sd: posterior.sd,
         predicted_cost: targets.cost(posterior.mean),
+        expected_gain,
         trust_region,
         fit,
     };
