@@ -30,7 +30,8 @@ pub struct Belief {
     /// Whether costs are noisy: the fitted noise is above 1e-4 of the variance of the targets, and no point that was tried twice cost the
     /// same to rounding.
     pub noisy: bool,
-    /// Whether costs are noisy, and the incumbent's lead is within one deviation of its difference to the runner-up.
+    /// Whether the noise deviation is above a tenth of that of the targets, and the incumbent's lead is within one deviation of its
+    /// difference to the runner-up.
     pub doubtful: bool,
     settings: ModelSettings,
     domain: Domain,
@@ -49,6 +50,10 @@ pub struct Slice {
     /// The acquisition; a logarithm where the settings ask for it.
     pub acquisition: Vec<f64>,
 }
+
+/// Noise variance of standardised targets above which another trial of the incumbent can tell more than a new point: a deviation of
+/// a tenth of theirs. What a kernel does not follow of a repeatable cost seldom looks as large.
+const REPEAT_ABOVE: f64 = 1e-2;
 
 /// 97.5 % quantile of the standard normal.
 const Z95: f64 = 1.959_963_984_540_054;
@@ -87,6 +92,7 @@ impl Belief {
         };
         let Incumbent { at, target: best_target, doubtful } =
             believed.unwrap_or_else(|| Incumbent::observed(&targets.values));
+        let doubtful = doubtful && fit.hyper.noise_variance > REPEAT_ABOVE;
         let incumbent = targets.trials[at];
         let incumbent_unit = unit_points[incumbent].clone();
         let feasibility =

@@ -47,6 +47,7 @@ impl CampaignResult {
                 "cost_of_ekf_campaign": judged.cost_of_ekf_campaign,
                 "excess": judged.excess(),
             })),
+            "early_stop": self.early_stop,
             "wall_s": wall_s,
         })
     }
