@@ -13,12 +13,12 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Mutex, PoisonError};
 use std::time::SystemTime;
 
-use common::{PROBLEMS, Problem, VARIANTS, median, random_regret, simple_regret};
+use common::{PROBLEMS, Problem, VARIANTS, median, random_regret, seeds_of, simple_regret};
 use tribo_bayesopt::{BayesoptError, Settings};
 
 fn main() -> Result<(), BayesoptError> {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
-    let seeds = arguments.first().and_then(|text| seeds(text)).unwrap_or(0..20);
+    let seeds = arguments.first().and_then(|text| seeds_of(text)).unwrap_or(0..20);
     let paper = arguments.get(1).is_some_and(|text| text == "paper");
     let chosen = arguments.get(2..).unwrap_or_default();
     println!("| problem | median | quartiles | worst | random | ms |\n|---|---|---|---|---|---|");
@@ -39,11 +39,6 @@ fn main() -> Result<(), BayesoptError> {
         );
     }
     Ok(())
-}
-
-fn seeds(text: &str) -> Option<Range<u64>> {
-    let (from, to) = text.split_once("..").unwrap_or(("0", text));
-    Some(from.parse().ok()?..to.parse().ok()?).filter(|range| !range.is_empty())
 }
 
 /// Regret of each seed, and the milliseconds of a suggestion; seeds are shared among the processors.

@@ -1,11 +1,12 @@
 //! What the model believes after the trials so far.
 
-use crate::acquisition::Criterion;
+use crate::acquisition::{Criterion, OfFinished, OneOutput, Worth};
 use crate::gp::{Contender, FEWEST_SAMPLES, Fit, Gp, fit_best};
+use crate::incumbent::{Incumbent, is_noisy};
 use crate::kernel::KernelShape;
 use crate::settings::ModelSettings;
 use crate::transform::Targets;
-use crate::{BayesoptError, Domain, History};
+use crate::{BayesoptError, Domain, Feasibility, History};
 
 /// The Gaussian process from which the next point is chosen, and what undoes its transform.
 ///
@@ -20,10 +21,18 @@ pub struct Belief {
     pub fit: Fit,
     /// The targets it was conditioned on.
     pub targets: Targets,
-    /// Trial with the least target.
+    /// Where trials fail; none where none has, or the settings do not ask.
+    pub feasibility: Option<Feasibility>,
+    /// The best trial: that with the least target, or, of noisy costs, with the least posterior mean.
     pub incumbent: usize,
-    /// Its target.
+    /// Its target, or its posterior mean.
     pub best_target: f64,
+    /// Whether costs are noisy: the fitted noise is above 1e-4 of the variance of the targets, and no point that was tried twice cost the
+    /// same to rounding.
+    pub noisy: bool,
+    /// Whether the noise deviation is above a tenth of that of the targets, and the incumbent's lead is within one deviation of its
+    /// difference to the runner-up.
+    pub doubtful: bool,
     settings: ModelSettings,
     domain: Domain,
     incumbent_unit: Vec<f64>,
@@ -41,6 +50,10 @@ pub struct Slice {
     /// The acquisition; a logarithm where the settings ask for it.
     pub acquisition: Vec<f64>,
 }
+
+/// Noise variance of standardised targets above which another trial of the incumbent can tell more than a new point: a deviation of
+/// a tenth of theirs. What a kernel does not follow of a repeatable cost seldom looks as large.
+const REPEAT_ABOVE: f64 = 1e-2;
 
 /// 97.5 % quantile of the standard normal.
 const Z95: f64 = 1.959_963_984_540_054;
@@ -68,15 +81,40 @@ impl Belief {
         // Transform, kernel and hyper-parameters from the observations, posterior from these and the pending trials.
         let (chosen, shape, fit) = fit_to_costs(settings, &observed, &candidates, seed, history.len())?;
         let targets = candidates.swap_remove(chosen);
-        let gp = condition(shape, &fit, observed, &targets, history, &unit_points)?;
-        let (best_at, best_target) = least(&targets.values);
-        let incumbent = targets.trials[best_at];
+        let gp = condition(shape, &fit, observed.clone(), &targets, history, &unit_points)?;
+        let noisy = settings.noise_aware && is_noisy(fit.hyper.noise_variance, &observed, &targets.values);
+        let believed = if noisy {
+            let did_finish = |&i: &usize| history.trials[targets.trials[i]].outcome.success().is_some();
+            let finished: Vec<usize> = (0..observed.len()).filter(did_finish).collect();
+            Incumbent::believed(&gp, &observed, &finished)
+        } else {
+            None
+        };
+        let Incumbent { at, target: best_target, doubtful } =
+            believed.unwrap_or_else(|| Incumbent::observed(&targets.values));
+        let doubtful = doubtful && fit.hyper.noise_variance > REPEAT_ABOVE;
+        let incumbent = targets.trials[at];
         let incumbent_unit = unit_points[incumbent].clone();
+        let feasibility =
+            if settings.feasibility { Feasibility::of(&settings.fit, history, &unit_points, seed)? } else { None };
         let (settings, domain) = (settings.clone(), domain.clone());
-        Ok(Some(Self { gp, fit, targets, shape, incumbent, best_target, settings, domain, incumbent_unit }))
+        Ok(Some(Self {
+            gp,
+            fit,
+            targets,
+            shape,
+            feasibility,
+            incumbent,
+            best_target,
+            noisy,
+            doubtful,
+            settings,
+            domain,
+            incumbent_unit,
+        }))
     }
 
-    /// What the next point maximises.
+    /// What the next point maximises, feasibility apart.
     pub fn criterion(&self) -> Criterion {
         let ModelSettings { acquisition, sd_factor, .. } = self.settings;
         Criterion { acquisition, best: self.best_target, sd_factor }
@@ -105,11 +143,16 @@ impl Belief {
         let posterior = self.gp.posterior_batch(&at);
         let cost = |target: f64| self.targets.cost(target);
         let criterion = self.criterion();
+        let own = OneOutput { gp: &self.gp, criterion: &criterion };
+        let acquisition = match &self.feasibility {
+            Some(feasibility) => OfFinished { worth: &own, feasibility }.values(&at),
+            None => own.values(&at),
+        };
         Ok(Slice {
             at: at.iter().map(|u| Ok(self.domain.from_unit(u)?[coordinate])).collect::<Result<_, BayesoptError>>()?,
             median: posterior.iter().map(|p| cost(p.mean)).collect(),
             band95: posterior.iter().map(|p| [cost(p.mean - Z95 * p.sd), cost(p.mean + Z95 * p.sd)]).collect(),
-            acquisition: posterior.iter().map(|p| criterion.evaluate(p.mean, p.sd).value).collect(),
+            acquisition,
         })
     }
 }
@@ -165,19 +208,14 @@ fn condition(
         .filter(|&i| history.trials[i].outcome.is_pending())
         .map(|i| unit_points[i].clone())
         .collect();
-    let gp = Gp::new(shape, &fit.hyper, observed.clone(), &targets.values)?;
+    let mut gp = Gp::new(shape, &fit.hyper, observed, &targets.values)?;
     if pending.is_empty() {
         return Ok(gp);
     }
+    // To believe one at its mean leaves the means of the others as they were.
     let believed = gp.posterior_batch(&pending);
-    let values: Vec<f64> = targets.values.iter().copied().chain(believed.iter().map(|p| p.mean)).collect();
-    Gp::new(shape, &fit.hyper, observed.into_iter().chain(pending).collect(), &values)
-}
-
-/// Index and value of the least target; the first of equals.
-fn least(values: &[f64]) -> (usize, f64) {
-    let first = (0, values[0]);
-    values.iter().copied().enumerate().fold(first, |best, (i, v)| if v < best.1 { (i, v) } else { best })
+    pending.into_iter().zip(believed).try_for_each(|(point, at)| gp.observe(point, at.mean))?;
+    Ok(gp)
 }
 
 #[cfg(test)]
@@ -192,7 +230,10 @@ mod tests {
         for k in 0..9 {
             let point = settings.design_point(&domain, k, 3).unwrap();
             let cost = 1.0 + (point[0] - 0.2).powi(2) + 0.05 * (point[1] - 1.0).powi(2);
-            history.push(point, if k == 5 { Outcome::Failed { value: Some(50.0) } } else { Outcome::Value(cost) });
+            history.push(
+                point,
+                if k == 5 { Outcome::Failed { value: Some(50.0), part: None } } else { Outcome::Value(cost) },
+            );
         }
         (settings, domain, history)
     }

@@ -7,16 +7,22 @@ use serde::{Deserialize, Serialize};
 pub enum Outcome {
     /// The trial ended and cost this much. NaN and infinities count as failed.
     Value(f64),
-    /// The trial was aborted. `value` is its penalised raw cost, where the cost law defines one.
+    /// The trial was aborted.
     Failed {
-        /// Penalised raw cost, if defined.
+        /// Penalised raw cost, where the cost law defines one.
         value: Option<f64>,
+        /// ξ/T in [0, 1], the part of the trial that was seen before it was aborted; none where nobody knows.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        part: Option<f64>,
     },
     /// The trial has been handed out and has not come back.
     Pending,
 }
 
 impl Outcome {
+    /// A failed trial of which nothing is known.
+    pub const FAILED: Self = Self::Failed { value: None, part: None };
+
     /// The cost of a trial that did not fail: finite values only.
     pub fn success(self) -> Option<f64> {
         match self {
@@ -98,7 +104,7 @@ mod tests {
     #[test]
     fn incumbent_skips_failed_pending_and_not_a_number() {
         let mut history = History::new();
-        history.push(vec![0.0], Outcome::Failed { value: Some(-9.0) });
+        history.push(vec![0.0], Outcome::Failed { value: Some(-9.0), part: None });
         history.push(vec![0.1], Outcome::Value(f64::NAN));
         assert_eq!(history.incumbent(), None);
         history.push(vec![0.2], Outcome::Value(3.0));

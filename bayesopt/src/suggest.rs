@@ -2,11 +2,12 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::acquisition::{OneOutput, SumLogEi, Worth};
+use crate::acquisition::{OfFinished, OneOutput, SumLogEi, Worth};
 use crate::belief::Belief;
 use crate::gp::Fit;
 use crate::kernel::KernelShape;
-use crate::search::{Bounds, maximise_acquisition};
+use crate::search::{Bounds, Maximum, maximise_acquisition};
+use crate::stop::ExpectedGain;
 use crate::trust_region::TrustRegion;
 use crate::{BayesoptError, Domain, History, ModelSettings, Settings};
 
@@ -18,6 +19,8 @@ pub enum Phase {
     Design,
     /// The model.
     Model,
+    /// The model, which is in doubt about the incumbent of noisy costs and has it tried again.
+    Repeat,
 }
 
 /// A point to try next, with the reasons a critic would ask for.
@@ -54,6 +57,8 @@ pub struct ModelEvidence {
     pub sd: f64,
     /// The cost that `mean` stands for (the median, where the target is a logarithm).
     pub predicted_cost: f64,
+    /// What the most promising point promises; `StopRule` judges it.
+    pub expected_gain: ExpectedGain,
     /// State of the trust region, where one is used.
     pub trust_region: Option<TrustRegion>,
 }
@@ -97,7 +102,7 @@ pub(crate) fn suggest_by<W: Worth>(
     };
     let criterion = belief.criterion();
     let other = other(model, &belief)?;
-    let Belief { gp, shape, fit, targets, incumbent: incumbent_trial, best_target, .. } = belief;
+    let Belief { gp, shape, fit, targets, feasibility, incumbent: incumbent_trial, best_target, doubtful, .. } = belief;
 
     // The incumbent, and the region around it.
     let incumbent = &unit_points[incumbent_trial];
@@ -113,16 +118,33 @@ pub(crate) fn suggest_by<W: Worth>(
     let pending: Vec<Vec<f64>> =
         (0..trial).filter(|&i| history.trials[i].outcome.is_pending()).map(|i| unit_points[i].clone()).collect();
     let own = OneOutput { gp: &gp, criterion: &criterion };
-    let found = maximise_acquisition(
-        other.as_ref().map_or(&own as &dyn Worth, |worth| worth),
-        &region,
-        Some(incumbent),
-        &unit_points,
-        &pending,
-        &model.search,
-        seed,
-        trial,
-    );
+    let worth = other.as_ref().map_or(&own as &dyn Worth, |worth| worth);
+    let of_finished = feasibility.as_ref().map(|feasibility| OfFinished { worth, feasibility });
+    let worth = of_finished.as_ref().map_or(worth, |worth| worth);
+    let found =
+        maximise_acquisition(worth, &region, Some(incumbent), &unit_points, &pending, &model.search, seed, trial);
+    let posterior = gp.posterior_slope(&found.point).at;
+    let improvement = match &other {
+        // Of a sum the acquisition is the logarithm of just that.
+        Some(sum) => sum.values(std::slice::from_ref(&found.point))[0].exp(),
+        None => targets.expected_improvement(posterior.mean, model.sd_factor * posterior.sd, best_target),
+    };
+    let at_found = std::slice::from_ref(&found.point);
+    let finishes = feasibility.as_ref().map_or(1.0, |feasibility| feasibility.log_probabilities(at_found)[0].exp());
+    let (best, slope) = targets.cost_and_slope(best_target);
+    let expected_gain =
+        ExpectedGain { gain: improvement * finishes, repeatability: slope * fit.hyper.noise_variance.sqrt(), best };
+
+    // Unless another trial of the incumbent tells more.
+    let repeats = doubtful && may_repeat(model, &unit_points, settings.init_trials) && !pending.contains(incumbent);
+    let (phase, found, point) = if repeats {
+        let value = worth.values(std::slice::from_ref(incumbent))[0];
+        let found = Maximum { point: incumbent.clone(), value };
+        (Phase::Repeat, found, history.trials[incumbent_trial].point.clone())
+    } else {
+        let point = domain.from_unit(&found.point)?;
+        (Phase::Model, found, point)
+    };
     let posterior = gp.posterior_slope(&found.point).at;
     let evidence = ModelEvidence {
         shape,
@@ -132,14 +154,16 @@ pub(crate) fn suggest_by<W: Worth>(
         mean: posterior.mean,
         sd: posterior.sd,
         predicted_cost: targets.cost(posterior.mean),
+        expected_gain,
         trust_region,
         fit,
     };
-    Ok(Suggestion {
-        trial,
-        point: domain.from_unit(&found.point)?,
-        phase: Phase::Model,
-        acquisition: Some(found.value),
-        evidence: Some(evidence),
-    })
+    Ok(Suggestion { trial, point, phase, acquisition: Some(found.value), evidence: Some(evidence) })
+}
+
+/// Whether the share of repeated points among the trials of the model leaves room for another.
+fn may_repeat(model: &ModelSettings, points: &[Vec<f64>], init_trials: usize) -> bool {
+    let repeated = (init_trials..points.len()).filter(|&i| points[..i].contains(&points[i])).count();
+    let by_model = (points.len() + 1).saturating_sub(init_trials);
+    model.repeat_one_in.is_some_and(|one_in| (repeated + 1) * one_in <= by_model)
 }

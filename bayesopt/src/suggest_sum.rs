@@ -2,7 +2,7 @@
 
 use crate::acquisition::{Part, SumLogEi};
 use crate::belief::Belief;
-use crate::{BayesoptError, Domain, History, Observation, Outcome, Settings, Suggestion};
+use crate::{BayesoptError, Domain, History, ModelSettings, Observation, Outcome, Settings, Suggestion};
 
 /// [`suggest()`](crate::suggest()) for `y = Σ_k c_k`, all c_k >= 0: one Gaussian process per part and Monte-Carlo LogEI of the sum
 /// ([`SumLogEi`]) in the trust region of the whole. `parts` has the parts of every trial of the history that did not fail, and
@@ -30,7 +30,7 @@ pub fn suggest_sum(
                     Some(part) => Outcome::Value(*part),
                     None => return Err(BayesoptError::DimensionMismatch { need: count, got: parts.len() }),
                 },
-                Outcome::Failed { .. } => Outcome::Failed { value: None },
+                Outcome::Failed { .. } => Outcome::FAILED,
                 Outcome::Pending => Outcome::Pending,
             };
             Ok(Observation { point: trial.point.clone(), outcome })
@@ -38,6 +38,8 @@ pub fn suggest_sum(
         Ok(History { trials: trials.collect::<Result<_, _>>()? })
     };
     crate::suggest::suggest_by(settings, domain, history, seed, |model, whole| {
+        // Where trials fail is the whole's to know.
+        let model = &ModelSettings { feasibility: false, ..model.clone() };
         let mut believed = Vec::with_capacity(count);
         for k in 0..count {
             match Belief::of(model, domain, &of_part(k)?, seed)? {
@@ -94,7 +96,7 @@ mod tests {
         assert!(suggest_sum(&settings, &domain, &history, &[], 1).is_err());
         let uneven = [vec![1.0, 2.0], vec![1.0], vec![1.0, 2.0], vec![1.0, 2.0]];
         assert!(suggest_sum(&settings, &domain, &history, &uneven, 1).is_err());
-        history.push(vec![0.1, 0.9], Outcome::Failed { value: None });
+        history.push(vec![0.1, 0.9], Outcome::FAILED);
         let even: Vec<Vec<f64>> = (0..5).map(|k| if k == 4 { vec![] } else { vec![0.5, 0.5 + k as f64] }).collect();
         let suggestion = suggest_sum(&settings, &domain, &history, &even, 1).unwrap();
         assert!(suggestion.point.iter().all(|u| (0.0..=1.0).contains(u)) && suggestion.evidence.is_some());

@@ -2,6 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
+use crate::acquisition::{expected_improvement, log_normal_cdf};
 use crate::{History, Outcome};
 
 /// What stands for the largest cost where costs are added up: their sum is finite too.
@@ -156,6 +157,19 @@ impl Targets {
         (cost.min(FINITE), (slope * unbent * self.sd).min(FINITE))
     }
 
+    /// `E max(0, c(best) − c(t))`, t ~ N(mean, sd²), sd > 0, in units of the cost, where `best` lies below the bend, as incumbents do:
+    /// `sd_t·EI` of a linear transform, and of a logarithm, with `μ, s` the mean and deviation of ln c and `a = (ln c(best) − μ)/s`,
+    /// `c(best) Φ(a) − e^{μ + s²/2} Φ(a − s)`.
+    pub fn expected_improvement(&self, mean: f64, sd: f64, best: f64) -> f64 {
+        if !self.logarithmic {
+            return self.sd * expected_improvement(mean, sd, best).value;
+        }
+        let (mu, s, log_best) = (self.mean + self.sd * mean, self.sd * sd, self.mean + self.sd * best);
+        let a = (log_best - mu) / s;
+        let paid = log_best + log_normal_cdf(a).0;
+        (paid.exp() - (mu + 0.5 * s * s + log_normal_cdf(a - s).0).exp()).max(0.0).min(FINITE)
+    }
+
     /// The cost that a standardised target stands for; finite.
     pub fn cost(&self, target: f64) -> f64 {
         let bent = self.mean + self.sd * target;
@@ -168,7 +182,7 @@ impl Targets {
 /// The finite raw cost of a trial, penalty included.
 fn raw_cost(outcome: Outcome) -> Option<f64> {
     match outcome {
-        Outcome::Value(value) | Outcome::Failed { value: Some(value) } if value.is_finite() => Some(value),
+        Outcome::Value(value) | Outcome::Failed { value: Some(value), .. } if value.is_finite() => Some(value),
         _ => None,
     }
 }
@@ -202,8 +216,14 @@ mod tests {
     #[test]
     fn failures_are_capped_and_costs_come_back_through_log_bend_and_standardisation() {
         use Outcome::{Failed, Pending, Value};
-        let history =
-            history(&[Value(10.0), Failed { value: Some(900.0) }, Pending, Value(20.0), Value(f64::NAN), Value(40.0)]);
+        let history = history(&[
+            Value(10.0),
+            Failed { value: Some(900.0), part: None },
+            Pending,
+            Value(20.0),
+            Value(f64::NAN),
+            Value(40.0),
+        ]);
         let candidates = CostTransform::ByEvidence { cap_factor: 1.3 }.candidates(&history);
         assert_eq!(candidates.len(), 4);
         for targets in candidates {
@@ -244,10 +264,32 @@ mod tests {
         assert_eq!(Bend::of(&[1.0, 1.0, 1.0, 7.0]), None);
     }
 
+    /// Second algorithm: the midpoint rule over the density.
+    #[test]
+    fn expected_improvement_is_the_integral_over_the_costs() {
+        use Outcome::Value;
+        let history = history(&[Value(10.0), Value(20.0), Value(40.0), Value(900.0)]);
+        for targets in (CostTransform::ByEvidence { cap_factor: 1.3 }).candidates(&history) {
+            let best = targets.values[0];
+            for (mean, sd) in [(best + 0.3, 0.4), (best - 0.2, 0.1), (best + 1.0, 0.5)] {
+                let step = 1e-4;
+                let integral: f64 = (-80_000..80_000)
+                    .map(|k| {
+                        let z = (f64::from(k) + 0.5) * step;
+                        let gain = (targets.cost(best) - targets.cost(mean + sd * z)).max(0.0);
+                        gain * crate::acquisition::normal_pdf(z) * step
+                    })
+                    .sum();
+                let closed = targets.expected_improvement(mean, sd, best);
+                assert!((closed / integral - 1.0).abs() < 1e-6, "{closed} {integral} {targets:?}");
+            }
+        }
+    }
+
     #[test]
     fn raw_keeps_the_penalty() {
         use Outcome::{Failed, Value};
-        let history = history(&[Value(10.0), Failed { value: Some(900.0) }, Failed { value: None }]);
+        let history = history(&[Value(10.0), Failed { value: Some(900.0), part: None }, Outcome::FAILED]);
         let targets = CostTransform::Raw.candidates(&history).remove(0);
         assert!((targets.cost(targets.values[1]) - 900.0).abs() < 1e-9);
         assert!((targets.cost(targets.values[2]) - 900.0).abs() < 1e-9);
@@ -255,7 +297,7 @@ mod tests {
 
     #[test]
     fn negative_costs_are_capped_without_a_logarithm() {
-        let history = history(&[Outcome::Value(-3.0), Outcome::Value(-1.0), Outcome::Failed { value: None }]);
+        let history = history(&[Outcome::Value(-3.0), Outcome::Value(-1.0), Outcome::FAILED]);
         let candidates = CostTransform::ByEvidence { cap_factor: 1.3 }.candidates(&history);
         assert_eq!(candidates.len(), 2);
         for targets in candidates {
@@ -266,10 +308,10 @@ mod tests {
 
     #[test]
     fn degenerate_histories_give_finite_targets() {
-        use Outcome::{Failed, Value};
+        use Outcome::Value;
         for outcomes in [
             vec![],
-            vec![Failed { value: None }; 3],
+            vec![Outcome::FAILED; 3],
             vec![Value(f64::NAN), Value(f64::INFINITY)],
             vec![Value(5.0); 4],
             vec![Value(1e300), Value(-1e300), Value(0.0)],

@@ -120,7 +120,7 @@ mod tests {
     fn pending_trials_count_neither_way_and_failures_count() {
         let mut with_pending = history(&[5.0, 4.0]);
         with_pending.push(vec![0.5], Outcome::Pending);
-        with_pending.push(vec![0.5], Outcome::Failed { value: None });
+        with_pending.push(vec![0.5], Outcome::FAILED);
         let region = TrustRegion::replay(&with_pending, 1, 3);
         assert_eq!((region.successes, region.failures), (0, 1));
     }

@@ -96,15 +96,15 @@ fn duplicated_not_a_number_infinite_and_failed_outcomes_survive() {
     let domain = Domain::unit_cube(3).unwrap();
     let outcomes: Vec<Vec<Outcome>> = vec![
         vec![Outcome::Value(2.0); 12],
-        vec![Outcome::Failed { value: None }; 12],
-        vec![Outcome::Failed { value: Some(900.0) }; 12],
+        vec![Outcome::FAILED; 12],
+        vec![Outcome::Failed { value: Some(900.0), part: None }; 12],
         vec![Outcome::Value(f64::NAN); 12],
         vec![Outcome::Pending; 12],
         (0..12)
             .map(|i| match i % 4 {
                 0 => Outcome::Value(f64::INFINITY),
                 1 => Outcome::Value(f64::from(i)),
-                2 => Outcome::Failed { value: None },
+                2 => Outcome::FAILED,
                 _ => Outcome::Value(-1e250),
             })
             .collect(),

@@ -13,7 +13,7 @@ use crate::journal::{Clock, Journal, JournalTrial, TrialState, attributes, finis
 use crate::stored_logs::StoredLogs;
 use crate::strategy::{FinishedTrial, GreyBox, LawCheck, Past, Proposal, Strategy, StrategyError, StrategyName};
 use crate::trial_store::{trial_log_path, write_trial_log};
-use crate::{EstimatorError, ParameterSpace, References, TuneConfig, ValidTune, references, run_numbered};
+use crate::{EarlyStop, EstimatorError, ParameterSpace, References, TuneConfig, ValidTune, references, run_numbered};
 
 /// Why a campaign cannot go on.
 #[derive(Debug, thiserror::Error)]
@@ -79,6 +79,8 @@ pub struct CampaignResult {
     pub references: References,
     /// Whether the friction law explains the first trial, where the strategy identifies one.
     pub law_check: Option<LawCheck>,
+    /// Why it ended before its last trial, if it did.
+    pub early_stop: Option<EarlyStop>,
 }
 
 /// A campaign in its directory.
@@ -140,9 +142,18 @@ impl<const N: usize> Campaign<N> {
             .map_err(|source| CampaignError::Strategy { trial: 0, source })?;
         let logs = StoredLogs::new(self.directory.clone());
 
+        let mut early_stop = None;
         while let Some(next) = self.trials.iter().position(Option::is_none) {
             if observer.stop_requested() {
                 return Err(CampaignError::Stopped { finished: self.finished() });
+            }
+            if let Some(stop_below) = self.tune.config.stop_below {
+                early_stop = EarlyStop::before(next, stop_below, strategy.as_ref(), &self.trials)
+                    .map_err(|source| CampaignError::Strategy { trial: next, source })?;
+                if let Some(stop) = early_stop {
+                    stop.write(&self.directory)?;
+                    break;
+                }
             }
             let batch = self.next_batch(next, strategy.as_ref(), &logs)?;
             self.run_batch(&batch, &logs, observer)?;
@@ -157,7 +168,7 @@ impl<const N: usize> Campaign<N> {
         let trials: Vec<FinishedTrial> = self.trials.into_iter().flatten().collect();
         let best = best_trial(&trials);
         let (config, space) = (self.tune.config.clone(), self.tune.space.clone());
-        let result = CampaignResult { config, space, trials, best, references, law_check };
+        let result = CampaignResult { config, space, trials, best, references, early_stop, law_check };
         write_tuned(&self.directory, &self.tune, &result.trials, Some(references.uncompensated))?;
         Ok(result)
     }

@@ -62,6 +62,10 @@ pub struct TuneConfig {
     pub trials: usize,
     /// Trials of the initial design, where the strategy has one.
     pub init: usize,
+    /// Ends the campaign before its last trial, once the expected improvement of three trials in a row was below this share of the best
+    /// J; none runs all trials. For strategies with a model of J, where Tribo runs the trials.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub stop_below: Option<f64>,
     /// What the simulated arm is like: a name, or the path of a model file.
     pub truth: TruthName,
     /// Content of the file that `truth` names, as it was when the campaign began.
@@ -111,6 +115,7 @@ impl Default for TuneConfig {
             // The paper's budget: 10 random trials and 40 chosen ones.
             trials: 50,
             init: 10,
+            stop_below: None,
             truth: TruthName::CoulombViscous,
             truth_content: None,
             model: None,
@@ -245,6 +250,19 @@ impl TuneConfig {
         FieldError::check("model_error.link_mass_error", self.model_error.link_mass_error, 0.0, 0.5)?;
         FieldError::check("model_error.noise_factor", self.model_error.noise_factor, 0.0, 1000.0)?;
         FieldError::check("failure_rate", self.failure_rate, 0.0, 0.9)?;
+        if let Some(share) = self.stop_below {
+            positive("stop_below", share, 0.5)?;
+            let allowed = match (self.strategy.expects_gain(), &self.user_trials) {
+                (false, _) => Some("nothing with this strategy: paper, bo and composite know what a trial promises"),
+                (true, Some(_)) => {
+                    Some("nothing in campaigns whose trials run elsewhere: ask no more when it is enough")
+                }
+                (true, None) => None,
+            };
+            if let Some(allowed) = allowed {
+                return Err(FieldError::new("stop_below", share, allowed).into());
+            }
+        }
         let i = &self.impedance;
         positive("impedance.mass_kg", i.mass_kg, 1e3)?;
         positive("impedance.inertia_kg_m2", i.inertia_kg_m2, 1e3)?;

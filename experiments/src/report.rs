@@ -51,6 +51,7 @@ impl CampaignResult {
                 "unexplained": check.unexplained,
                 "passed": check.passed(),
             })),
+            "early_stop": self.early_stop,
             "wall_s": wall_s,
         })
     }

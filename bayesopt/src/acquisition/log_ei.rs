@@ -3,13 +3,7 @@
 use std::f64::consts::PI;
 
 use super::AcquisitionSlope;
-use super::normal::{normal_cdf, normal_pdf};
-
-/// Below this z the cancelling form `1 + z Φ/φ` gives way to its asymptotic series:
-/// at z = −15 the first loses 5e-12, the ten-term second 4e-13.
-const TAIL: f64 = -15.0;
-/// Terms of the series.
-const TAIL_TERMS: u32 = 10;
+use super::normal::{TAIL, normal_cdf, normal_pdf, tail_w};
 
 /// `LogEI = ln sd + ln h(z),   h = φ(z) + z Φ(z),   z = (best − mean)/sd`   (Ament et al. 2023, eq. 9).
 ///
@@ -36,17 +30,6 @@ fn log_h_and_slope(z: f64) -> (f64, f64) {
         (w, (1.0 - w) / -z)
     };
     (-0.5 * z * z - 0.5 * (2.0 * PI).ln() + w.ln(), mills / w)
-}
-
-/// `w = 1 + zΦ/φ ~ t − 3t² + 15t³ − 105t⁴ + …,  t = 1/z²`, z ≤ −15.
-fn tail_w(z: f64) -> f64 {
-    let t = 1.0 / (z * z);
-    let (mut term, mut sum) = (t, 0.0);
-    for k in 1..=TAIL_TERMS {
-        sum += term;
-        term *= -t * f64::from(2 * k + 1);
-    }
-    sum
 }
 
 #[cfg(test)]

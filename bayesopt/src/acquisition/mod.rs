@@ -8,9 +8,9 @@ mod worth;
 
 pub use ei::expected_improvement;
 pub use log_ei::log_expected_improvement;
-pub use normal::{normal_cdf, normal_pdf};
+pub use normal::{log_normal_cdf, normal_cdf, normal_pdf};
 pub use sum_log_ei::{Part, SumLogEi};
-pub use worth::{OneOutput, Worth};
+pub use worth::{OfFinished, OneOutput, Worth};
 
 use serde::{Deserialize, Serialize};
 

@@ -1,6 +1,7 @@
 //! The worth of a point as the search sees it.
 
 use super::Criterion;
+use crate::Feasibility;
 use crate::gp::Gp;
 
 /// An acquisition as a function of the point, unit coordinates; larger is better.
@@ -34,5 +35,68 @@ impl Worth for OneOutput<'_> {
             *gradient = at.d_mean * slope.d_mean[i] + at.d_sd * slope.d_sd[i];
         }
         at.value
+    }
+}
+
+/// `a(x) + ln P(x)`: a logarithmic acquisition of the trials that do not fail (Gardner et al. 2014).
+#[derive(Clone, Copy)]
+pub struct OfFinished<'a> {
+    /// a, a logarithm.
+    pub worth: &'a dyn Worth,
+    /// P, the probability that a trial finishes.
+    pub feasibility: &'a Feasibility,
+}
+
+impl Worth for OfFinished<'_> {
+    fn values(&self, points: &[Vec<f64>]) -> Vec<f64> {
+        let finishes = self.feasibility.log_probabilities(points);
+        self.worth.values(points).into_iter().zip(finishes).map(|(value, finishes)| value + finishes).collect()
+    }
+
+    fn slope(&self, x: &[f64], gradient: &mut [f64]) -> f64 {
+        let value = self.worth.slope(x, gradient);
+        value + self.feasibility.add_slope(x, gradient)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::Acquisition;
+    use super::*;
+    use crate::{Belief, Domain, History, Outcome, Settings};
+
+    #[test]
+    fn the_worth_of_finished_trials_has_the_slope_of_its_value() {
+        let (domain, settings) = (Domain::unit_cube(2).unwrap(), Settings::bo(vec![0.1, 0.1]));
+        let mut history = History::new();
+        for k in 0..12 {
+            let x = settings.design_point(&domain, k, 2).unwrap();
+            let cost = 1.0 + (x[0] - 0.3).powi(2) + (x[1] - 0.2).powi(2);
+            let fails = x[0] + x[1] > 0.5;
+            history.push(x, if fails { Outcome::FAILED } else { Outcome::Value(cost) });
+        }
+        let belief = Belief::of(settings.model.as_ref().unwrap(), &domain, &history, 2).unwrap().unwrap();
+        let criterion = belief.criterion();
+        assert_eq!(criterion.acquisition, Acquisition::LogEi);
+        let own = OneOutput { gp: &belief.gp, criterion: &criterion };
+        let worth = OfFinished { worth: &own, feasibility: belief.feasibility.as_ref().unwrap() };
+        for x in [[0.4, 0.05], [0.2, 0.6], [0.9, 0.8]] {
+            let mut gradient = [0.0; 2];
+            let value = worth.slope(&x, &mut gradient);
+            assert!(value < own.values(&[x.to_vec()])[0]);
+            assert!((value - worth.values(&[x.to_vec()])[0]).abs() < 1e-8 * value.abs().max(1.0));
+            for i in 0..2 {
+                let at = |h: f64| {
+                    let mut x = x;
+                    x[i] += h;
+                    worth.slope(&x, &mut [0.0; 2])
+                };
+                let difference = (at(1e-6) - at(-1e-6)) / 2e-6;
+                assert!(
+                    (gradient[i] - difference).abs() < 1e-4 * difference.abs().max(1.0),
+                    "{gradient:?} {difference}"
+                );
+            }
+        }
     }
 }

@@ -14,6 +14,9 @@ const FIRST_JITTER: f64 = 1e-12;
 /// Largest jitter tried, relative to the mean diagonal; beyond it the matrix is wrong, not ill-conditioned.
 const LAST_JITTER: f64 = 1e-4;
 
+/// Least pivot of a grown row, relative to the diagonal: below it are only roundings.
+const LEAST_PIVOT: f64 = 1e-14;
+
 /// `A + jitter·I = L Lᵀ`, n × n, sequential so that equal inputs give equal bits.
 ///
 /// Only the lower triangle of A is read. Jitter is 0 where the factorisation succeeds by itself,
@@ -60,6 +63,28 @@ impl Cholesky {
                 Err(_) => relative = if relative == 0.0 { FIRST_JITTER } else { relative * 100.0 },
             }
         }
+    }
+
+    /// Takes a row more of A, `row` and the diagonal entry after it, in n²: `L ← [L 0; lᵀ λ]`, `L l = row`, `λ² = diagonal + jitter − |l|²`.
+    ///
+    /// # Errors
+    /// `NonPositivePivot` where λ² is lost in the rounding of its terms; the factor is then as it was.
+    pub(super) fn grow(&mut self, row: &[f64], diagonal: f64) -> Result<(), BayesoptError> {
+        let n = self.lower.nrows();
+        let mut solved = Mat::from_fn(n, 1, |i, _| row[i]);
+        self.forward_solve(solved.as_mut());
+        let explained: f64 = solved.col(0).iter().map(|l| l * l).sum();
+        let pivot = diagonal + self.jitter - explained;
+        // NaN is no pivot either.
+        if !(pivot > LEAST_PIVOT * diagonal) {
+            return Err(BayesoptError::NonPositivePivot { index: n });
+        }
+        self.lower.resize_with(n + 1, n + 1, |i, j| match (i == n, j == n) {
+            (true, true) => pivot.sqrt(),
+            (true, false) => solved[(j, 0)],
+            _ => 0.0,
+        });
+        Ok(())
     }
 
     /// What was added to the diagonal, in the units of the matrix.
@@ -141,6 +166,23 @@ mod tests {
         for (at, want) in [((0, 0), 0.375), ((1, 0), -0.25), ((1, 1), 0.5)] {
             assert!((inverse[at] - want).abs() < 1e-15);
         }
+    }
+
+    #[test]
+    fn a_grown_factor_is_that_of_the_larger_matrix() {
+        let entry = |i: usize, j: usize| (-0.3 * (i as f64 - j as f64).powi(2)).exp() + if i == j { 0.1 } else { 0.0 };
+        let mut grown = Cholesky::new(&Mat::from_fn(3, 3, entry)).unwrap();
+        for n in 3..30 {
+            grown.grow(&(0..n).map(|j| entry(n, j)).collect::<Vec<_>>(), entry(n, n)).unwrap();
+        }
+        let whole = Cholesky::new(&Mat::from_fn(30, 30, entry)).unwrap();
+        for (a, b) in grown.lower_rows().iter().zip(whole.lower_rows()) {
+            assert!((a - b).abs() < 1e-13, "{a} {b}");
+        }
+        let last = (0..30).map(|j| entry(29, j)).collect::<Vec<_>>();
+        let again = grown.grow(&last, entry(29, 29) - 0.1);
+        assert!(matches!(again, Err(BayesoptError::NonPositivePivot { index: 30 })), "{again:?}");
+        assert_eq!(grown.lower_rows().len(), 900);
     }
 
     #[test]

@@ -15,6 +15,8 @@ pub use inducing::InducingGp;
 pub use likelihood::{Evaluation, MarginalLikelihood};
 pub use prior::{HyperPrior, LogNormal};
 
+use faer::Mat;
+
 use crate::BayesoptError;
 use crate::kernel::{Kernel, KernelShape};
 
@@ -30,6 +32,8 @@ use crate::kernel::{Kernel, KernelShape};
 pub struct Gp {
     kernel: Kernel,
     points: Vec<Vec<f64>>,
+    targets: Vec<f64>,
+    noise_variance: f64,
     cholesky: Cholesky,
     alpha: Vec<f64>,
 }
@@ -75,13 +79,30 @@ impl Gp {
             return Err(BayesoptError::NonFiniteTarget { index, value: targets[index] });
         }
         let kernel = hyper.kernel(shape);
-        let mut covariance = kernel.gram(&points);
-        for i in 0..points.len() {
-            covariance[(i, i)] += hyper.noise_variance;
-        }
-        let cholesky = Cholesky::new(&covariance)?;
+        let cholesky = factor(&kernel, hyper.noise_variance, &points)?;
         let alpha = cholesky.solve(targets);
-        Ok(Self { kernel, points, cholesky, alpha })
+        Ok(Self { kernel, points, targets: targets.to_vec(), noise_variance: hyper.noise_variance, cholesky, alpha })
+    }
+
+    /// Takes one observation more, in n²: the posterior is that of [`Self::new`] with all of them. Where the new point is so near
+    /// to an old one that rounding swallows what it adds, everything is factorised anew, with the jitter that takes.
+    ///
+    /// # Errors
+    /// `NonFiniteTarget`, `NonPositivePivot`.
+    pub fn observe(&mut self, point: Vec<f64>, target: f64) -> Result<(), BayesoptError> {
+        if !target.is_finite() {
+            return Err(BayesoptError::NonFiniteTarget { index: self.points.len(), value: target });
+        }
+        let row = self.kernel.cross(&self.points, std::slice::from_ref(&point));
+        let row: Vec<f64> = row.col(0).iter().copied().collect();
+        let grown = self.cholesky.grow(&row, self.kernel.variance(&point) + self.noise_variance);
+        self.points.push(point);
+        self.targets.push(target);
+        if grown.is_err() {
+            self.cholesky = factor(&self.kernel, self.noise_variance, &self.points)?;
+        }
+        self.alpha = self.cholesky.solve(&self.targets);
+        Ok(())
     }
 
     /// Jitter that the factorisation needed, target units squared.
@@ -126,10 +147,30 @@ impl Gp {
         PosteriorSlope { at: Posterior { mean, sd }, d_mean, d_sd }
     }
 
+    /// Posterior of the difference `f(a) − f(b)`; its deviation is 0 where a and b are one point.
+    pub fn difference(&self, a: &[f64], b: &[f64]) -> Posterior {
+        let cross = self.kernel.cross(&self.points, &[a.to_vec(), b.to_vec()]);
+        let mut column = Mat::from_fn(self.points.len(), 1, |i, _| cross[(i, 0)] - cross[(i, 1)]);
+        let mean = column.col(0).iter().zip(&self.alpha).map(|(k, alpha)| k * alpha).sum();
+        self.cholesky.forward_solve(column.as_mut());
+        let explained: f64 = column.col(0).iter().map(|v| v * v).sum();
+        let prior = self.kernel.variance(a) + self.kernel.variance(b) - 2.0 * self.kernel.value(a, b);
+        Posterior { mean, sd: (prior - explained).max(0.0).sqrt() }
+    }
+
     fn deviation(&self, x: &[f64], explained: f64) -> f64 {
         let prior = self.kernel.variance(x);
         (prior - explained).max(LEAST_VARIANCE * prior).sqrt()
     }
+}
+
+/// The factor of `K + σ_n² I`.
+fn factor(kernel: &Kernel, noise_variance: f64, points: &[Vec<f64>]) -> Result<Cholesky, BayesoptError> {
+    let mut covariance = kernel.gram(points);
+    for i in 0..points.len() {
+        covariance[(i, i)] += noise_variance;
+    }
+    Cholesky::new(&covariance)
 }
 
 #[cfg(test)]
@@ -137,7 +178,6 @@ mod tests {
     use super::*;
     use crate::design::sobol_point;
     use crate::kernel::{KernelFamily, Structure, Trend};
-    use faer::Mat;
 
     fn hyper(noise_variance: f64) -> HyperParameters {
         HyperParameters { lengthscales: vec![0.5, 0.9], signal_variance: 1.3, noise_variance, trend: None }
@@ -160,6 +200,34 @@ mod tests {
         let points: Vec<_> = (0..9).map(|i| sobol_point(2, i, 1)).collect();
         let targets = points.iter().map(|x| (3.0 * x[0]).sin() - x[1]).collect();
         (points, targets)
+    }
+
+    #[test]
+    fn observations_one_by_one_or_all_at_once_are_the_same() {
+        let (points, targets) = data();
+        for shape in shapes() {
+            for noise in [1e-2, 1e-9] {
+                let hyper = with_trend(shape, noise);
+                let whole = Gp::new(shape, &hyper, points.clone(), &targets).unwrap();
+                let mut grown = Gp::new(shape, &hyper, points[..2].to_vec(), &targets[..2]).unwrap();
+                points[2..].iter().zip(&targets[2..]).for_each(|(x, y)| grown.observe(x.clone(), *y).unwrap());
+                for x in (20..40).map(|i| sobol_point(2, i, 7)) {
+                    let (a, b) = (whole.posterior_slope(&x), grown.posterior_slope(&x));
+                    assert!((a.at.mean - b.at.mean).abs() < 1e-10 && (a.at.sd - b.at.sd).abs() < 1e-10, "{a:?} {b:?}");
+                    assert!(a.d_mean.iter().zip(&b.d_mean).all(|(a, b)| (a - b).abs() < 1e-9), "{a:?} {b:?}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn a_repeated_noise_free_observation_is_factorised_anew() {
+        let (points, targets) = data();
+        let mut gp = Gp::new(KernelFamily::Matern52, &hyper(0.0), points.clone(), &targets).unwrap();
+        assert_eq!(gp.jitter(), 0.0);
+        gp.observe(points[4].clone(), targets[4]).unwrap();
+        assert!(gp.jitter() > 0.0 && (gp.posterior_slope(&points[4]).at.mean - targets[4]).abs() < 1e-6);
+        assert!(gp.observe(vec![0.5, 0.5], f64::NAN).is_err());
     }
 
     #[test]
@@ -192,6 +260,27 @@ mod tests {
                     assert!((posterior.sd - variance.sqrt()).abs() < 1e-12);
                 }
             }
+        }
+    }
+
+    /// Second algorithm: the explicit inverse.
+    #[test]
+    fn differences_have_the_joint_posterior() {
+        use faer::linalg::solvers::DenseSolveCore;
+        let (points, targets) = data();
+        for shape in shapes() {
+            let gp = Gp::new(shape, &with_trend(shape, 0.01), points.clone(), &targets).unwrap();
+            let noisy = &gp.kernel.gram(&points) + faer::Scale(0.01) * Mat::<f64>::identity(9, 9);
+            let inverse = noisy.partial_piv_lu().inverse();
+            let (a, b) = (sobol_point(2, 20, 7), sobol_point(2, 21, 7));
+            let k = |x: &[f64]| Mat::from_fn(9, 1, |i, _| gp.kernel.value(x, &points[i]));
+            let covariance =
+                |x: &[f64], y: &[f64]| gp.kernel.value(x, y) - (k(x).transpose() * &inverse * k(y))[(0, 0)];
+            let variance = covariance(&a, &a) + covariance(&b, &b) - 2.0 * covariance(&a, &b);
+            let (difference, at) = (gp.difference(&a, &b), gp.posterior_batch(&[a.clone(), b.clone()]));
+            assert!((difference.mean - at[0].mean + at[1].mean).abs() < 1e-12);
+            assert!((difference.sd - variance.sqrt()).abs() < 1e-11, "{difference:?} {variance}");
+            assert_eq!(gp.difference(&a, &a).sd, 0.0);
         }
     }
 

@@ -12,9 +12,9 @@ const W: [[f64; 7]; 6] = [
     [-0.1648, 0.2814, -0.0192, 0.3936, 0.4206, -0.9803, 0.2164],
     [-0.0599, 0.0934, -0.0101, 0.1287, 0.1772, -0.3301, -0.991],
 ];
-const TRUE14: [[f64; 2]; 7] =
+pub const TRUE14: [[f64; 2]; 7] =
     [[2.35, 1.40], [1.90, 1.15], [2.15, 1.30], [1.65, 1.05], [1.45, 0.90], [1.25, 0.80], [1.10, 0.70]];
-const TRUE35: [[f64; 5]; 7] = [
+pub const TRUE35: [[f64; 5]; 7] = [
     [0.62, 0.71, 0.55, 4.2, 1.30],
     [0.48, 0.66, 0.43, 5.1, 1.05],
     [0.55, 0.58, 0.61, 3.6, 1.45],
@@ -26,27 +26,44 @@ const TRUE35: [[f64; 5]; 7] = [
 const DAMPING14: [f64; 7] = [1.6, 1.6, 1.4, 1.4, 0.9, 0.8, 0.7];
 const DAMPING35: [f64; 7] = [1.1, 1.1, 1.0, 1.0, 0.65, 0.55, 0.5];
 
+pub const WIDTH14: [f64; 2] = [5.0, 2.5];
+pub const WIDTH35: [f64; 5] = [1.5, 1.5, 1.5, 10.0, 2.5];
+
 pub fn fric14(u: &[f64]) -> f64 {
-    let box_width = [5.0, 2.5];
+    fric14_aborted(u).0
+}
+
+/// J and, of a trial that crashed, the part of it that was seen.
+pub fn fric14_aborted(u: &[f64]) -> (f64, Option<f64>) {
     let friction = |p: &[f64], v: f64| p[0] * v + p[1] * sign(v);
-    cost(u, &box_width, TRUE14.as_flattened(), &DAMPING14, friction)
+    cost(u, &WIDTH14, TRUE14.as_flattened(), &DAMPING14, friction)
 }
 
 pub fn fric35(u: &[f64]) -> f64 {
-    let box_width = [1.5, 1.5, 1.5, 10.0, 2.5];
+    fric35_aborted(u).0
+}
+
+/// J and, of a trial that crashed, the part of it that was seen.
+pub fn fric35_aborted(u: &[f64]) -> (f64, Option<f64>) {
     let friction = |p: &[f64], v: f64| p[0] * v + (p[1] + p[2] * (-((p[3] * v).abs().powf(p[4]))).exp()) * sign(v);
-    cost(u, &box_width, TRUE35.as_flattened(), &DAMPING35, friction)
+    cost(u, &WIDTH35, TRUE35.as_flattened(), &DAMPING35, friction)
 }
 
 fn sign(v: f64) -> f64 {
     if v == 0.0 { 0.0 } else { v.signum() }
 }
 
-fn cost(u: &[f64], box_width: &[f64], truth: &[f64], damping: &[f64; 7], friction: impl Fn(&[f64], f64) -> f64) -> f64 {
+fn cost(
+    u: &[f64],
+    box_width: &[f64],
+    truth: &[f64],
+    damping: &[f64; 7],
+    friction: impl Fn(&[f64], f64) -> f64,
+) -> (f64, Option<f64>) {
     let per_joint = box_width.len();
     let theta: Vec<f64> = u.iter().enumerate().map(|(k, u)| box_width[k % per_joint] * u).collect();
     let (mut y, mut largest, mut sum) = ([0.0; 6], [0.0_f64; 6], [0.0; 6]);
-    let (mut energy, mut penalty, mut steps) = (0.0_f64, 0.0, 0.0);
+    let (mut energy, mut aborted, mut steps) = (0.0_f64, None, 0.0);
     for k in 0..300 {
         let t = 0.1 * f64::from(k);
         let mut r = [0.0; 7];
@@ -70,9 +87,10 @@ fn cost(u: &[f64], box_width: &[f64], truth: &[f64], damping: &[f64; 7], frictio
         steps += 1.0;
         energy = (0.98 * energy + 0.1 * power).max(0.0);
         if energy > 2.0 {
-            penalty = 1000.0 * (-t / 30.0).exp();
+            aborted = Some(t / 30.0);
             break;
         }
     }
-    (0..6).map(|j| largest[j] + sum[j] / steps).sum::<f64>() + penalty
+    let penalty = aborted.map_or(0.0, |part: f64| 1000.0 * (-part).exp());
+    ((0..6).map(|j| largest[j] + sum[j] / steps).sum::<f64>() + penalty, aborted)
 }

@@ -1,6 +1,7 @@
 //! A library of problems with known answers (`reference/FUNCTIONS.md`), shared by all tests and examples.
 #![allow(dead_code, missing_docs)]
 
+pub mod crash;
 pub mod friction;
 pub mod random_source;
 pub mod standard;
@@ -79,4 +80,10 @@ pub fn median(mut values: Vec<f64>) -> f64 {
     values.sort_by(f64::total_cmp);
     let middle = values.len() / 2;
     if values.len() % 2 == 1 { values[middle] } else { 0.5 * (values[middle - 1] + values[middle]) }
+}
+
+/// `20` or `20..40`.
+pub fn seeds_of(text: &str) -> Option<std::ops::Range<u64>> {
+    let (from, to) = text.split_once("..").unwrap_or(("0", text));
+    Some(from.parse().ok()?..to.parse().ok()?).filter(|range| !range.is_empty())
 }

@@ -95,6 +95,11 @@ fn finish<const N: usize>(
         }
         other => other?,
     };
+    if let Some(stop) = &result.early_stop
+        && !common.quiet
+    {
+        eprintln!("tribo: {stop}");
+    }
     if tune.config.residual != EstimatorName::Ekf && !common.quiet {
         eprintln!("the same campaign with the EKF, for comparison");
     }

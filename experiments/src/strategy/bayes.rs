@@ -1,6 +1,8 @@
 //! Strategies that only look at the cost, or at its parts.
 
-use tribo_bayesopt::{Domain, History, Observation, Outcome, Phase, Settings, suggest, suggest_sum};
+use tribo_bayesopt::{
+    Domain, ExpectedGain, History, Observation, Outcome, Phase, Settings, Suggestion, suggest, suggest_sum,
+};
 
 use super::{FinishedTrial, LogSource, Origin, Past, Proposal, RunningTrial, Strategy, StrategyError};
 use crate::{AbortReason, ParameterSpace};
@@ -38,6 +40,15 @@ impl Search {
     fn of(space: &ParameterSpace, seed: u64, settings: Settings) -> Result<Self, StrategyError> {
         Ok(Self { settings, domain: space.domain()?, seed, by_parts: false })
     }
+
+    fn suggestion(&self, past: Past<'_>) -> Result<Suggestion, StrategyError> {
+        let (history, parts) = observations_with_parts(past.finished, past.running);
+        Ok(if self.by_parts {
+            suggest_sum(&self.settings, &self.domain, &history, &parts, self.seed)?
+        } else {
+            suggest(&self.settings, &self.domain, &history, self.seed)?
+        })
+    }
 }
 
 impl<const N: usize> Strategy<N> for Search {
@@ -50,17 +61,16 @@ impl<const N: usize> Strategy<N> for Search {
     }
 
     fn propose(&self, _number: usize, past: Past<'_>, _logs: &dyn LogSource<N>) -> Result<Proposal, StrategyError> {
-        let (history, parts) = observations_with_parts(past.finished, past.running);
-        let suggestion = if self.by_parts {
-            suggest_sum(&self.settings, &self.domain, &history, &parts, self.seed)?
-        } else {
-            suggest(&self.settings, &self.domain, &history, self.seed)?
-        };
+        let suggestion = self.suggestion(past)?;
         let origin = match suggestion.phase {
             Phase::Design => Origin::Design,
-            Phase::Model => Origin::Model,
+            Phase::Model | Phase::Repeat => Origin::Model,
         };
         Ok(Proposal { theta: suggestion.point, origin })
+    }
+
+    fn expected_gain(&self, past: Past<'_>) -> Result<Option<ExpectedGain>, StrategyError> {
+        Ok(self.suggestion(past)?.evidence.map(|evidence| evidence.expected_gain))
     }
 }
 
@@ -84,7 +94,7 @@ fn observations_with_parts(finished: &[FinishedTrial], running: &[RunningTrial])
                 Outcome::Value(cost.total() - cost.penalty)
             }
             Some(AbortReason::Stopped) => return None,
-            Some(_) => Outcome::Failed { value: Some(cost.total()) },
+            Some(_) => Outcome::Failed { value: Some(cost.total()), part: Some(cost.part_seen()) },
         };
         let parts = match outcome {
             Outcome::Value(_) => cost.max.iter().chain(&cost.mean).copied().collect(),

@@ -10,7 +10,7 @@ mod law_check;
 use std::fmt;
 
 use serde::{Deserialize, Serialize};
-use tribo_bayesopt::BayesoptError;
+use tribo_bayesopt::{BayesoptError, ExpectedGain};
 use tribo_friction::identify::GlsError;
 
 pub(crate) use baseline::published_gaz;
@@ -155,9 +155,20 @@ pub trait Strategy<const N: usize>: Send + Sync {
 
     /// The parameters of trial `number`, from all that is known of the trials before it.
     fn propose(&self, number: usize, past: Past<'_>, logs: &dyn LogSource<N>) -> Result<Proposal, StrategyError>;
+
+    /// What the trial proposed after these promises; none where a design chooses it, or the strategy has no model of the cost.
+    fn expected_gain(&self, past: Past<'_>) -> Result<Option<ExpectedGain>, StrategyError> {
+        let _ = past;
+        Ok(None)
+    }
 }
 
 impl StrategyName {
+    /// Whether it says what the next trial promises.
+    pub fn expects_gain(self) -> bool {
+        matches!(self, Self::Paper | Self::Bo | Self::Composite)
+    }
+
     /// The strategy for these settings.
     pub fn build<const N: usize>(self, tune: &ValidTune<N>) -> Result<Box<dyn Strategy<N>>, StrategyError> {
         let (space, seed) = (&tune.space, tune.config.seed);

@@ -126,6 +126,10 @@ impl Study {
         if self.settings.user_trials.is_some() {
             return Err(FieldError::new("settings.user_trials", "there", "nothing: a study is simulated").into());
         }
+        if let Some(share) = self.settings.stop_below {
+            let allowed = "nothing: a study compares campaigns of equal length";
+            return Err(FieldError::new("settings.stop_below", share, allowed).into());
+        }
         // What the settings name is read once, here, so that all shards see the same.
         freeze(self.settings.model.as_ref(), &mut self.settings.model_content)?;
         for case in &mut self.cases {

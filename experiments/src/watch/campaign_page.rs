@@ -87,6 +87,7 @@ pub fn headline(campaign: &CampaignSnapshot) -> String {
 
 fn head(campaign: &CampaignSnapshot) -> String {
     let (class, state) = match campaign.is_complete() {
+        true if campaign.early_stop.is_some() => ("nothing_missing", "ended early: nothing left to gain"),
         true => ("nothing_missing", "finished"),
         false => ("ambiguous", "not finished"),
     };

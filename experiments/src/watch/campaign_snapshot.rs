@@ -8,7 +8,7 @@ use tribo_figure::number::fixed;
 use super::TrialColumns;
 use crate::files::file_name;
 use crate::strategy::FinishedTrial;
-use crate::{AnyTune, CampaignError, References};
+use crate::{AnyTune, CampaignError, EarlyStop, References};
 
 /// A finished trial as the journal tells it.
 #[derive(Clone, Debug, PartialEq)]
@@ -56,6 +56,8 @@ pub struct CampaignSnapshot {
     pub torn: bool,
     /// Reference costs, once they are known.
     pub references: Option<References>,
+    /// Why it ended before its last trial, if it did.
+    pub early_stop: Option<EarlyStop>,
 }
 
 impl CampaignSnapshot {
@@ -105,9 +107,9 @@ impl CampaignSnapshot {
         self.trials.iter().filter(|watched| watched.trial.aborted.is_some())
     }
 
-    /// Whether all trials have finished.
+    /// Whether all trials have finished, or the campaign has ended early.
     pub fn is_complete(&self) -> bool {
-        self.trials.len() >= self.tune.config().trials
+        self.early_stop.is_some() || self.trials.len() >= self.tune.config().trials
     }
 
     /// Trials to be run in all.

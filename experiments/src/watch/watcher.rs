@@ -6,7 +6,7 @@ use std::sync::Arc;
 use super::{CampaignSnapshot, WatchedTrial};
 use crate::campaign_directory::{explained, read_settings};
 use crate::journal::{JournalTail, News, TrialState, finished_trial, reported};
-use crate::{AnyTune, CampaignError, References};
+use crate::{AnyTune, CampaignError, EarlyStop, References};
 
 /// Watches the campaign of a directory, finished or running, in this process or another.
 #[derive(Clone, Debug)]
@@ -16,6 +16,7 @@ pub struct CampaignWatch {
     tail: JournalTail,
     torn: bool,
     references: Option<References>,
+    early_stop: Option<EarlyStop>,
     seen: bool,
 }
 
@@ -31,7 +32,7 @@ impl CampaignWatch {
         let tune = config.validate_any().map_err(|error| explained(error, &document))?;
         let tail = JournalTail::new(&directory.join("journal.log"));
         let (directory, tune) = (directory.to_owned(), Arc::new(tune));
-        Ok(Self { directory, tune, tail, torn: false, references: None, seen: false })
+        Ok(Self { directory, tune, tail, torn: false, references: None, early_stop: None, seen: false })
     }
 
     /// The settings.
@@ -58,6 +59,11 @@ impl CampaignWatch {
         {
             self.set_references(left);
         }
+        if self.early_stop.is_none()
+            && let Some(left) = EarlyStop::read(&self.directory)
+        {
+            (self.early_stop, self.seen) = (Some(left), false);
+        }
         if self.seen && news == News::None && torn == self.torn {
             return Ok(None);
         }
@@ -77,6 +83,8 @@ impl CampaignWatch {
             }
         }
         let (directory, tune, references) = (self.directory.clone(), Arc::clone(&self.tune), self.references);
-        Ok(Some(CampaignSnapshot { directory, tune, trials, running, torn, references }))
+        let early_stop =
+            self.early_stop.filter(|stop| tune.config().stop_below.is_some() && stop.trials == trials.len());
+        Ok(Some(CampaignSnapshot { directory, tune, trials, running, torn, references, early_stop }))
     }
 }
