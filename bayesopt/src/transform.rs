@@ -167,7 +167,7 @@ impl Targets {
         let (mu, s, log_best) = (self.mean + self.sd * mean, self.sd * sd, self.mean + self.sd * best);
         let a = (log_best - mu) / s;
         let paid = log_best + log_normal_cdf(a).0;
-        (paid.exp() - (mu + 0.5 * s * s + log_normal_cdf(a - s).0).exp()).max(0.0).min(FINITE)
+        (paid.exp() - (mu + 0.5 * s * s + log_normal_cdf(a - s).0).exp()).clamp(0.0, FINITE)
     }
 
     /// The cost that a standardised target stands for; finite.

@@ -76,7 +76,7 @@ impl Cholesky {
         let explained: f64 = solved.col(0).iter().map(|l| l * l).sum();
         let pivot = diagonal + self.jitter - explained;
         // NaN is no pivot either.
-        if !(pivot > LEAST_PIVOT * diagonal) {
+        if pivot.is_nan() || pivot <= LEAST_PIVOT * diagonal {
             return Err(BayesoptError::NonPositivePivot { index: n });
         }
         self.lower.resize_with(n + 1, n + 1, |i, j| match (i == n, j == n) {
