@@ -1,5 +1,7 @@
 //! Trials that fail: the model of where they do.
 
+#![allow(clippy::unwrap_used, reason = "a test fails by panicking, in its helpers too")]
+
 mod common;
 
 use common::{PROBLEMS, given_history};

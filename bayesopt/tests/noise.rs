@@ -1,5 +1,7 @@
 //! Costs that do not repeat: which trial to believe, and which to try again.
 
+#![allow(clippy::unwrap_used, reason = "a test fails by panicking, in its helpers too")]
+
 mod common;
 
 use common::random_source::RandomSource;
