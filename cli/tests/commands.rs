@@ -78,10 +78,15 @@ fn a_campaign_as_json_keeps_its_keys() {
         "frictionless_cost",
         "params",
         "against_ekf",
+        "law_check",
+        "early_stop",
         "wall_s",
     ];
     assert_eq!(keys(&document), expected);
     assert!(document["against_ekf"].is_null(), "the EKF's own campaign is compared with nothing");
+    assert!(document["early_stop"].is_null(), "a campaign that runs all its trials");
+    assert_eq!(keys(&document["law_check"]), ["unexplained", "passed"]);
+    assert_eq!(document["law_check"]["passed"], true, "the law of the campaign is the truth's");
     let named = ["schema", "tribo_version", "strategy", "friction", "residual", "velocity"];
     let values = ["tribo.campaign/1", env!("CARGO_PKG_VERSION"), "grey_box", "coulomb_viscous", "ekf", "hybrid"];
     assert_eq!(named.map(|key| document[key].as_str().unwrap()), values);

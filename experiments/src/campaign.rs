@@ -11,7 +11,7 @@ use crate::config::ConfigError;
 use crate::files::{FileError, TunedFile, to_yaml};
 use crate::journal::{Clock, Journal, JournalTrial, TrialState, attributes, finished_trial};
 use crate::stored_logs::StoredLogs;
-use crate::strategy::{FinishedTrial, GreyBox, LawCheck, Past, Proposal, Strategy, StrategyError, StrategyName};
+use crate::strategy::{FinishedTrial, LawCheck, Past, Proposal, Strategy, StrategyError};
 use crate::trial_store::{trial_log_path, write_trial_log};
 use crate::{EarlyStop, EstimatorError, ParameterSpace, References, TuneConfig, ValidTune, references, run_numbered};
 
@@ -159,12 +159,9 @@ impl<const N: usize> Campaign<N> {
             self.run_batch(&batch, &logs, observer)?;
         }
 
-        let law_check = match self.tune.config.strategy {
-            StrategyName::GreyBox => GreyBox::new(&self.tune)
-                .and_then(|grey_box| grey_box.law_check(self.trials.len(), &logs))
-                .map_err(|source| CampaignError::Strategy { trial: 0, source })?,
-            _ => None,
-        };
+        let law_check = strategy
+            .law_check(self.trials.len(), &logs)
+            .map_err(|source| CampaignError::Strategy { trial: 0, source })?;
         let trials: Vec<FinishedTrial> = self.trials.into_iter().flatten().collect();
         let best = best_trial(&trials);
         let (config, space) = (self.tune.config.clone(), self.tune.space.clone());

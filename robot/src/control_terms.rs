@@ -3,6 +3,7 @@
 use nalgebra::{Matrix3, SMatrix, SVector, Vector3, Vector6};
 
 use crate::inertia::{steiner, turned};
+use crate::link_motion::LinkMotion;
 use crate::{Arm, Kinematics, Pose};
 
 /// Model terms at (q, qd): pose, J, J̇ qd, M, C qd, g. Base axes, angular part first, SI units.
@@ -40,30 +41,26 @@ impl<const N: usize> ControlTerms<N> {
     pub fn at(arm: &Arm<N>, q: &SVector<f64, N>, qd: &SVector<f64, N>) -> Self {
         let kinematics = Kinematics::at(arm, q);
         let mut bodies = [Body::default(); N];
-        let (mut w, mut dw, mut a) = (Vector3::zeros(), Vector3::zeros(), Vector3::<f64>::zeros());
-        let mut at = Vector3::zeros();
+        let mut motion = LinkMotion::of_base(Vector3::zeros());
         for k in 0..N {
-            let (origin, axis) = (kinematics.origins[k], kinematics.axis(k));
-            let d = origin - at;
-            a += dw.cross(&d) + w.cross(&w.cross(&d));
-            at = origin;
-            let spin = axis * qd[k];
-            dw += w.cross(&spin);
-            w += spin;
+            let origin = kinematics.origins[k];
+            motion.move_to(&origin);
+            motion.turn(&kinematics.axis(k), qd[k]);
 
             let link = &arm.links[k];
             let rotation = &kinematics.rotations[k];
             let r = rotation * link.com_m;
             let com = origin + r;
             let inertia = turned(rotation, &link.inertia_kg_m2);
-            let force = (a + dw.cross(&r) + w.cross(&w.cross(&r))) * link.mass_kg;
+            let LinkMotion { w, dw, a, .. } = motion;
+            let force = (a + motion.at_distance(&r)) * link.mass_kg;
             let moment = inertia * dw + w.cross(&(inertia * w)) + com.cross(&force);
             let first_moment = com * link.mass_kg;
             let inertia = inertia + steiner(&first_moment, &com);
             bodies[k] = Body { mass_kg: link.mass_kg, first_moment, inertia, force, moment };
         }
-        let d = kinematics.flange_origin - at;
-        a += dw.cross(&d) + w.cross(&w.cross(&d));
+        motion.move_to(&kinematics.flange_origin);
+        let LinkMotion { dw, a, .. } = motion;
 
         let mut mass_matrix = SMatrix::<f64, N, N>::zeros();
         let (mut coriolis_nm, mut gravity_nm) = (SVector::zeros(), SVector::zeros());

@@ -2,6 +2,7 @@
 
 use nalgebra::{IsometryMatrix3, Matrix3, Rotation3, SMatrix, SVector, Translation3, Vector3, Vector6};
 
+use crate::link_motion::LinkMotion;
 use crate::{Arm, Pose};
 
 /// Where every link is at one configuration, in base axes: the workspace shared by the kinematic algorithms.
@@ -69,18 +70,13 @@ impl<const N: usize> Kinematics<N> {
     /// `J̇ qd`: classical acceleration of the flange at qdd = 0, base axes, angular part first. qd [rad/s].
     #[inline]
     pub fn jdot_qd(&self, qd: &SVector<f64, N>) -> Vector6<f64> {
-        let (mut w, mut dw, mut a) = (Vector3::zeros(), Vector3::zeros(), Vector3::<f64>::zeros());
-        let mut o = Vector3::zeros();
+        let mut motion = LinkMotion::of_base(Vector3::zeros());
         for k in 0..N {
-            let d = self.origins[k] - o;
-            a += dw.cross(&d) + w.cross(&w.cross(&d));
-            let spin = self.axis(k) * qd[k];
-            dw += w.cross(&spin);
-            w += spin;
-            o = self.origins[k];
+            motion.move_to(&self.origins[k]);
+            motion.turn(&self.axis(k), qd[k]);
         }
-        let d = self.flange_origin - o;
-        a += dw.cross(&d) + w.cross(&w.cross(&d));
+        motion.move_to(&self.flange_origin);
+        let LinkMotion { dw, a, .. } = motion;
         Vector6::new(dw.x, dw.y, dw.z, a.x, a.y, a.z)
     }
 

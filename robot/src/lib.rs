@@ -35,6 +35,7 @@ mod crba;
 mod estimator;
 mod inertia;
 mod kinematics;
+mod link_motion;
 mod plant;
 pub mod presets;
 mod product;

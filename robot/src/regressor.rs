@@ -2,6 +2,7 @@
 
 use nalgebra::{SMatrix, SVector, Vector3};
 
+use crate::link_motion::LinkMotion;
 use crate::{Arm, Kinematics};
 
 /// Regressor of the rigid-body torque in the ten inertial parameters of every link (Atkeson, An & Hollerbach 1986).
@@ -20,19 +21,15 @@ pub fn inverse_dynamics_regressor<const N: usize>(
 ) -> [SMatrix<f64, N, 10>; N] {
     let kinematics = Kinematics::at(arm, q);
     let mut blocks = [SMatrix::<f64, N, 10>::zeros(); N];
-    let (mut w, mut dw, mut a) = (Vector3::zeros(), Vector3::zeros(), -arm.gravity_m_s2);
-    let mut at = Vector3::zeros();
+    let mut motion = LinkMotion::of_base(-arm.gravity_m_s2);
     for k in 0..N {
         let (origin, axis) = (kinematics.origins[k], kinematics.axis(k));
-        let d = origin - at;
-        a += dw.cross(&d) + w.cross(&w.cross(&d));
-        at = origin;
-        let spin = axis * qd[k];
-        dw += w.cross(&spin) + axis * qdd[k];
-        w += spin;
+        motion.move_to(&origin);
+        motion.turn(&axis, qd[k]);
+        motion.dw += axis * qdd[k];
 
         let to_link = kinematics.rotations[k].transpose();
-        let (force, moment) = body_regressor(&(to_link * w), &(to_link * dw), &(to_link * a));
+        let (force, moment) = body_regressor(&(to_link * motion.w), &(to_link * motion.dw), &(to_link * motion.a));
         for i in 0..=k {
             // tau_i = z_i · (n + (o_k − o_i) × f) = z_i · n + (z_i × (o_k − o_i)) · f
             let z = kinematics.axis(i);

@@ -5,7 +5,7 @@
 
 use tribo_experiments::files::FileError;
 use tribo_experiments::scenario::TruthName;
-use tribo_experiments::strategy::{GreyBox, LawCheck, LogSource};
+use tribo_experiments::strategy::{GreyBox, LawCheck, LogSource, Strategy};
 use tribo_experiments::{TrialLog, TuneConfig, run_numbered};
 use tribo_sim::Effect;
 

@@ -135,6 +135,7 @@ fn log_softplus(u: f64) -> (f64, f64) {
 
 #[cfg(test)]
 mod tests {
+    use super::super::worth::tests::slope_is_that_of_the_value;
     use super::*;
     use crate::{Belief, Domain, History, Outcome, Settings};
 
@@ -164,21 +165,7 @@ mod tests {
         let (parts, best) = parts(3);
         let worth = SumLogEi::new(parts, best, 1.5, 3, 9);
         for x in [[0.31, 0.42], [0.9, 0.1], [0.25, 0.6]] {
-            let mut gradient = [0.0; 2];
-            let value = worth.slope(&x, &mut gradient);
-            assert!((value - worth.values(&[x.to_vec()])[0]).abs() < 1e-9 * value.abs().max(1.0));
-            for i in 0..2 {
-                let at = |h: f64| {
-                    let mut x = x;
-                    x[i] += h;
-                    worth.slope(&x, &mut [0.0; 2])
-                };
-                let difference = (at(1e-6) - at(-1e-6)) / 2e-6;
-                assert!(
-                    (gradient[i] - difference).abs() < 1e-4 * difference.abs().max(1.0),
-                    "{gradient:?} {difference}"
-                );
-            }
+            slope_is_that_of_the_value(&worth, x, 1e-9);
         }
     }
 

@@ -60,10 +60,27 @@ impl Worth for OfFinished<'_> {
 }
 
 #[cfg(test)]
-mod tests {
+pub(super) mod tests {
     use super::super::Acquisition;
     use super::*;
     use crate::{Belief, Domain, History, Outcome, Settings};
+
+    /// Holds `slope` against `values` (to `tolerance`) and its gradient against central differences; returns the value.
+    pub(in crate::acquisition) fn slope_is_that_of_the_value(worth: &impl Worth, x: [f64; 2], tolerance: f64) -> f64 {
+        let mut gradient = [0.0; 2];
+        let value = worth.slope(&x, &mut gradient);
+        assert!((value - worth.values(&[x.to_vec()])[0]).abs() < tolerance * value.abs().max(1.0));
+        for i in 0..2 {
+            let at = |h: f64| {
+                let mut x = x;
+                x[i] += h;
+                worth.slope(&x, &mut [0.0; 2])
+            };
+            let difference = (at(1e-6) - at(-1e-6)) / 2e-6;
+            assert!((gradient[i] - difference).abs() < 1e-4 * difference.abs().max(1.0), "{gradient:?} {difference}");
+        }
+        value
+    }
 
     #[test]
     fn the_worth_of_finished_trials_has_the_slope_of_its_value() {
@@ -81,22 +98,8 @@ mod tests {
         let own = OneOutput { gp: &belief.gp, criterion: &criterion };
         let worth = OfFinished { worth: &own, feasibility: belief.feasibility.as_ref().unwrap() };
         for x in [[0.4, 0.05], [0.2, 0.6], [0.9, 0.8]] {
-            let mut gradient = [0.0; 2];
-            let value = worth.slope(&x, &mut gradient);
+            let value = slope_is_that_of_the_value(&worth, x, 1e-8);
             assert!(value < own.values(&[x.to_vec()])[0]);
-            assert!((value - worth.values(&[x.to_vec()])[0]).abs() < 1e-8 * value.abs().max(1.0));
-            for i in 0..2 {
-                let at = |h: f64| {
-                    let mut x = x;
-                    x[i] += h;
-                    worth.slope(&x, &mut [0.0; 2])
-                };
-                let difference = (at(1e-6) - at(-1e-6)) / 2e-6;
-                assert!(
-                    (gradient[i] - difference).abs() < 1e-4 * difference.abs().max(1.0),
-                    "{gradient:?} {difference}"
-                );
-            }
         }
     }
 }

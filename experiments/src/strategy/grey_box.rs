@@ -124,27 +124,6 @@ impl<const N: usize> GreyBox<N> {
         Ok(Some(fit))
     }
 
-    /// What the first log before trial `number` that is long enough says of the law; none without one.
-    pub fn law_check(&self, number: usize, logs: &dyn LogSource<N>) -> Result<Option<LawCheck>, StrategyError> {
-        for trial in 0..number {
-            let mut checks = self.checks.lock().unwrap_or_else(PoisonError::into_inner);
-            if let Some(check) = checks.get(&trial) {
-                return Ok(Some(*check));
-            }
-            if let Some(log) = logs.log(trial)? {
-                let samples = identification_samples(&self.model, &log, &self.estimator);
-                let check = match LawCheck::of(&samples, &self.gls) {
-                    // Stopped too early to tell.
-                    Err(GlsError::TooFewSamples { .. }) => continue,
-                    check => check?,
-                };
-                checks.insert(trial, check);
-                return Ok(Some(check));
-            }
-        }
-        Ok(None)
-    }
-
     /// The first fit before trial `number`: its deviations are the scale of the corrections.
     fn first_fit(&self, number: usize, logs: &dyn LogSource<N>) -> Result<Option<GlsFit<N>>, StrategyError> {
         for trial in 1..=number {
@@ -197,6 +176,26 @@ impl<const N: usize> GreyBox<N> {
 impl<const N: usize> Strategy<N> for GreyBox<N> {
     fn design(&self, number: usize) -> Result<Option<Proposal>, StrategyError> {
         Ok((number == 0).then(|| Proposal { theta: self.space.zero(), origin: Origin::Constant }))
+    }
+
+    fn law_check(&self, number: usize, logs: &dyn LogSource<N>) -> Result<Option<LawCheck>, StrategyError> {
+        for trial in 0..number {
+            let mut checks = self.checks.lock().unwrap_or_else(PoisonError::into_inner);
+            if let Some(check) = checks.get(&trial) {
+                return Ok(Some(*check));
+            }
+            if let Some(log) = logs.log(trial)? {
+                let samples = identification_samples(&self.model, &log, &self.estimator);
+                let check = match LawCheck::of(&samples, &self.gls) {
+                    // Stopped too early to tell.
+                    Err(GlsError::TooFewSamples { .. }) => continue,
+                    check => check?,
+                };
+                checks.insert(trial, check);
+                return Ok(Some(check));
+            }
+        }
+        Ok(None)
     }
 
     fn propose(&self, number: usize, past: Past<'_>, logs: &dyn LogSource<N>) -> Result<Proposal, StrategyError> {

@@ -156,6 +156,13 @@ pub trait Strategy<const N: usize>: Send + Sync {
     /// The parameters of trial `number`, from all that is known of the trials before it.
     fn propose(&self, number: usize, past: Past<'_>, logs: &dyn LogSource<N>) -> Result<Proposal, StrategyError>;
 
+    /// What the first log before trial `number` that is long enough says of the friction law; none without one, or of a strategy that
+    /// identifies no law.
+    fn law_check(&self, number: usize, logs: &dyn LogSource<N>) -> Result<Option<LawCheck>, StrategyError> {
+        let _ = (number, logs);
+        Ok(None)
+    }
+
     /// What the trial proposed after these promises; none where a design chooses it, or the strategy has no model of the cost.
     fn expected_gain(&self, past: Past<'_>) -> Result<Option<ExpectedGain>, StrategyError> {
         let _ = past;
