@@ -6,7 +6,7 @@
 use nalgebra::SVector;
 use tribo_control::{ImpedanceSettings, PAPER_PHASES_RAD, SinusoidReference};
 use tribo_ekf::{WrenchEkf, WrenchEkfSettings};
-use tribo_experiments::{PenaltyLimits, Trial};
+use tribo_experiments::{CostMeasure, PenaltyLimits, Trial};
 use tribo_friction::law::CoulombViscous;
 use tribo_friction::{Compensator, FrictionModel, JointEffects, Ripple, VelocitySource};
 use tribo_robot::{Kinematics, Plant, Pose, SensorFrame, presets};
@@ -78,6 +78,7 @@ pub fn tuning_trial(truth: Truth<7>, velocity: VelocitySource) -> Trial<7> {
         reference: SinusoidReference::paper(ready_flange(), PAPER_PHASES_RAD),
         velocity,
         limits: PenaltyLimits::default(),
+        measure: CostMeasure::Paper,
         stopped_at_s: None,
         dt_s: DT_S,
     }

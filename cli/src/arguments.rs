@@ -172,6 +172,9 @@ pub struct CampaignSettings {
     /// Estimator whose wrench is the cost.
     #[arg(long, value_parser = PossibleValuesParser::new(["ekf", "momentum", "qp", "thermal", "double_encoder"]))]
     pub residual: Option<String>,
+    /// What is made of that wrench: largest values (roveda2022), or 99 % quantiles with moments as forces on a lever arm.
+    #[arg(long, value_parser = PossibleValuesParser::new(["paper", "robust"]))]
+    pub cost: Option<String>,
     /// What chooses the next parameters.
     #[arg(long, value_parser = PossibleValuesParser::new(["zero", "gaz", "random", "sobol", "paper", "bo", "composite", "cma_es", "iterative_learning", "grey_box"]))]
     pub strategy: Option<String>,
@@ -181,6 +184,9 @@ pub struct CampaignSettings {
     /// Trials of the initial design.
     #[arg(long, allow_negative_numbers = true)]
     pub init: Option<usize>,
+    /// End the campaign once three trials in a row promise less than this share of the best J (paper, bo, composite).
+    #[arg(long, value_name = "SHARE", allow_negative_numbers = true)]
+    pub stop_below: Option<f64>,
     /// Parameter box: the paper's bounds by index (literal) or by unit.
     #[arg(long, value_parser = PossibleValuesParser::new(["literal", "unit_consistent"]))]
     pub bounds: Option<String>,

@@ -70,6 +70,7 @@ fn a_campaign_as_json_keeps_its_keys() {
         "strategy",
         "friction",
         "residual",
+        "cost_measure",
         "velocity",
         "trials",
         "best",

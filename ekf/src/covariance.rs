@@ -1,7 +1,7 @@
 //! Covariance of the augmented state, kept in the six independent 6×6 blocks.
 
 use nalgebra::{Matrix6, SMatrix, Vector6};
-use tribo_robot::{SpdFactor, product, product_transposed};
+use tribo_robot::{SpdFactor, product, product_transposed, subtract_product_transposed};
 
 /// Covariance of (v, x, h): twist, pose error, wrench. 18×18, symmetric; blocks named row then column.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -91,12 +91,12 @@ impl AugmentedCovariance {
     #[inline]
     pub fn update(&mut self, gain: &PoseGain, s: &SpdFactor<6>) {
         let (v, x, h) = (s.scaled(&gain.v), s.scaled(&gain.x), s.scaled(&gain.h));
-        self.vv -= product_transposed(&v, &gain.v);
-        self.vx -= product_transposed(&v, &gain.x);
-        self.vh -= product_transposed(&v, &gain.h);
-        self.xx -= product_transposed(&x, &gain.x);
-        self.xh -= product_transposed(&x, &gain.h);
-        self.hh -= product_transposed(&h, &gain.h);
+        subtract_product_transposed(&mut self.vv, &v, &gain.v);
+        subtract_product_transposed(&mut self.vx, &v, &gain.x);
+        subtract_product_transposed(&mut self.vh, &v, &gain.h);
+        subtract_product_transposed(&mut self.xx, &x, &gain.x);
+        subtract_product_transposed(&mut self.xh, &x, &gain.h);
+        subtract_product_transposed(&mut self.hh, &h, &gain.h);
         // Up to rounding, which must not add up.
         for block in [&mut self.vv, &mut self.xx, &mut self.hh] {
             *block = (*block + block.transpose()) * 0.5;

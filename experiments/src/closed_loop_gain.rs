@@ -8,7 +8,7 @@ use tribo_robot::Kinematics;
 use tribo_sim::{DEFAULT_SUB_STEPS, Sensors, WrenchPulses};
 
 use crate::files::Model;
-use crate::{AbortReason, Believed, PenaltyLimits, Trial, TrialOutcome, run_trial_observed};
+use crate::{AbortReason, Believed, CostMeasure, PenaltyLimits, Trial, TrialOutcome, run_trial_observed};
 
 /// The same trial on a plant that obeys the extended model, with a controller that believes the nominal model (before)
 /// and one that believes the extended (after).
@@ -79,6 +79,7 @@ fn run<const N: usize>(believed: &Believed<N>, truth: &Model<N>, seed: u64) -> R
         reference: SinusoidReference::paper(centre, PAPER_PHASES_RAD),
         velocity: VelocitySource::Hybrid,
         limits: PenaltyLimits::default(),
+        measure: CostMeasure::Paper,
         stopped_at_s: None,
         dt_s: 1e-3,
     }

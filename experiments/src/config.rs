@@ -15,7 +15,8 @@ use crate::robot::{POSES, joints_of_preset};
 use crate::scenario::{LoadedTruth, ModelError, TruthName, freeze, random_phases, within};
 use crate::strategy::StrategyName;
 use crate::{
-    Believed, Bounds, ByJoints, EstimatorName, ParameterSpace, PenaltyLimits, Robot, Trial, TunedLaw, UserTrials,
+    Believed, Bounds, ByJoints, CostMeasure, CostName, EstimatorName, ParameterSpace, PenaltyLimits, Robot, Trial,
+    TunedLaw, UserTrials,
 };
 
 /// Schema name of campaign settings.
@@ -56,6 +57,10 @@ pub struct TuneConfig {
     pub bounds: Bounds,
     /// Estimator whose wrench is the cost.
     pub residual: EstimatorName,
+    /// What is made of that wrench.
+    pub cost: CostName,
+    /// Distance at which a force makes a moment (m), for the robust cost. The default weighs the EKF's noise of both alike.
+    pub lever_arm_m: f64,
     /// Velocity the compensator believes near zero.
     pub velocity: VelocitySource,
     /// Number of trials.
@@ -111,6 +116,8 @@ impl Default for TuneConfig {
             friction: TunedLaw::CoulombViscous,
             bounds: Bounds::Literal,
             residual: EstimatorName::Ekf,
+            cost: CostName::Paper,
+            lever_arm_m: 0.15,
             velocity: VelocitySource::Hybrid,
             // The paper's budget: 10 random trials and 40 chosen ones.
             trials: 50,
@@ -249,6 +256,7 @@ impl TuneConfig {
         FieldError::check("model_error.payload_kg", self.model_error.payload_kg, 0.0, 20.0)?;
         FieldError::check("model_error.link_mass_error", self.model_error.link_mass_error, 0.0, 0.5)?;
         FieldError::check("model_error.noise_factor", self.model_error.noise_factor, 0.0, 1000.0)?;
+        positive("lever_arm_m", self.lever_arm_m, 10.0)?;
         FieldError::check("failure_rate", self.failure_rate, 0.0, 0.9)?;
         if let Some(share) = self.stop_below {
             positive("stop_below", share, 0.5)?;
@@ -336,6 +344,10 @@ impl TuneConfig {
             reference: SinusoidReference::paper(centre, phase_rad),
             velocity: self.velocity,
             limits: self.limits,
+            measure: match self.cost {
+                CostName::Paper => CostMeasure::Paper,
+                CostName::Robust => CostMeasure::Robust { lever_arm_m: self.lever_arm_m },
+            },
             stopped_at_s: None,
             dt_s: 1e-3,
         };

@@ -68,7 +68,7 @@ pub use calibration::Calibration;
 pub use campaign::{Campaign, CampaignError, CampaignObserver, CampaignResult};
 pub use closed_loop_gain::{ClosedLoopGain, closed_loop_gain};
 pub use config::{AnyTune, ConfigError, Phases, TuneConfig, ValidTune};
-pub use cost::{Cost, CostAccumulator};
+pub use cost::{Cost, CostAccumulator, CostMeasure, CostName};
 pub use early_stop::EarlyStop;
 pub use estimator::{AnyEstimator, EstimatorError, EstimatorName, VELOCITY_SD_RAD_S, believed_band};
 pub use follow::{Followed, follow};

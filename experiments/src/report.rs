@@ -35,6 +35,7 @@ impl CampaignResult {
             "strategy": self.config.strategy,
             "friction": self.config.friction,
             "residual": self.config.residual,
+            "cost_measure": self.config.cost,
             "velocity": self.config.velocity,
             "trials": trials,
             "best": best,

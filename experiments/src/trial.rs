@@ -8,7 +8,7 @@ use tribo_robot::{Arm, WrenchEstimator};
 use tribo_runtime::{ControlLoop, LoopSettings, TickRecord};
 use tribo_sim::{BoxFrictionPlant, Sensors, Truth, WrenchPulses};
 
-use crate::{AbortReason, Believed, Cost, CostAccumulator, PenaltyLimits, TrialLog, TrialMonitor};
+use crate::{AbortReason, Believed, Cost, CostAccumulator, CostMeasure, PenaltyLimits, TrialLog, TrialMonitor};
 
 /// Everything that defines a trial but the compensator's parameters and the noise.
 #[derive(Clone, Debug)]
@@ -35,6 +35,8 @@ pub struct Trial<const N: usize> {
     pub velocity: VelocitySource,
     /// Limits that end a trial.
     pub limits: PenaltyLimits,
+    /// What it is judged by.
+    pub measure: CostMeasure,
     /// When somebody stops it, in time of the judged part (s).
     pub stopped_at_s: Option<f64>,
     /// Control period (s).
@@ -112,7 +114,7 @@ pub fn run_trial_observed<const N: usize, E: WrenchEstimator<N>>(
     };
     let mut control = ControlLoop::new(trial.model.clone(), trial.start, settings, estimator);
     let mut monitor = TrialMonitor::new(trial.limits, trial.dt_s);
-    let mut accumulator = CostAccumulator::default();
+    let mut accumulator = CostAccumulator::new(trial.measure);
     let ticks = (trial.reference.total_s() / trial.dt_s).round() as u64;
     let judged_from = (trial.reference.pre_roll_s() / trial.dt_s).round() as u64;
     let mut log = TrialLog::with_capacity((ticks / LOG_DECIMATION + 1) as usize, trial.dt_s * LOG_DECIMATION as f64);

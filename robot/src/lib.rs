@@ -55,7 +55,7 @@ pub use estimator::{EstimateFault, EstimatorInput, LAMBDA_95, WrenchEstimate, Wr
 pub use inertia::{LinkInertia, Payload};
 pub use kinematics::Kinematics;
 pub use plant::{Plant, SensorFrame};
-pub use product::{product, product_transposed, transposed_product};
+pub use product::{product, product_transposed, subtract_product_transposed, transposed_product};
 pub use regressor::inverse_dynamics_regressor;
 pub use rnea::{bias_torque, gravity_torque, rnea};
 pub use spatial::{Pose, Twist, Wrench};

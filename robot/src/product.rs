@@ -42,6 +42,25 @@ pub fn product_transposed<const R: usize, const K: usize, const C: usize>(
     })))
 }
 
+/// `C ← C − A Bᵀ`; see [`product`].
+#[inline]
+pub fn subtract_product_transposed<const R: usize, const K: usize, const C: usize>(
+    from: &mut SMatrix<f64, R, C>,
+    a: &SMatrix<f64, R, K>,
+    b: &SMatrix<f64, C, K>,
+) {
+    for c in 0..C {
+        let mut column = from.data.0[c];
+        for k in 0..K {
+            let factor = b.data.0[k][c];
+            for r in 0..R {
+                column[r] -= a.data.0[k][r] * factor;
+            }
+        }
+        from.data.0[c] = column;
+    }
+}
+
 /// `Aᵀ B`; see [`product`].
 #[inline]
 pub fn transposed_product<const R: usize, const K: usize, const C: usize>(
@@ -70,5 +89,8 @@ mod tests {
         assert!((product(&a, &b) - a * b).amax() < 1e-15);
         assert!((product_transposed(&a, &b.transpose()) - a * b).amax() < 1e-15);
         assert!((transposed_product(&a, &c) - a.transpose() * c).amax() < 1e-15);
+        let mut less = c;
+        subtract_product_transposed(&mut less, &a, &b.transpose());
+        assert!((less - (c - a * b)).amax() < 1e-15);
     }
 }

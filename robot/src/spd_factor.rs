@@ -100,10 +100,30 @@ impl<const N: usize> SpdFactor<N> {
         &self.reciprocal
     }
 
-    /// `A⁻¹`, symmetric up to rounding.
+    /// `A⁻¹ = L⁻ᵀ D⁻¹ L⁻¹`, symmetric; the zeros of `L⁻¹` cost nothing.
     #[inline]
     pub fn inverse(&self) -> SMatrix<f64, N, N> {
-        self.right_solve(&SMatrix::identity())
+        let (l, d) = (&self.lower.data.0, &self.reciprocal);
+        // Column c of L⁻¹, from the diagonal down.
+        let mut unit = [[0.0; N]; N];
+        for c in 0..N {
+            unit[c][c] = 1.0;
+            for k in c..N {
+                let factor = unit[c][k] * d[k];
+                for r in k + 1..N {
+                    unit[c][r] -= l[k][r] * factor;
+                }
+            }
+        }
+        let mut inverse = SMatrix::zeros();
+        for c in 0..N {
+            for r in 0..=c {
+                let entry: f64 = (c..N).map(|k| unit[r][k] * d[k] * unit[c][k]).sum();
+                inverse[(r, c)] = entry;
+                inverse[(c, r)] = entry;
+            }
+        }
+        inverse
     }
 
     /// `det A`.

@@ -226,7 +226,7 @@ impl<const N: usize> Plant<N> for BoxFrictionPlant<N> {
         let scale = self.truth.warm_up.map_or(1.0, |warm_up| warm_up.scale(time_s));
         let motor_qd_before = self.motor_qd();
         let mut friction_impulse = SVector::<f64, N>::zeros();
-        let mut factored: Option<(SVector<f64, N>, SMatrix<f64, N, N>)> = None;
+        let (mut slope, mut a) = (SVector::<f64, N>::repeat(f64::NAN), SMatrix::<f64, N, N>::zeros());
         let flexible = self.effects.as_ref().and_then(|effects| effects.flexible.as_ref());
         let period = flexible.map(|flexible| flexible.period(&mass, &arm.rotor_inertia_kg_m2, &(drive - tau), h));
 
@@ -243,22 +243,18 @@ impl<const N: usize> Plant<N> for BoxFrictionPlant<N> {
                 upper[j] = if self.q[j] >= limits.q_max_rad[j] { f64::INFINITY } else { h * s.upper_nm };
             }
             // The factor changes only where the slope does (Gaz, LuGre); Coulomb and Stribeck keep it all period long.
-            let a = match &factored {
-                Some((slope, inverse)) if *slope == viscous => *inverse,
-                _ => {
-                    let mut implicit = mass;
-                    if let Some(period) = &period {
-                        implicit = period.motor_matrix(&viscous);
-                    } else {
-                        for j in 0..N {
-                            implicit[(j, j)] += h * viscous[j];
-                        }
+            if slope != viscous {
+                let mut implicit = mass;
+                if let Some(period) = &period {
+                    implicit = period.motor_matrix(&viscous);
+                } else {
+                    for j in 0..N {
+                        implicit[(j, j)] += h * viscous[j];
                     }
-                    let inverse = SpdFactor::of(&implicit).map_or_else(SMatrix::zeros, |factor| factor.inverse());
-                    factored = Some((viscous, inverse));
-                    inverse
                 }
-            };
+                a = SpdFactor::of(&implicit).map_or_else(SMatrix::zeros, |factor| factor.inverse());
+                slope = viscous;
+            }
             let flexible = self.effects.as_mut().and_then(|effects| effects.flexible.as_mut());
             let qd_new = match (flexible, &period) {
                 (Some(flexible), Some(period)) => {

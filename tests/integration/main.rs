@@ -12,5 +12,6 @@ mod ekf_known_input;
 mod estimators_on_pulses;
 mod law_check;
 mod payload;
+mod robust_cost;
 mod tick_faults;
 mod wrench_on_pulses;

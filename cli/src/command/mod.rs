@@ -77,9 +77,11 @@ impl CampaignSettings {
         set(&mut config.friction, self.friction.as_ref())?;
         set(&mut config.bounds, self.bounds.as_ref())?;
         set(&mut config.residual, self.residual.as_ref())?;
+        set(&mut config.cost, self.cost.as_ref())?;
         set(&mut config.phases, self.phases.as_ref())?;
         config.trials = self.trials.unwrap_or(config.trials);
         config.init = self.init.unwrap_or(config.init);
+        config.stop_below = self.stop_below.or(config.stop_below);
         self.scenario.apply(config)
     }
 }

@@ -149,7 +149,7 @@ fn run_trial<const N: usize>(
         });
         print_json(&finish_document(document, arguments.log.as_ref(), left));
     } else if !common.quiet {
-        let mut rows = table(&["part", "cost [N + Nm]"]);
+        let mut rows = table(&["part", &format!("cost [{}]", config.cost.unit())]);
         for (name, value) in parts {
             rows.add_row([name.replace('_', " "), significant(value, 4)]);
         }

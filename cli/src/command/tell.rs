@@ -99,7 +99,7 @@ fn document<const N: usize>(
 
 fn show<const N: usize>(campaign: &UserCampaign<N>, told: &Told, judged: Option<&JudgedLog<N>>, arguments: &Tell) {
     let cost = &told.trial.cost;
-    let mut rows = table(&["part", "cost [N + Nm]"]);
+    let mut rows = table(&["part", &format!("cost [{}]", campaign.tune().config.cost.unit())]);
     for (name, value) in cost.parts() {
         rows.add_row([name.replace('_', " "), significant(value, 4)]);
     }

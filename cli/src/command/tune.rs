@@ -6,7 +6,7 @@ use std::time::Instant;
 use anyhow::Context;
 use tribo_experiments::watch::write_report;
 use tribo_experiments::{
-    AgainstEkf, AnyTune, Campaign, CampaignError, CampaignResult, EstimatorName, TuneConfig, against_ekf,
+    AgainstEkf, AnyTune, Campaign, CampaignError, CampaignResult, CostName, EstimatorName, TuneConfig, against_ekf,
 };
 
 use super::{CAMPAIGNS, configured, now, warn_not_cancelled};
@@ -140,6 +140,8 @@ fn resumed(arguments: &Tune) -> anyhow::Result<PathBuf> {
         ("--seed", settings.scenario.seed.is_some()),
         ("--friction", settings.friction.is_some()),
         ("--residual", settings.residual.is_some()),
+        ("--cost", settings.cost.is_some()),
+        ("--stop-below", settings.stop_below.is_some()),
         ("--strategy", settings.strategy.is_some()),
         ("--init", settings.init.is_some()),
         ("--truth", settings.scenario.truth.is_some()),
@@ -178,8 +180,12 @@ fn check(result: &CampaignResult, limit: f64) -> anyhow::Result<()> {
 }
 
 fn show(result: &CampaignResult, judged: Option<&AgainstEkf>, directory: &Path, report: &Path, wall_s: f64) {
-    let mut trials =
-        table(&["trial", "J [N + Nm]", "J/J_oracle", "max F+M", "mean F+M", "penalty", "chosen by", "state"]);
+    let unit = format!("J [{}]", result.config.cost.unit());
+    let peak = match result.config.cost {
+        CostName::Paper => "max F+M",
+        CostName::Robust => "99 % F+M/ℓ",
+    };
+    let mut trials = table(&["trial", &unit, "J/J_oracle", peak, "mean", "penalty", "chosen by", "state"]);
     let best = result.best.map(|(number, _)| number);
     for trial in &result.trials {
         let cost = trial.cost.total();
@@ -198,7 +204,7 @@ fn show(result: &CampaignResult, judged: Option<&AgainstEkf>, directory: &Path, 
     }
     print(trials);
     let references = &result.references;
-    let mut summary = table(&["", "J [N + Nm]"]);
+    let mut summary = table(&["", &unit]);
     summary.add_row(["uncompensated".to_owned(), significant(references.uncompensated, 4)]);
     if let Some((number, cost)) = result.best {
         summary.add_row([format!("tuned (trial {number})"), significant(cost, 4)]);

@@ -193,22 +193,14 @@ fn failures(ui: &mut Ui, campaign: &CampaignSnapshot, look_at: &mut Option<usize
 }
 
 fn table(ui: &mut Ui, campaign: &CampaignSnapshot, look_at: &mut Option<usize>) {
-    const HEADER: [&str; 9] = [
-        "trial",
-        "J [N + Nm]",
-        "max |F| [N]",
-        "max |M| [Nm]",
-        "mean |F| [N]",
-        "mean |M| [Nm]",
-        "penalty",
-        "chosen by",
-        "state",
-    ];
+    let cost = campaign.cost_name();
+    let total = format!("J [{}]", cost.unit());
+    let header = ["trial", &total].into_iter().chain(cost.part_names()).chain(["chosen by", "state"]);
     let dark = ui.visuals().dark_mode;
     let best = campaign.best().map(|best| best.trial.number);
     ScrollArea::horizontal().id_salt("table of trials").show(ui, |ui| {
         egui::Grid::new("trials").striped(true).min_col_width(64.0).spacing([18.0, 4.0]).show(ui, |ui| {
-            for name in HEADER {
+            for name in header {
                 ui.label(RichText::new(name).small().strong());
             }
             ui.end_row();

@@ -93,7 +93,7 @@ pub fn judge_log<const N: usize>(
     let mut estimator = AnyEstimator::for_tuning(tune.config.residual, tune.config.ekf, arm, &friction)?;
     let compensator = Compensator::new(friction, VelocitySource::Measured).with_effects(tune.trial.effects);
     let mut bristles = Bristles::default();
-    let (mut accumulator, mut faults) = (CostAccumulator::default(), 0);
+    let (mut accumulator, mut faults) = (CostAccumulator::new(tune.trial.measure), 0);
     let period_s = nanoseconds(median_period_s(&log.time_s).unwrap_or_default());
     let every = (LOG_PERIOD_S / period_s).round().max(1.0);
     let log_period_s = every * period_s;

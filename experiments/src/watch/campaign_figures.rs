@@ -6,6 +6,7 @@ use tribo_figure::number::{quantity_and_unit, significant};
 use tribo_figure::{Figure, Layer, Mark, Scale, Symbol};
 
 use super::CampaignSnapshot;
+use crate::CostName;
 
 /// Colour of a cost that a trial is compared with.
 const GREY: usize = 6;
@@ -14,14 +15,18 @@ fn numbers(campaign: &CampaignSnapshot) -> Vec<f64> {
     campaign.trials.iter().map(|watched| watched.trial.number as f64).collect()
 }
 
+/// The axis of J.
+pub(super) fn cost_axis(cost: CostName) -> Scale {
+    Scale::of(&format!("cost J [{}]", cost.unit())).or_logarithmic()
+}
+
 fn trial_axis(campaign: &CampaignSnapshot) -> Scale {
     Scale::whole("trial").holding(-0.5).holding(campaign.total() as f64 - 0.5)
 }
 
 /// J of every trial, failed ones with their reason, the incumbent and the reference costs.
 pub fn cost_per_trial(campaign: &CampaignSnapshot) -> Figure {
-    let mut figure =
-        Figure::new("Cost of every trial", trial_axis(campaign), Scale::of("cost J [N + Nm]").or_logarithmic());
+    let mut figure = Figure::new("Cost of every trial", trial_axis(campaign), cost_axis(campaign.cost_name()));
     if let Some(references) = campaign.references {
         figure.layers.push(Layer::level("no compensation", 1, references.uncompensated));
         figure.layers.push(Layer::level("true friction", 2, references.oracle));
@@ -69,10 +74,11 @@ pub fn cost_per_trial(campaign: &CampaignSnapshot) -> Figure {
 /// part of its own where `with_penalty` is set.
 pub fn cost_parts(campaign: &CampaignSnapshot, with_penalty: bool) -> Figure {
     let title = if with_penalty { "Parts of the cost, penalty included" } else { "Parts of the cost, without penalty" };
-    let mut figure = Figure::new(title, trial_axis(campaign), Scale::of("part of J [N + Nm]"));
+    let mut figure =
+        Figure::new(title, trial_axis(campaign), Scale::of(&format!("part of J [{}]", campaign.cost_name().unit())));
     let x = numbers(campaign);
     let mut base = vec![0.0; x.len()];
-    let names = ["max |force| [N]", "max |moment| [Nm]", "mean |force| [N]", "mean |moment| [Nm]", "penalty"];
+    let names = campaign.cost_name().part_names();
     for (k, (name, ink)) in names.into_iter().zip([0, 5, 2, 4, 1]).enumerate() {
         let height: Vec<f64> = campaign.trials.iter().map(|watched| watched.trial.cost.parts()[k].1).collect();
         if k == 4 && (!with_penalty || height.iter().all(|penalty| *penalty == 0.0)) {
@@ -135,7 +141,9 @@ fn parameters_of(campaign: &CampaignSnapshot, joints: Range<usize>) -> Vec<Figur
 pub fn compare_best(campaigns: &[(&str, &CampaignSnapshot)]) -> Figure {
     let longest = campaigns.iter().map(|(_, campaign)| campaign.total()).max().unwrap_or(1);
     let x = Scale::whole("trial").holding(-0.5).holding(longest as f64 - 0.5);
-    let mut figure = Figure::new("Best cost so far", x, Scale::of("cost J [N + Nm]").or_logarithmic());
+    // Two campaigns of different costs cannot be compared; the unit of the first says which it is.
+    let cost = campaigns.first().map_or(CostName::Paper, |(_, campaign)| campaign.cost_name());
+    let mut figure = Figure::new("Best cost so far", x, cost_axis(cost));
     for (k, (name, campaign)) in campaigns.iter().enumerate() {
         for layer in cost_per_trial(campaign).layers {
             let shown = match layer.name.as_str() {

@@ -125,7 +125,8 @@ fn result(campaign: &CampaignSnapshot) -> String {
         row("true friction".to_owned(), references.oracle);
         row("an arm without friction".to_owned(), references.frictionless);
     }
-    let mut body = table(&["compensation", "J [N + Nm]", "J / J with the true friction"], &[0], rows.into_iter());
+    let unit = format!("J [{}]", campaign.cost_name().unit());
+    let mut body = table(&["compensation", &unit, "J / J with the true friction"], &[0], rows.into_iter());
     let failed = campaign.failed().next().is_some();
     let mut drawn = vec![campaign_figures::cost_per_trial(campaign), campaign_figures::cost_parts(campaign, false)];
     if failed {
@@ -226,16 +227,9 @@ fn all_trials(campaign: &CampaignSnapshot) -> String {
         row.extend([trial.origin.to_string(), watched.state()]);
         row
     });
-    let header = [
-        "trial",
-        "J [N + Nm]",
-        "max |force| [N]",
-        "max |moment| [Nm]",
-        "mean |force| [N]",
-        "mean |moment| [Nm]",
-        "penalty",
-        "chosen by",
-        "state",
-    ];
+    let cost = campaign.cost_name();
+    let total = format!("J [{}]", cost.unit());
+    let header: Vec<&str> =
+        ["trial", &total].into_iter().chain(cost.part_names()).chain(["chosen by", "state"]).collect();
     section("All trials", &table(&header, &[0, 7, 8], rows))
 }

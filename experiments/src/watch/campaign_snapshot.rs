@@ -8,7 +8,7 @@ use tribo_figure::number::fixed;
 use super::TrialColumns;
 use crate::files::file_name;
 use crate::strategy::FinishedTrial;
-use crate::{AnyTune, CampaignError, EarlyStop, References};
+use crate::{AnyTune, CampaignError, CostName, EarlyStop, References};
 
 /// A finished trial as the journal tells it.
 #[derive(Clone, Debug, PartialEq)]
@@ -117,6 +117,11 @@ impl CampaignSnapshot {
         self.tune.config().trials.max(self.trials.len() + self.running.len())
     }
 
+    /// What J is.
+    pub fn cost_name(&self) -> CostName {
+        self.tune.config().cost
+    }
+
     /// The settings that tell campaigns apart, as name and value.
     pub fn facts(&self) -> Vec<(&'static str, String)> {
         let config = self.tune.config();
@@ -126,6 +131,7 @@ impl CampaignSnapshot {
             ("friction law", file_name(&config.friction)),
             ("estimator", file_name(&config.residual)),
             ("truth", if self.trials_by_user() { "a robot elsewhere".to_owned() } else { file_name(&config.truth) }),
+            ("cost", file_name(&config.cost)),
             ("velocity", file_name(&config.velocity)),
             ("pose", config.pose.to_string()),
             ("seed", config.seed.to_string()),

@@ -3,6 +3,7 @@
 use tribo_figure::number::quantity_and_unit;
 use tribo_figure::{Figure, Layer, Scale, Symbol};
 
+use super::campaign_figures::cost_axis;
 use super::{CampaignSnapshot, Surrogate};
 
 /// `joint_3.coulomb_nm` → `joint 3, coulomb` and its unit.
@@ -33,7 +34,7 @@ pub fn slice(surrogate: &Surrogate, campaign: &CampaignSnapshot, parameter: usiz
     let title = format!("Belief along {}", parameter_name(name).0);
     let abscissae = complete.iter().map(|watched| watched.trial.theta[parameter]).collect();
     let notes = complete.iter().map(|watched| format!("trial {}", watched.trial.number)).collect();
-    let figure = Figure::new(title, axis_of(name), Scale::of("cost J [N + Nm]").or_logarithmic())
+    let figure = Figure::new(title, axis_of(name), cost_axis(campaign.cost_name()))
         .with(Layer::band("95 % of the mean cost", 0, slice.at.clone(), low, high))
         .with(Layer::line("median", 0, slice.at.clone(), cut(slice.median.clone())))
         .with(Layer::symbols("trials, seen from the side", 6, Symbol::Dot, abscissae, costs, notes));
