@@ -5,8 +5,7 @@
 //! ```
 //!
 //! Fails at 20 % more than `recorded.json` holds for the profile it was compiled with. After a change that is meant,
-//! `TRIBO_RECORD_INSTRUCTIONS=1 cargo test --release -p tribo-tests --test callgrind` writes the new figures there; for those of
-//! `.ci/run` with `CARGO_PROFILE_RELEASE_LTO=off`. Without valgrind it says SKIPPED.
+//! `TRIBO_RECORD_INSTRUCTIONS=1 cargo test --release -p tribo-tests --test callgrind` writes the new figures there. Without valgrind it says SKIPPED.
 
 use std::collections::BTreeMap;
 use std::io::Write;
@@ -23,7 +22,7 @@ type Recorded = BTreeMap<String, BTreeMap<String, u64>>;
 
 /// What the binary was compiled with: the settings of the workspace, unless the environment had others.
 fn profile() -> String {
-    let lto = option_env!("CARGO_PROFILE_RELEASE_LTO").unwrap_or("thin");
+    let lto = option_env!("CARGO_PROFILE_RELEASE_LTO").unwrap_or("off");
     let units = option_env!("CARGO_PROFILE_RELEASE_CODEGEN_UNITS").unwrap_or("1");
     format!("release, lto {lto}, {units} codegen units, {}", std::env::consts::ARCH)
 }
