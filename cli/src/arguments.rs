@@ -237,8 +237,8 @@ pub struct Tell {
     /// The trial [default: the one that is running].
     #[arg(long, value_name = "N")]
     pub trial: Option<usize>,
-    /// The trial was stopped, and why: acceleration, error, joint_limit, joint_speed, torque_saturation, nullspace_runaway, stopped, or in
-    /// your words.
+    /// The trial failed, and why: acceleration, error, joint_limit, joint_speed, torque_saturation, nullspace_runaway, or in your words.
+    /// It counts against its parameters, unless REASON is stopped: then somebody stopped it for reasons of their own.
     #[arg(long, value_name = "REASON")]
     pub failed: Option<String>,
     /// Nothing will come of the trial: it counts for nothing.

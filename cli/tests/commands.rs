@@ -191,8 +191,7 @@ fn campaigns_are_numbered() {
     }
     let table = run(at.path(), "tune --resume --trials 2").ok();
     assert!(table.stderr.contains("campaign campaigns/0002 (1 of 2 trials done)"), "{table:?}");
-    for words in ["uncompensated", "oracle (true friction)", "2 trials in", "tribo export campaigns/0002 --format json"]
-    {
+    for words in ["uncompensated", "oracle (true friction)", "2 trials in", "tribo export campaigns/0002 --format c "] {
         assert!(table.stdout.contains(words), "no `{words}` in {}", table.stdout);
     }
     assert!(!at.path().join("campaigns/0003").exists());

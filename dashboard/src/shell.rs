@@ -4,7 +4,7 @@ use crate::app::{Dashboard, Options};
 
 /// Why there is no window.
 #[derive(Debug, thiserror::Error)]
-#[error("no window could be opened: {0}; without a display use `tribo report` or `tribo dashboard --screenshot`")]
+#[error("no window could be opened; without a display use `tribo report` or `tribo dashboard --screenshot`  ({0})")]
 pub struct NoWindow(String);
 
 struct Shell(Dashboard);

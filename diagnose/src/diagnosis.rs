@@ -158,7 +158,7 @@ impl fmt::Display for Location {
 /// The answer in one word.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Verdict {
-    /// The model explains the log down to its noise, as far as these candidates can tell.
+    /// None of the candidates explains what the model leaves of the log.
     NothingMissing,
     /// Every finding has one name.
     Named,

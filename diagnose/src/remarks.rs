@@ -50,7 +50,8 @@ pub(crate) fn notes_of<const N: usize>(scene: &Scene<N>) -> Vec<String> {
         }
     }
     if scene.skipped_bursts > 0 {
-        notes.push(format!("{} bursts were too short for the band and were left out", scene.skipped_bursts));
+        let (bursts, were) = if scene.skipped_bursts == 1 { ("burst", "was") } else { ("bursts", "were") };
+        notes.push(format!("{} {bursts} {were} too short for the band and left out", scene.skipped_bursts));
     }
     notes
 }

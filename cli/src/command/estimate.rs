@@ -85,6 +85,11 @@ fn estimate<const N: usize>(
         let message = format!("--block-s is {}; allowed: greater than 0", arguments.block_s);
         return Err(BadInput(message).into());
     }
+    if model.friction == FrictionModel::none() && arguments.residual != "torque" && !common.quiet {
+        eprintln!(
+            "tribo: no friction is believed, so that of the arm counts as wrench, outside of the intervals too; --model says what it has"
+        );
+    }
     let everything = arguments.residual == "all";
     let wants = |name: &str| everything || arguments.residual == name;
     let torque = wants("torque").then(|| torque_residual(arguments, log, model, &believed)).transpose()?;

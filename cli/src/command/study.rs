@@ -4,6 +4,7 @@ use std::path::Path;
 
 use anyhow::Context;
 use serde_json::json;
+use tribo_diagnose::report::number::probability;
 use tribo_experiments::files::FileError;
 use tribo_experiments::study::{Shard, Study, StudyRow, StudyStore, StudySummary, run_shard, study_page};
 use tribo_logs::write_atomic;
@@ -24,8 +25,9 @@ pub fn run(arguments: &Arguments, common: &Common) -> anyhow::Result<()> {
     }
     let store = StudyStore::open(&directory, &study)?;
     if !common.quiet {
-        let cells = shard.cells(&study).len();
-        eprintln!("study {}: slice {shard}, {cells} of {} cells", directory.display(), study.cells().len());
+        let (cells, all) = (shard.cells(&study).len(), study.cells().len());
+        let done = all - left(&study, &store)?;
+        eprintln!("study {}: slice {shard} of {cells} cells; {done} of all {all} are done", directory.display());
     }
     stop_on_signal();
     let mut progress = CellProgress::new(common.quiet);
@@ -121,7 +123,7 @@ fn show(rows: &[StudyRow]) {
             row.within_1_1.to_string(),
             significant(row.aborted, 2),
             number(row.over_first),
-            row.p.map_or("-".to_owned(), |p| format!("{p:.1e}")),
+            row.p.map_or("-".to_owned(), probability),
         ]);
     }
     print(shown);

@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use serde_json::{Map, Value, json};
-use tribo_experiments::{JudgedLog, Told, TuneConfig, UserCampaign, judge_log};
+use tribo_experiments::{AbortReason, JudgedLog, Told, TuneConfig, UserCampaign, judge_log};
 use tribo_logs::read_log;
 
 use super::now;
@@ -117,9 +117,14 @@ fn show<const N: usize>(campaign: &UserCampaign<N>, told: &Told, judged: Option<
         format!("best J {} in trial {trial}", significant(cost, 4))
     });
     let (number, total) = (told.trial.number, campaign.tune().config.trials);
-    print(format_args!("trial {number} told: {} of {total}; {best}", told.finished));
+    let failed = match told.trial.aborted {
+        None => "",
+        Some(AbortReason::Stopped) => " as stopped from outside, which does not count against its parameters",
+        Some(_) => " as failed, which counts against its parameters",
+    };
+    print(format_args!("trial {number} told{failed}: {} of {total}; {best}", told.finished));
     let directory = arguments.campaign.display();
     if told.finished >= total {
-        print(format_args!("next: tribo export {directory} --format json, or tribo report {directory}"));
+        print(format_args!("next: tribo export {directory} --format c, or tribo report {directory}"));
     }
 }

@@ -226,7 +226,7 @@ fn show(result: &CampaignResult, judged: Option<&AgainstEkf>, directory: &Path, 
         print(format_args!(
             "\nthe friction law leaves {:.0} % of the wrench unexplained on parts of trial 0 that it was not fitted to: something else \
              is at work in this robot.\nfind out what: tribo simulate {} --trial 0 --log free_motion.csv   (yours comes from your robot)\n\
-             \x20              tribo diagnose free_motion.csv",
+             \x20              tribo diagnose free_motion.csv   (several causes may fit so small a motion: it names the one that tells)",
             100.0 * check.unexplained,
             directory.join("campaign.yaml").display(),
         ));
@@ -249,7 +249,7 @@ fn show(result: &CampaignResult, judged: Option<&AgainstEkf>, directory: &Path, 
     ));
     if let Some((_, cost)) = result.best {
         print(format_args!(
-            "next: tribo export {} --format json   (J {:.1} -> {:.1})",
+            "next: tribo export {} --format c   (or rust, ros2, crisp, urdf, mjcf, yaml, json; J {:.1} -> {:.1})",
             directory.display(),
             references.uncompensated,
             cost

@@ -15,8 +15,7 @@ pub fn verdict_sentence(diagnosis: &Diagnosis) -> String {
     let gain = gain_clause(diagnosis.findings.len() > 1, diagnosis.gain_heldout, diagnosis.gain_heldout_ci95);
     match (diagnosis.verdict, &diagnosis.findings[..]) {
         (Verdict::NothingMissing, _) => {
-            "Nothing is missing: as far as the candidate causes can tell, the model explains this log down to its noise."
-                .to_owned()
+            "Nothing is missing: what the model leaves of this log, none of the candidate causes explains.".to_owned()
         }
         (Verdict::Named, [finding]) => format!("{}.", finding_sentence(finding)),
         (Verdict::Named, findings) => {
