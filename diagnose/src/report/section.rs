@@ -2,7 +2,7 @@
 
 use tribo_figure::escape::{escape, escape_sentence};
 use tribo_figure::number::{
-    percent, percent_with_interval, probability, quantity_and_unit, significant, with_interval,
+    fixed, percent, percent_with_interval, probability, quantity_and_unit, significant, with_interval,
 };
 use tribo_figure::page::{raw_table, section, table};
 use tribo_figure::{Figure, page};
@@ -40,7 +40,7 @@ fn article(finding: &Finding) -> String {
         format!(
             "<li><b>{}</b>, {} behind in evidence: {}</li>\n",
             escape(&cause_at(rival.label, rival.location)),
-            significant(rival.evidence_gap, 2),
+            fixed(rival.evidence_gap, 1),
             escape(&rival.why)
         )
     });

@@ -2,7 +2,7 @@
 
 use comfy_table::{CellAlignment, Table};
 use tribo_diagnose::report::number::{
-    percent, percent_with_interval, probability, quantity_and_unit, significant, with_interval,
+    fixed, percent, percent_with_interval, probability, quantity_and_unit, significant, with_interval,
 };
 use tribo_diagnose::report::{cause_at, finding_sentence, verdict_sentence};
 use tribo_diagnose::{Diagnosis, Finding, JointMisfit, Location};
@@ -79,7 +79,7 @@ fn show_findings(findings: &[Finding]) {
         for rival in &finding.alternatives {
             let what = cause_at(finding.label, finding.location);
             let other = cause_at(rival.label, rival.location);
-            let gap = significant(rival.evidence_gap, 2);
+            let gap = fixed(rival.evidence_gap, 1);
             paragraph("", &format!("{what} could also be {other}, {gap} behind in evidence: {}", rival.why));
         }
     }
