@@ -11,7 +11,7 @@ mod common;
 use std::path::Path;
 use std::process::Command;
 
-use common::{run, scratch, skipped};
+use common::{run, scratch, skipped, slurm_can_start};
 
 const STUDY: &str = "schema: tribo.study/1
 seeds: 2
@@ -24,17 +24,6 @@ oracle_runs: 1
 settings: {sub_steps: 1}
 ";
 
-/// Whether a cluster can be started here.
-fn can_start() -> Result<(), &'static str> {
-    // Without a cluster sbatch fails even to say its version; that it starts is enough.
-    let is_there = |program: &&str| Command::new(program).arg("-V").output().is_ok();
-    if !["slurmctld", "slurmd", "sbatch", "munged"].iter().all(is_there) {
-        return Err("no slurm-wlm or munge here");
-    }
-    let user = Command::new("id").arg("-u").output().unwrap();
-    if String::from_utf8_lossy(&user.stdout).trim() == "0" { Ok(()) } else { Err("slurmd needs root") }
-}
-
 /// The line of the README that sends a study to Slurm.
 fn line_of_the_readme() -> String {
     let readme = std::fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join("../README.md")).unwrap();
@@ -43,7 +32,7 @@ fn line_of_the_readme() -> String {
 
 #[test]
 fn a_job_array_of_slurm_leaves_what_one_process_leaves() {
-    if let Err(why) = can_start() {
+    if let Err(why) = slurm_can_start() {
         return skipped(&format!("the study on Slurm: {why}"));
     }
     let at = scratch();

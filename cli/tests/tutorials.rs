@@ -22,7 +22,7 @@ use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 
-use common::{Run, scratch, skipped};
+use common::{Run, scratch, skipped, slurm_can_start};
 
 /// Pages that there are at least: a directory that is found empty tests nothing.
 const FEWEST_PAGES: usize = 4;
@@ -112,21 +112,13 @@ fn data() -> PathBuf {
 
 /// Why a block with this need cannot be run here.
 fn unmet(need: &str) -> Option<&'static str> {
-    // Without a cluster sbatch fails even to say its version; that it starts is enough.
-    let is_there = |program: &&str| Command::new(program).arg("-V").output().is_ok();
     match need {
         "display" => Some("somebody has to close the window again"),
         "network" => Some("a test downloads nothing"),
         "TRIBO_DATA" => {
             (!data().join("panda_gaz2019").is_dir()).then_some("no panda_gaz2019 under $TRIBO_DATA or ../shared/data")
         }
-        "slurm" if !["slurmctld", "slurmd", "sbatch", "munged"].iter().all(is_there) => {
-            Some("no slurm-wlm or munge here")
-        }
-        "slurm" => {
-            let user = Command::new("id").arg("-u").output().unwrap();
-            (user.stdout.trim_ascii() != b"0").then_some("slurmd needs root")
-        }
+        "slurm" => slurm_can_start().err(),
         other => panic!("needs: {other}; allowed: display, network, slurm, TRIBO_DATA"),
     }
 }

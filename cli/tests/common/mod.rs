@@ -80,6 +80,20 @@ pub fn skipped(why: &str) {
     writeln!(std::io::stderr(), "SKIPPED: {why}").unwrap();
 }
 
+/// Whether a Slurm cluster can be started here.
+///
+/// # Errors
+/// Why not.
+pub fn slurm_can_start() -> Result<(), &'static str> {
+    // Without a cluster sbatch fails even to say its version; that it starts is enough.
+    let is_there = |program: &&str| Command::new(program).arg("-V").output().is_ok();
+    if !["slurmctld", "slurmd", "sbatch", "munged"].iter().all(is_there) {
+        return Err("no slurm-wlm or munge here");
+    }
+    let user = Command::new("id").arg("-u").output().unwrap();
+    if String::from_utf8_lossy(&user.stdout).trim() == "0" { Ok(()) } else { Err("slurmd needs root") }
+}
+
 /// Waits until `reached`, for at most a minute.
 #[track_caller]
 pub fn wait_until(what: &str, mut reached: impl FnMut() -> bool) {
