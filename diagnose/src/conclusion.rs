@@ -14,7 +14,8 @@ use crate::next_experiment::next_experiment;
 use crate::noise_level::rms;
 use crate::plots;
 use crate::pruning::{
-    drop_chance, drop_lonely_pushes, drop_small, drop_worthless, prefer_likelier, prefer_names, yield_to_unknown,
+    drop_chance, drop_lonely_pushes, drop_small, drop_stiction, drop_worthless, prefer_likelier, prefer_names,
+    yield_to_unknown,
 };
 use crate::remarks::{assumptions_of, misfits, notes_of, rejected};
 use crate::ripple::RippleLine;
@@ -181,6 +182,7 @@ fn prune<const N: usize>(search: &mut Search<'_, '_, N>, chance: &Chance) {
         let before = search.selected.clone();
         drop_chance(search, chance);
         drop_small(search);
+        drop_stiction(search);
         drop_worthless(search);
         prefer_names(search);
         yield_to_unknown(search);

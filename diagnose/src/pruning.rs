@@ -89,6 +89,36 @@ pub(crate) fn drop_small<const N: usize>(search: &mut Search<'_, '_, N>) {
     search.selected = kept;
 }
 
+/// Part of a Stribeck finding's squared torque that may lie in rests.
+const MOST_AT_REST: f64 = 0.8;
+
+/// Drops Stribeck friction that acts while its joint is held: there friction is whatever keeps the joint still, and goes with its creep
+/// as a law of velocity would.
+pub(crate) fn drop_stiction<const N: usize>(search: &mut Search<'_, '_, N>) {
+    let scene = search.system.scene;
+    let coefficients = joint_fit(search.system, &search.system.columns_of(&search.selected)).coefficients;
+    let mut first = 0;
+    let mut kept = Vec::new();
+    for &group in &search.selected {
+        let plain = search.system.plain_columns(group);
+        let own = &coefficients[first..first + plain.len()];
+        first += plain.len();
+        let at_rest = match search.place(group) {
+            (CauseLabel::Stribeck, Location::Joint(joint)) => {
+                let torque = torque_of(&plain, own, joint);
+                let pairs = || torque.iter().zip(scene.standing(joint));
+                let all: f64 = pairs().map(|(torque, _)| torque * torque).sum();
+                pairs().map(|(torque, share)| torque * torque * share.clamp(0.0, 1.0)).sum::<f64>() / all.max(1e-300)
+            }
+            _ => 0.0,
+        };
+        if at_rest <= MOST_AT_REST {
+            kept.push(group);
+        }
+    }
+    search.selected = kept;
+}
+
 /// Drops what does not help on blocks that its coefficients have not seen: on no joint, in no stretch where it acts.
 pub(crate) fn drop_worthless<const N: usize>(search: &mut Search<'_, '_, N>) {
     loop {
@@ -233,18 +263,18 @@ pub(crate) fn yield_to_unknown<const N: usize>(search: &mut Search<'_, '_, N>) {
 }
 
 pub(crate) fn torque_rms<const N: usize>(plain: &[Column<N>], coefficients: &[f64], joint: usize) -> f64 {
-    let Some(rows) = plain.iter().find_map(|column| column.rows[joint].as_ref()) else { return 0.0 };
+    let rows = torque_of(plain, coefficients, joint);
     let acting = |k: &usize| plain.iter().any(|column| column.rows[joint].as_ref().is_some_and(|x| x[*k] != 0.0));
     let count = (0..rows.len()).filter(acting).count();
-    let sum: f64 = (0..rows.len())
-        .map(|k| {
-            let torque: f64 = plain
-                .iter()
-                .zip(coefficients)
-                .filter_map(|(column, c)| Some(column.rows[joint].as_ref()?[k] * c))
-                .sum();
-            torque * torque
-        })
-        .sum();
+    let sum: f64 = rows.iter().map(|torque| torque * torque).sum();
     (sum / count.max(1) as f64).sqrt()
+}
+
+/// Torque of a finding on a joint (Nm), sample by sample; empty where it does not act on the joint.
+fn torque_of<const N: usize>(plain: &[Column<N>], coefficients: &[f64], joint: usize) -> Vec<f64> {
+    let rows = plain.iter().find_map(|column| column.rows[joint].as_ref()).map_or(0, Vec::len);
+    let at = |k: usize| {
+        plain.iter().zip(coefficients).filter_map(|(column, c)| Some(column.rows[joint].as_ref()?[k] * c)).sum()
+    };
+    (0..rows).map(at).collect()
 }
