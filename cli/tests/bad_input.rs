@@ -369,7 +369,7 @@ fn places_of_campaigns() {
                     })
                 },
                 resume,
-                &["c/campaign.yaml:10: field `trials` is 0; allowed: 1 to 10000"],
+                &["c/campaign.yaml:12: field `trials` is 0; allowed: 1 to 10000"],
             ),
             damaged(journal(swap), resume, &["c/journal.log:20: corrupt journal: not JSON"]),
             damaged(journal(without_study), resume, &["c/journal.log:1: corrupt journal: no study"]),

@@ -13,5 +13,6 @@ mod estimators_on_pulses;
 mod law_check;
 mod payload;
 mod robust_cost;
+mod stopped_trials;
 mod tick_faults;
 mod wrench_on_pulses;

@@ -11,7 +11,7 @@ use tribo_robot::{Arm, ControlTerms, WrenchEstimator};
 
 use super::bayes::observations;
 use super::{FinishedTrial, LawCheck, LogSource, Origin, Past, Proposal, RunningTrial, Strategy, StrategyError};
-use crate::{AnyEstimator, ParameterSpace, TrialLog, TunedLaw, ValidTune};
+use crate::{AbortReason, AnyEstimator, ParameterSpace, TrialLog, TunedLaw, ValidTune};
 
 /// Trials whose parameters come straight from least squares, after the first without compensation.
 const REFITS: usize = 3;
@@ -39,7 +39,7 @@ const LOGS: usize = 2;
 /// Least squares is as good as its law. [`LawCheck`] asks the first log whether the law holds on parts of it that were not fitted;
 /// where it does not, there is one fit only, S grows to half of each parameter, and Bayesian optimisation carries the weight.
 ///
-/// Where trials run elsewhere, several at once, least squares takes the last logs that have come back, and a trial that would
+/// A trial that somebody stopped delays the end of least squares by one. Where trials run elsewhere, several at once, least squares takes the last logs that have come back, and a trial that would
 /// repeat one still running gets a correction instead. Before the first log there is nothing but to try without
 /// compensation again.
 pub struct GreyBox<const N: usize> {
@@ -205,7 +205,9 @@ impl<const N: usize> Strategy<N> for GreyBox<N> {
         let law_holds = self.law_check(number, logs)?.is_none_or(|check| check.passed());
         let refits = if law_holds { REFITS } else { REFITS_OF_A_WRONG_LAW };
         let theta = self.space.theta(&fit.friction);
-        if number <= refits && past.running.iter().all(|trial| trial.theta != theta) {
+        // A fit that was never seen to its end is not tried yet.
+        let stopped = past.finished.iter().filter(|trial| trial.aborted == Some(AbortReason::Stopped)).count();
+        if number <= refits + stopped && past.running.iter().all(|trial| trial.theta != theta) {
             return Ok(Proposal { theta, origin: Origin::LeastSquares });
         }
         let scales = self.scales(&first, law_holds);
