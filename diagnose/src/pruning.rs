@@ -67,26 +67,33 @@ pub(crate) fn drop_chance<const N: usize>(search: &mut Search<'_, '_, N>, chance
     }
 }
 
-/// Drops what is too small to matter on every joint.
-pub(crate) fn drop_small<const N: usize>(search: &mut Search<'_, '_, N>) {
-    let scene = search.system.scene;
-    let columns = search.system.columns_of(&search.selected);
-    let coefficients = joint_fit(search.system, &columns).coefficients;
+/// Keeps the members of which this is true, given their columns and the coefficients of the joint fit.
+fn keep<const N: usize>(
+    search: &mut Search<'_, '_, N>,
+    worth: impl Fn(&Search<'_, '_, N>, usize, &[Column<N>], &[f64]) -> bool,
+) {
+    let coefficients = joint_fit(search.system, &search.system.columns_of(&search.selected)).coefficients;
     let mut first = 0;
     let mut kept = Vec::new();
     for &group in &search.selected {
         let plain = search.system.plain_columns(group);
         let own = &coefficients[first..first + plain.len()];
         first += plain.len();
-        let matters = (0..N).any(|j| {
-            let rms = torque_rms(&plain, own, j);
-            rms > LEAST_RMS_NM && rms > LEAST_OVER_NOISE * scene.torque_floor_nm[j]
-        });
-        if matters {
+        if worth(search, group, &plain, own) {
             kept.push(group);
         }
     }
     search.selected = kept;
+}
+
+/// Drops what is too small to matter on every joint.
+pub(crate) fn drop_small<const N: usize>(search: &mut Search<'_, '_, N>) {
+    keep(search, |search, _, plain, own| {
+        (0..N).any(|j| {
+            let rms = torque_rms(plain, own, j);
+            rms > LEAST_RMS_NM && rms > LEAST_OVER_NOISE * search.system.scene.torque_floor_nm[j]
+        })
+    });
 }
 
 /// Part of a Stribeck finding's squared torque that may lie in rests.
@@ -95,28 +102,14 @@ const MOST_AT_REST: f64 = 0.8;
 /// Drops Stribeck friction that acts while its joint is held: there friction is whatever keeps the joint still, and goes with its creep
 /// as a law of velocity would.
 pub(crate) fn drop_stiction<const N: usize>(search: &mut Search<'_, '_, N>) {
-    let scene = search.system.scene;
-    let coefficients = joint_fit(search.system, &search.system.columns_of(&search.selected)).coefficients;
-    let mut first = 0;
-    let mut kept = Vec::new();
-    for &group in &search.selected {
-        let plain = search.system.plain_columns(group);
-        let own = &coefficients[first..first + plain.len()];
-        first += plain.len();
-        let at_rest = match search.place(group) {
-            (CauseLabel::Stribeck, Location::Joint(joint)) => {
-                let torque = torque_of(&plain, own, joint);
-                let pairs = || torque.iter().zip(scene.standing(joint));
-                let all: f64 = pairs().map(|(torque, _)| torque * torque).sum();
-                pairs().map(|(torque, share)| torque * torque * share.clamp(0.0, 1.0)).sum::<f64>() / all.max(1e-300)
-            }
-            _ => 0.0,
-        };
-        if at_rest <= MOST_AT_REST {
-            kept.push(group);
-        }
-    }
-    search.selected = kept;
+    keep(search, |search, group, plain, own| {
+        let (CauseLabel::Stribeck, Location::Joint(joint)) = search.place(group) else { return true };
+        let torque = torque_of(plain, own, joint);
+        let squares = || torque.iter().map(|torque| torque * torque);
+        let standing = search.system.scene.standing(joint);
+        let at_rest: f64 = squares().zip(standing).map(|(square, share)| square * share.clamp(0.0, 1.0)).sum();
+        at_rest <= MOST_AT_REST * squares().sum::<f64>()
+    });
 }
 
 /// Drops what does not help on blocks that its coefficients have not seen: on no joint, in no stretch where it acts.

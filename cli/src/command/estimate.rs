@@ -85,7 +85,9 @@ fn estimate<const N: usize>(
         let message = format!("--block-s is {}; allowed: greater than 0", arguments.block_s);
         return Err(BadInput(message).into());
     }
-    if model.friction == FrictionModel::none() && arguments.residual != "torque" && !common.quiet {
+    // Two encoders see the gears, behind the friction of the motors.
+    let feels_friction = !matches!(arguments.residual.as_str(), "torque" | "double_encoder");
+    if model.friction == FrictionModel::none() && feels_friction && !common.quiet {
         eprintln!(
             "tribo: no friction is believed, so that of the arm counts as wrench, outside of the intervals too; --model says what it has"
         );
