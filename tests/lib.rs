@@ -4,7 +4,7 @@
 //! says in its own header what it changes.
 
 use nalgebra::SVector;
-use tribo_control::{ImpedanceSettings, PAPER_PHASES_RAD, SinusoidReference};
+use tribo_control::{GuardSettings, ImpedanceSettings, PAPER_PHASES_RAD, SinusoidReference};
 use tribo_ekf::{WrenchEkf, WrenchEkfSettings};
 use tribo_experiments::{CostMeasure, PenaltyLimits, Trial};
 use tribo_friction::law::CoulombViscous;
@@ -77,6 +77,7 @@ pub fn tuning_trial(truth: Truth<7>, velocity: VelocitySource) -> Trial<7> {
         impedance: ImpedanceSettings::default(),
         reference: SinusoidReference::paper(ready_flange(), PAPER_PHASES_RAD),
         velocity,
+        guard: None,
         limits: PenaltyLimits::default(),
         measure: CostMeasure::Paper,
         stopped_at_s: None,
@@ -95,7 +96,13 @@ pub fn panda_loop(
 
 /// The bare loop of [`tuning_trial`] with another reference and any compensator.
 pub fn loop_with(reference: SinusoidReference, compensator: Compensator<7>) -> ControlLoop<7, WrenchEkf> {
-    let settings = LoopSettings { impedance: ImpedanceSettings::default(), reference, compensator, dt_s: DT_S };
+    let settings = LoopSettings {
+        impedance: ImpedanceSettings::default(),
+        reference,
+        compensator,
+        guard: Some(GuardSettings::default()),
+        dt_s: DT_S,
+    };
     ControlLoop::new(presets::panda(), presets::panda_ready_pose(), settings, default_ekf())
 }
 

@@ -136,6 +136,9 @@ pub struct Scenario {
     /// Model file the controller believes in: its arm, and its effects on top of the friction law [default: the bare arm].
     #[arg(long, value_name = "FILE")]
     pub model: Option<PathBuf>,
+    /// Trust every compensator: none is held back to the friction identified before, none withdrawn when it shakes the arm.
+    #[arg(long)]
+    pub unguarded: bool,
 }
 
 /// Arguments of `tune`.
@@ -260,6 +263,9 @@ pub struct Simulate {
     /// Compensator: none, oracle, a tuned.yaml, or a model file to believe in.
     #[arg(long, default_value = "none", value_name = "none|oracle|FILE")]
     pub compensation: String,
+    /// Multiplies the friction that the compensator believes: 1.5 is half as much again.
+    #[arg(long, value_name = "FACTOR", default_value_t = 1.0, allow_negative_numbers = true)]
+    pub scale: f64,
     /// Follow the joint-space motion of this file (YAML, schema tribo.trajectory/1) instead of the tool's trajectory.
     #[arg(long, value_name = "FILE", conflicts_with_all = ["fixed", "pulse_force", "pulse_moment", "pose"])]
     pub trajectory: Option<PathBuf>,
@@ -488,7 +494,7 @@ pub struct Study {
 #[derive(Debug, Args)]
 pub struct Reproduce {
     /// The paper or question, or the number of its experiment.
-    #[arg(value_parser = PossibleValuesParser::new(["roveda2022", "01", "linderoth2013", "02", "simoni2017", "03", "simoni2019", "04", "uhlmann2023", "05", "wrench_pulses", "07"]))]
+    #[arg(value_parser = PossibleValuesParser::new(["roveda2022", "01", "linderoth2013", "02", "simoni2017", "03", "simoni2019", "04", "uhlmann2023", "05", "wrench_pulses", "07", "overcompensation", "09"]))]
     pub paper: String,
     /// Settings (YAML, schema tribo.reproduce/1) [default: those that ship with the experiment].
     #[arg(long, value_name = "FILE")]

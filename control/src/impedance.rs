@@ -91,25 +91,28 @@ impl<const N: usize> TorqueTerms<N> {
 
 /// What the controller saw of the task at this tick, base axes, angular part first.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct TaskState {
+pub struct TaskState<const N: usize> {
     /// Measured twist J qd [rad/s; m/s].
     pub twist: Vector6<f64>,
     /// Pose error `[log(R R_dᵀ); p − p_d]` [rad; m].
     pub error: Vector6<f64>,
     /// Commanded acceleration a [rad/s²; m/s²].
     pub acceleration_command: Vector6<f64>,
-    /// Norm of the joint velocity that does not move the tool, |(I − J#J) qd| [rad/s].
-    pub nullspace_speed_rad_s: f64,
+    /// Joint velocity that does not move the tool, (I − J#J) qd [rad/s].
+    pub nullspace_qd: SVector<f64, N>,
+    /// Joint velocity that the motion is meant to have, J# ẋ_m [rad/s].
+    pub qd_reference: SVector<f64, N>,
 }
 
-impl TaskState {
+impl<const N: usize> TaskState<N> {
     /// Nothing seen, nothing asked.
     pub fn zero() -> Self {
         Self {
             twist: Vector6::zeros(),
             error: Vector6::zeros(),
             acceleration_command: Vector6::zeros(),
-            nullspace_speed_rad_s: 0.0,
+            nullspace_qd: SVector::zeros(),
+            qd_reference: SVector::zeros(),
         }
     }
 }
@@ -154,7 +157,7 @@ impl<const N: usize> ImpedanceController<N> {
             &SVector<f64, N>,
             &SVector<f64, N>,
         ) -> (SVector<f64, N>, SVector<f64, N>),
-    ) -> Result<(TorqueTerms<N>, TaskState), ControlFault> {
+    ) -> Result<(TorqueTerms<N>, TaskState<N>), ControlFault> {
         let inverse = self.pseudo_inverse.factor(&terms.jacobian).ok_or(ControlFault::NotFinite)?;
         let pose = &terms.base_from_flange;
         let twist = product(&terms.jacobian, qd);
@@ -175,8 +178,7 @@ impl<const N: usize> ImpedanceController<N> {
         let torque =
             TorqueTerms { task, nullspace, coriolis: terms.coriolis_nm, gravity: terms.gravity_nm, friction, effects };
         if torque.total().iter().all(|tau| tau.is_finite()) {
-            let nullspace_speed_rad_s = nullspace_qd.norm();
-            Ok((torque, TaskState { twist, error, acceleration_command, nullspace_speed_rad_s }))
+            Ok((torque, TaskState { twist, error, acceleration_command, nullspace_qd, qd_reference }))
         } else {
             Err(ControlFault::NotFinite)
         }
@@ -254,7 +256,7 @@ mod tests {
         let no_friction = |_: &_, _: &_, _: &_| (SVector::zeros(), SVector::zeros());
         let (torque, task) =
             controller.tick(&terms, &q, &qd, &terms.base_from_flange, &Vector6::zeros(), no_friction).unwrap();
-        assert!(torque.nullspace.amax() < 1e-8 && task.nullspace_speed_rad_s < 1e-10, "{torque:?}");
+        assert!(torque.nullspace.amax() < 1e-8 && task.nullspace_qd.amax() < 1e-10, "{torque:?}");
         let qdd = forward_dynamics(arm, &q, &qd, &torque.total());
         let acceleration = terms.jacobian * qdd + terms.jdot_qd;
         assert!((acceleration - task.acceleration_command).amax() < 1e-8);

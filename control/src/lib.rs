@@ -5,7 +5,8 @@
 //! ```
 //!
 //! [`SinusoidReference`] is the exciting trajectory, [`ImpedanceController`] the law, [`JointTracking`] a stiff one in joint
-//! space for recording logs, [`TorqueLimiter`] what the drives accept, [`SafeTorque`] what is sent when something is wrong. Each tick returns every torque term, for the log.
+//! space for recording logs, [`TorqueLimiter`] what the drives accept, [`SafeTorque`] what is sent when something is wrong, [`CompensationGuard`] what takes a friction compensator away
+//! before it shakes the arm. Each tick returns every torque term, for the log.
 //!
 //! # What the paper says, what we do, why
 //!
@@ -21,6 +22,7 @@
 //!
 //! Leaves out: force control, inertia shaping, singularity crossing.
 
+mod compensation_guard;
 mod impedance;
 mod joint_tracking;
 mod limiter;
@@ -29,6 +31,7 @@ mod reference;
 mod reference_model;
 mod safe_torque;
 
+pub use compensation_guard::{CompensationGuard, GuardInput, GuardSettings, GuardTrip};
 pub use impedance::{ControlFault, ImpedanceController, ImpedanceSettings, TaskState, TorqueTerms};
 pub use joint_tracking::{JointTarget, JointTracking};
 pub use limiter::TorqueLimiter;

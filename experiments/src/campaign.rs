@@ -9,6 +9,7 @@ use tribo_logs::write_atomic;
 use crate::campaign_directory::{RunBy, create, open};
 use crate::config::ConfigError;
 use crate::files::{FileError, TunedFile, to_yaml};
+use crate::friction_limit::FrictionLimit;
 use crate::journal::{Clock, Journal, JournalTrial, TrialState, attributes, finished_trial};
 use crate::stored_logs::StoredLogs;
 use crate::strategy::{FinishedTrial, LawCheck, Past, Proposal, Strategy, StrategyError};
@@ -141,6 +142,7 @@ impl<const N: usize> Campaign<N> {
             .build(&self.tune)
             .map_err(|source| CampaignError::Strategy { trial: 0, source })?;
         let logs = StoredLogs::new(self.directory.clone());
+        let limit = FrictionLimit::of(&self.tune).map_err(|source| CampaignError::Strategy { trial: 0, source })?;
 
         let mut early_stop = None;
         while let Some(next) = self.trials.iter().position(Option::is_none) {
@@ -155,7 +157,7 @@ impl<const N: usize> Campaign<N> {
                     break;
                 }
             }
-            let batch = self.next_batch(next, strategy.as_ref(), &logs)?;
+            let batch = self.next_batch(next, strategy.as_ref(), limit.as_ref(), &logs)?;
             self.run_batch(&batch, &logs, observer)?;
         }
 
@@ -175,22 +177,31 @@ impl<const N: usize> Campaign<N> {
         &self,
         next: usize,
         strategy: &dyn Strategy<N>,
+        limit: Option<&FrictionLimit<N>>,
         logs: &StoredLogs<N>,
     ) -> Result<Vec<(usize, Proposal)>, CampaignError> {
         let fail = |trial: usize| move |source: StrategyError| CampaignError::Strategy { trial, source };
         let mut batch = Vec::new();
-        // Twice the threads keeps all of them busy and the journal close behind.
-        let most = 2 * rayon::current_num_threads();
+        let known = limit.map(|limit| limit.first_known(next, logs)).transpose().map_err(fail(next))?.flatten();
+        let held_back = |number: usize, known: usize, proposal: Proposal| match limit {
+            Some(limit) => limit.hold_back(proposal, known, logs).map_err(fail(number)),
+            None => Ok(proposal),
+        };
+        // Twice the threads keeps all of them busy and the journal close behind; before the guard knows anything, one at a time.
+        let most = if limit.is_some() && known.is_none() { 1 } else { 2 * rayon::current_num_threads() };
         for number in (next..self.trials.len()).filter(|&number| self.trials[number].is_none()) {
             match strategy.design(number).map_err(fail(number))? {
-                Some(proposal) if batch.len() < most => batch.push((number, proposal)),
+                Some(proposal) if batch.len() < most => {
+                    batch.push((number, held_back(number, known.unwrap_or(next), proposal)?));
+                }
                 _ => break,
             }
         }
         if batch.is_empty() {
             let finished: Vec<FinishedTrial> = self.trials[..next].iter().flatten().cloned().collect();
             let past = Past { finished: &finished, running: &[] };
-            batch.push((next, strategy.propose(next, past, logs).map_err(fail(next))?));
+            let proposal = strategy.propose(next, past, logs).map_err(fail(next))?;
+            batch.push((next, held_back(next, next, proposal)?));
         }
         Ok(batch)
     }

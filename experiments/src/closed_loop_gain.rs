@@ -78,6 +78,7 @@ fn run<const N: usize>(believed: &Believed<N>, truth: &Model<N>, seed: u64) -> R
         impedance: ImpedanceSettings::default(),
         reference: SinusoidReference::paper(centre, PAPER_PHASES_RAD),
         velocity: VelocitySource::Hybrid,
+        guard: None,
         limits: PenaltyLimits::default(),
         measure: CostMeasure::Paper,
         stopped_at_s: None,

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use nalgebra::SVector;
 use serde::{Deserialize, Serialize};
-use tribo_control::{ImpedanceSettings, PAPER_PHASES_RAD, SinusoidReference};
+use tribo_control::{GuardSettings, ImpedanceSettings, PAPER_PHASES_RAD, SinusoidReference};
 use tribo_ekf::{KnownInput, MeasurementNoise, WrenchEkfSettings};
 use tribo_friction::{JointEffects, VelocitySource};
 use tribo_robot::Kinematics;
@@ -97,6 +97,8 @@ pub struct TuneConfig {
     pub impedance: ImpedanceSettings,
     /// Estimator noise.
     pub ekf: WrenchEkfSettings,
+    /// What keeps the compensator from shaking the arm, or from being tried at all; `null` trusts every parameter set.
+    pub guard: Option<GuardSettings>,
     /// Limits that end a trial.
     pub limits: PenaltyLimits,
     /// What trials are like that the user runs (`ask` and `tell`); none where Tribo runs them on the simulated arm.
@@ -134,6 +136,7 @@ impl Default for TuneConfig {
             sub_steps: DEFAULT_SUB_STEPS,
             impedance: ImpedanceSettings::default(),
             ekf: WrenchEkfSettings::default(),
+            guard: Some(GuardSettings::default()),
             limits: PenaltyLimits::default(),
             user_trials: None,
         }
@@ -302,6 +305,16 @@ impl TuneConfig {
         positive("limits.saturation_s", l.saturation_s, 100.0)?;
         positive("limits.acceleration_cutoff_hz", l.acceleration_cutoff_hz, 500.0)?;
 
+        if let Some(g) = &self.guard {
+            FieldError::check("guard.predicted_ratio", g.predicted_ratio, 0.0, 100.0)?;
+            FieldError::check("guard.observed_ratio", g.observed_ratio, 1.0, 100.0)?;
+            positive("guard.surplus_j", g.surplus_j, 100.0)?;
+            positive("guard.oscillation_j", g.oscillation_j, 100.0)?;
+            positive("guard.drift_rad", g.drift_rad, 10.0)?;
+            positive("guard.swing_rad_s", g.swing_rad_s, 100.0)?;
+            positive("guard.swings", g.swings, 1e4)?;
+        }
+
         if let Some(user_trials) = &self.user_trials {
             user_trials.check()?;
             if self.ekf.known_input == KnownInput::CommandedAcceleration {
@@ -343,6 +356,7 @@ impl TuneConfig {
             impedance: self.impedance,
             reference: SinusoidReference::paper(centre, phase_rad),
             velocity: self.velocity,
+            guard: self.guard,
             limits: self.limits,
             measure: match self.cost {
                 CostName::Paper => CostMeasure::Paper,

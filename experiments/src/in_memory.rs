@@ -1,6 +1,7 @@
 //! A campaign that never touches the disk.
 
 use crate::files::FileError;
+use crate::friction_limit::FrictionLimit;
 use crate::strategy::{FinishedTrial, LogSource, Past};
 use crate::{CampaignError, TrialLog, ValidTune, run_numbered};
 
@@ -16,12 +17,22 @@ impl<const N: usize> LogSource<N> for LogsInMemory<N> {
 /// Runs all trials of a campaign one after the other, without directory, journal or reference costs.
 pub fn run_in_memory<const N: usize>(tune: &ValidTune<N>) -> Result<Vec<FinishedTrial>, CampaignError> {
     let strategy = tune.config.strategy.build(tune).map_err(|source| CampaignError::Strategy { trial: 0, source })?;
+    let limit = FrictionLimit::of(tune).map_err(|source| CampaignError::Strategy { trial: 0, source })?;
     let (mut trials, mut logs) = (Vec::new(), LogsInMemory(Vec::new()));
     for number in 0..tune.config.trials {
         let fail = |source| CampaignError::Strategy { trial: number, source };
-        let proposal = match strategy.design(number).map_err(fail)? {
+        let designed = strategy.design(number).map_err(fail)?;
+        let known = match &limit {
+            Some(limit) if designed.is_some() => limit.first_known(number, &logs).map_err(fail)?.unwrap_or(number),
+            _ => number,
+        };
+        let proposal = match designed {
             Some(proposal) => proposal,
             None => strategy.propose(number, Past { finished: &trials, running: &[] }, &logs).map_err(fail)?,
+        };
+        let proposal = match &limit {
+            Some(limit) => limit.hold_back(proposal, known, &logs).map_err(fail)?,
+            None => proposal,
         };
         let outcome = run_numbered(tune, number, &proposal.theta)?;
         trials.push(FinishedTrial {

@@ -2,6 +2,7 @@
 
 use nalgebra::Vector6;
 use serde::{Deserialize, Serialize};
+use tribo_control::GuardTrip;
 use tribo_runtime::{TickFault, TickRecord};
 
 /// Limits whose violation ends a trial with a penalty (the paper names them and gives no numbers).
@@ -60,6 +61,18 @@ pub enum AbortReason {
     /// The null-space motion ran away.
     #[error("null-space run-away")]
     NullspaceRunaway,
+    /// The guard withdrew the compensator: it put in more energy than friction took.
+    #[error("over-compensation, or a push: energy surplus")]
+    EnergySurplus,
+    /// The guard withdrew the compensator: it fed an oscillation.
+    #[error("over-compensation, or a push: oscillation")]
+    Oscillation,
+    /// The guard withdrew the compensator: a joint swung.
+    #[error("over-compensation: a joint swings")]
+    LimitCycle,
+    /// The guard withdrew the compensator: the arm slid while the tool stayed on its path.
+    #[error("over-compensation: the arm slides")]
+    NullSpaceDrift,
     /// A signal was NaN or infinite.
     #[error("signal not finite")]
     NotFinite,
@@ -77,7 +90,23 @@ impl From<TickFault> for AbortReason {
             TickFault::SensorNotFinite { .. } | TickFault::TorqueNotFinite => Self::NotFinite,
             TickFault::JointLimit { .. } => Self::JointLimit,
             TickFault::JointSpeed { .. } => Self::JointSpeed,
-            TickFault::DeadlineMissed => Self::Stopped,
+            // None of these depends on the parameters.
+            TickFault::DeadlineMissed
+            | TickFault::Stopped
+            | TickFault::ClockJumped
+            | TickFault::SensorJumped { .. }
+            | TickFault::SensorFrozen { .. } => Self::Stopped,
+        }
+    }
+}
+
+impl From<GuardTrip> for AbortReason {
+    fn from(trip: GuardTrip) -> Self {
+        match trip {
+            GuardTrip::EnergySurplus => Self::EnergySurplus,
+            GuardTrip::Oscillation => Self::Oscillation,
+            GuardTrip::LimitCycle { .. } => Self::LimitCycle,
+            GuardTrip::NullSpaceDrift => Self::NullSpaceDrift,
         }
     }
 }
@@ -107,6 +136,9 @@ impl TrialMonitor {
         if let Some(fault) = record.fault {
             return Some(fault.into());
         }
+        if let Some(trip) = record.guard {
+            return Some(trip.into());
+        }
         let twist = record.task.twist;
         if let Some(last) = self.last_twist {
             self.acceleration += ((twist - last) / self.dt_s - self.acceleration) * self.weight;
@@ -124,7 +156,7 @@ impl TrialMonitor {
             Some(AbortReason::Error)
         } else if self.saturated_s > limits.saturation_s {
             Some(AbortReason::TorqueSaturation)
-        } else if !within(record.task.nullspace_speed_rad_s, limits.nullspace_speed_rad_s) {
+        } else if !within(record.task.nullspace_qd.norm(), limits.nullspace_speed_rad_s) {
             Some(AbortReason::NullspaceRunaway)
         } else {
             None

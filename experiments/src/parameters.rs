@@ -92,11 +92,8 @@ impl ParameterSpace {
     /// All parameters, joint by joint: (name, lower, upper).
     pub fn entries(&self) -> Vec<Entry> {
         let scaled = |scale: f64| {
-            move |&(name, low, high): &Entry| match name {
-                "viscous_nm_s_per_rad" | "coulomb_nm" | "breakaway_minus_coulomb_nm" | "phi1_nm" => {
-                    (name, scale * low, scale * high)
-                }
-                _ => (name, low, high),
+            move |&(name, low, high): &Entry| {
+                if is_torque(name) { (name, scale * low, scale * high) } else { (name, low, high) }
             }
         };
         self.box_scale.iter().flat_map(|scale| self.of_joint().iter().map(scaled(*scale))).collect()
@@ -128,6 +125,16 @@ impl ParameterSpace {
             _ => 0.0,
         };
         self.entries().into_iter().map(value).collect()
+    }
+
+    /// Multiplies every torque of a joint in a parameter vector; speeds and shapes stay.
+    pub fn scale_torques(&self, theta: &mut [f64], joint: usize, factor: f64) {
+        let k = self.parameters_per_joint();
+        for (value, name) in theta.iter_mut().skip(joint * k).zip(self.names_of_joint()) {
+            if is_torque(name) {
+                *value *= factor;
+            }
+        }
     }
 
     /// The friction model of a parameter vector of length [`Self::dimension`].
@@ -200,6 +207,11 @@ impl ParameterSpace {
         };
         (0..self.joints()).flat_map(joint).collect()
     }
+}
+
+/// Whether the torque of a law is proportional to this parameter, the others of its kind together.
+fn is_torque(name: &str) -> bool {
+    matches!(name, "viscous_nm_s_per_rad" | "coulomb_nm" | "breakaway_minus_coulomb_nm" | "phi1_nm")
 }
 
 #[cfg(test)]

@@ -1,7 +1,7 @@
 //! One trial: the loop on the simulated arm, judged.
 
 use nalgebra::SVector;
-use tribo_control::{ImpedanceSettings, SinusoidReference};
+use tribo_control::{GuardSettings, ImpedanceSettings, SinusoidReference};
 use tribo_friction::{Compensator, FrictionModel, JointEffects, VelocitySource};
 use tribo_robot::presets::joint_stiffness_nm_per_rad;
 use tribo_robot::{Arm, WrenchEstimator};
@@ -33,6 +33,8 @@ pub struct Trial<const N: usize> {
     pub reference: SinusoidReference,
     /// Velocity the compensator believes.
     pub velocity: VelocitySource,
+    /// What watches the compensator; none trusts it.
+    pub guard: Option<GuardSettings>,
     /// Limits that end a trial.
     pub limits: PenaltyLimits,
     /// What it is judged by.
@@ -110,6 +112,7 @@ pub fn run_trial_observed<const N: usize, E: WrenchEstimator<N>>(
         impedance: trial.impedance,
         reference: trial.reference,
         compensator: Compensator::new(*friction, trial.velocity).with_effects(trial.effects),
+        guard: trial.guard,
         dt_s: trial.dt_s,
     };
     let mut control = ControlLoop::new(trial.model.clone(), trial.start, settings, estimator);

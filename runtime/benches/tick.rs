@@ -6,7 +6,7 @@
 use divan::Bencher;
 use divan::counter::ItemsCount;
 use nalgebra::SVector;
-use tribo_control::{ImpedanceSettings, PAPER_PHASES_RAD, SinusoidReference};
+use tribo_control::{GuardSettings, ImpedanceSettings, PAPER_PHASES_RAD, SinusoidReference};
 use tribo_ekf::{WrenchEkf, WrenchEkfSettings};
 use tribo_friction::{Compensator, VelocitySource};
 use tribo_robot::{Kinematics, Plant, SensorFrame, presets};
@@ -30,6 +30,7 @@ fn rig<const N: usize>(truth: Truth<N>, start: SVector<f64, N>) -> Rig<N> {
         impedance: ImpedanceSettings::default(),
         reference: SinusoidReference::paper(Kinematics::at(&arm, &start).base_from_flange(), PAPER_PHASES_RAD),
         compensator: Compensator::new(truth.friction, VelocitySource::Hybrid),
+        guard: Some(GuardSettings::default()),
         dt_s: 1e-3,
     };
     let mut plant = BoxFrictionPlant::new(truth, Sensors::default(), start, 1);

@@ -2,12 +2,13 @@
 
 use nalgebra::SVector;
 use tribo_control::{
-    DampedPseudoInverse, ImpedanceController, ImpedanceSettings, ReferenceModel, SafeTorque, SinusoidReference,
-    TaskState, TorqueLimiter, TorqueTerms,
+    CompensationGuard, DampedPseudoInverse, GuardInput, GuardSettings, ImpedanceController, ImpedanceSettings,
+    ReferenceModel, SafeTorque, SinusoidReference, TaskState, TorqueLimiter, TorqueTerms,
 };
 use tribo_friction::{Bristles, Compensator, CompensatorInput};
 use tribo_robot::{Arm, ControlTerms, EstimatorInput, Plant, WrenchEstimator};
 
+use crate::frame_watch::FrameWatch;
 use crate::{TickFault, TickRecord};
 
 /// What one trial of the loop is made of.
@@ -19,6 +20,8 @@ pub struct LoopSettings<const N: usize> {
     pub reference: SinusoidReference,
     /// Friction compensator.
     pub compensator: Compensator<N>,
+    /// What withdraws it before it shakes the arm; none trusts it.
+    pub guard: Option<GuardSettings>,
     /// Control period (s).
     pub dt_s: f64,
 }
@@ -34,6 +37,8 @@ pub struct ControlLoop<const N: usize, E> {
     limiter: TorqueLimiter<N>,
     bristles: Bristles<N>,
     safe: SafeTorque<N>,
+    guard: Option<CompensationGuard<N>>,
+    watch: FrameWatch<N>,
     /// Whether the estimator has seen its first sample, and `record` says what acted since.
     started: bool,
     record: TickRecord<N>,
@@ -54,6 +59,8 @@ impl<const N: usize, E: WrenchEstimator<N>> ControlLoop<N, E> {
             limiter: TorqueLimiter::new(&arm.limits),
             bristles: Bristles::default(),
             safe: SafeTorque::new(q),
+            guard: settings.guard.map(CompensationGuard::new),
+            watch: FrameWatch::new(),
             started: false,
             record: TickRecord::none_yet(q, start),
             arm,
@@ -99,7 +106,12 @@ impl<const N: usize, E: WrenchEstimator<N>> ControlLoop<N, E> {
         let record = &mut self.record;
         let wanted = match record.fault {
             None => record.torque.total(),
-            Some(_) => self.safe.torque(&self.arm, &record.frame.q, &record.frame.qd),
+            Some(fault) => {
+                // A sensor that has lied is not believed again: the last good position holds.
+                let mut frame = record.frame;
+                self.watch.disbelieve(fault, &mut frame);
+                self.safe.torque(&self.arm, &frame.q, &frame.qd)
+            }
         };
         (record.command, record.saturated) = self.limiter.limit(&wanted, self.settings.dt_s);
         plant.actuate(&record.command);
@@ -107,8 +119,10 @@ impl<const N: usize, E: WrenchEstimator<N>> ControlLoop<N, E> {
     }
 
     #[inline]
-    fn check(&self) -> Result<(), TickFault> {
-        self.record.fault.or_else(|| TickFault::of_frame(&self.arm, &self.record.frame)).map_or(Ok(()), Err)
+    fn check(&mut self) -> Result<(), TickFault> {
+        let frame = &self.record.frame;
+        let known = self.record.fault.or_else(|| TickFault::of_frame(&self.arm, frame));
+        known.or_else(|| self.watch.check(&self.arm, frame, self.settings.dt_s)).map_or(Ok(()), Err)
     }
 
     /// Estimate, then control.
@@ -132,15 +146,29 @@ impl<const N: usize, E: WrenchEstimator<N>> ControlLoop<N, E> {
         }
         let twist_model = self.model.step(&self.settings.impedance, &record.reference, self.settings.dt_s);
         let (compensator, bristles, dt_s) = (&self.settings.compensator, &mut self.bristles, self.settings.dt_s);
+        let share = self.guard.map_or(1.0, |guard| guard.share());
         (record.torque, record.task) = self
             .controller
             .tick(&terms, &frame.q, &frame.qd, &record.reference, &twist_model, |measured, modelled, load| {
                 let (q, qd_measured, qd_reference, load_nm) = (frame.q, *measured, *modelled, *load);
                 let input = CompensatorInput { q, qd_measured, qd_reference, load_nm, dt_s };
                 let compensation = compensator.tick(bristles, &input);
-                (compensation.law_nm, compensation.effects_nm)
+                (compensation.law_nm * share, compensation.effects_nm * share)
             })
             .map_err(|_| TickFault::TorqueNotFinite)?;
+        self.watch.meant(&record.task.qd_reference, dt_s);
+        if let Some(guard) = &mut self.guard {
+            record.guard = guard.observe(&GuardInput {
+                qd: &frame.qd,
+                qd_reference: &record.task.qd_reference,
+                nullspace_qd: &record.task.nullspace_qd,
+                compensation: &(record.torque.friction + record.torque.effects),
+                nullspace_torque: &record.torque.nullspace,
+                twist: &record.task.twist,
+                wrench: &record.estimate.wrench_base.to_vector(),
+                dt_s,
+            });
+        }
         Ok(())
     }
 }

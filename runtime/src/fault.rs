@@ -24,9 +24,27 @@ pub enum TickFault {
         /// The first such joint.
         joint: usize,
     },
+    /// A joint position changed faster than the arm could move.
+    #[error("sensor of joint {joint} jumped")]
+    SensorJumped {
+        /// The first such joint.
+        joint: usize,
+    },
+    /// A sensor repeats the same bits although its joint is meant to move.
+    #[error("sensor of joint {joint} is frozen")]
+    SensorFrozen {
+        /// The first such joint.
+        joint: usize,
+    },
+    /// The time of the frames went back, or on by more than 0.1 s.
+    #[error("the clock of the sensors jumped")]
+    ClockJumped,
     /// The control law gave a torque that is not finite.
     #[error("the control law gave a torque that is not finite")]
     TorqueNotFinite,
+    /// Somebody who watches the loop stopped it.
+    #[error("stopped from outside")]
+    Stopped,
     /// More deadlines in a row were missed than the overrun policy bears.
     #[error("too many deadlines in a row were missed")]
     DeadlineMissed,

@@ -7,7 +7,7 @@
 //! another thread through a ring.
 //!
 //! ```
-//! use tribo_control::{ImpedanceSettings, SinusoidReference};
+//! use tribo_control::{GuardSettings, ImpedanceSettings, SinusoidReference};
 //! use tribo_ekf::{WrenchEkf, WrenchEkfSettings};
 //! use tribo_friction::{Compensator, FrictionModel, VelocitySource, law::CoulombViscous};
 //! use tribo_robot::{Kinematics, presets};
@@ -21,6 +21,7 @@
 //!     impedance: ImpedanceSettings::default(),
 //!     reference: SinusoidReference::fixed(Kinematics::at(&arm, &q).base_from_flange()),
 //!     compensator: Compensator::new(none, VelocitySource::Hybrid),
+//!     guard: Some(GuardSettings::default()),
 //!     dt_s: 1e-3,
 //! };
 //! let mut control = ControlLoop::new(arm, q, settings, WrenchEkf::new(WrenchEkfSettings::default()));
@@ -33,6 +34,7 @@
 mod clock;
 mod control_loop;
 mod fault;
+mod frame_watch;
 mod latency;
 mod overrun;
 mod process_image;

@@ -1,7 +1,7 @@
 //! Everything one tick knew, for the log.
 
 use nalgebra::SVector;
-use tribo_control::{TaskState, TorqueTerms};
+use tribo_control::{GuardTrip, TaskState, TorqueTerms};
 use tribo_robot::{Pose, SensorFrame, WrenchEstimate};
 
 use crate::TickFault;
@@ -16,13 +16,15 @@ pub struct TickRecord<const N: usize> {
     /// Reference pose, `base_from_flange`.
     pub reference: Pose,
     /// Task state seen by the controller; zero under a fault.
-    pub task: TaskState,
+    pub task: TaskState<N>,
     /// Torque terms before limits (Nm); zero under a fault.
     pub torque: TorqueTerms<N>,
     /// Torque sent (Nm).
     pub command: SVector<f64, N>,
     /// Whether a torque limit was hit.
     pub saturated: bool,
+    /// Why the friction compensation was withdrawn, if it was.
+    pub guard: Option<GuardTrip>,
     /// Why the safe torque was sent, if it was.
     pub fault: Option<TickFault>,
 }
@@ -39,6 +41,7 @@ impl<const N: usize> TickRecord<N> {
             torque: TorqueTerms::zero(),
             command: zero,
             saturated: false,
+            guard: None,
             fault: None,
         }
     }

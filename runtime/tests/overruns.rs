@@ -6,7 +6,7 @@ use std::cell::Cell;
 use std::rc::Rc;
 
 use nalgebra::SVector;
-use tribo_control::{ImpedanceSettings, PAPER_PHASES_RAD, SinusoidReference};
+use tribo_control::{GuardSettings, ImpedanceSettings, PAPER_PHASES_RAD, SinusoidReference};
 use tribo_ekf::{WrenchEkf, WrenchEkfSettings};
 use tribo_friction::{Compensator, VelocitySource};
 use tribo_robot::{Kinematics, Plant, SensorFrame, gravity_torque, presets};
@@ -81,6 +81,7 @@ fn rig<W: FnMut(u64), C: Clock>(clock: C, wait: W, ring: usize) -> (Loop<W, C>, 
         impedance: ImpedanceSettings::default(),
         reference: SinusoidReference::paper(Kinematics::at(&arm, &q).base_from_flange(), PAPER_PHASES_RAD),
         compensator: Compensator::new(truth.friction, VelocitySource::Hybrid),
+        guard: Some(GuardSettings::default()),
         dt_s: 1e-3,
     };
     let held = gravity_torque(&arm, &q);

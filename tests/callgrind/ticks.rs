@@ -42,7 +42,12 @@ fn main() -> ExitCode {
                 })
                 .collect();
             let (mut sink, mut drain) = record_ring(16);
+            let start = control.clone();
             for (tick, frame) in (0..).zip(frames.iter().cycle().take(count)) {
+                // The frames begin again, and so does the loop that was there.
+                if tick % FRAMES as u64 == 0 {
+                    control = start.clone();
+                }
                 let record = control.tick(&mut ProcessImage::of(*frame));
                 sink.push(tick, *record);
                 std::hint::black_box(drain.pop());

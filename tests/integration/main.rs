@@ -3,6 +3,7 @@
 mod architecture;
 mod box_friction;
 mod closed_loop_cost;
+mod compensation_guard;
 mod drift;
 mod dynamics_identities;
 mod dynamics_reference;

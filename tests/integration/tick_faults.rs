@@ -147,35 +147,3 @@ fn a_broken_torque_sensor_is_nobodys_fault() {
     let records = records(AT, |_, frame| frame.tau = Joints::repeat(f64::NAN));
     assert!(records.iter().all(|record| record.fault.is_none()));
 }
-
-/// An encoder that jumps by less than its range: no tick-level fault by design (the trial's monitor sees the error), but
-/// limits and rate hold. A differentiated jump of 0.1 rad is 100 rad/s, which is one.
-#[test]
-fn a_jumping_encoder_keeps_the_command_within_its_limits() {
-    let silent = records(AT, |_, frame| frame.q[3] += 0.1);
-    assert!(silent[AT as usize].fault.is_none());
-    assert!((silent[AT as usize].task.error.amax()) > 0.02, "the jump must be visible in the task error");
-    let differentiated = latched_fault(AT, |since, frame| {
-        frame.q[3] += 0.1;
-        if since == 0 {
-            frame.qd[3] += 0.1 / DT_S;
-        }
-    });
-    assert_eq!(differentiated, TickFault::JointSpeed { joint: 3 });
-}
-
-/// A frozen encoder looks like an arm at rest: the loop pushes, limits and rate hold, nothing panics.
-#[test]
-fn a_frozen_encoder_keeps_the_command_within_its_limits() {
-    let frozen = std::cell::Cell::new(Joints::zeros());
-    let records = records(AT, |since, frame| {
-        if since == 0 {
-            frozen.set(frame.q);
-        }
-        frame.q = frozen.get();
-        frame.qd = Joints::zeros();
-    });
-    let last = records[TICKS as usize - 1];
-    assert_eq!(last.task.twist.amax(), 0.0);
-    assert!(last.task.error.amax() > 1e-3, "the reference must have moved on");
-}

@@ -59,6 +59,9 @@ impl Scenario {
             set(&mut config.truth, self.truth.as_ref())?;
             config.truth_content = None;
         }
+        if self.unguarded {
+            config.guard = None;
+        }
         if self.model.is_some() {
             config.model.clone_from(&self.model);
             config.model_content = None;

@@ -38,13 +38,19 @@ fn simulate<const N: usize>(arguments: &Simulate, common: &Common, mut tune: Val
         }
     }
     if arguments.pulse_force > 0.0 || arguments.pulse_moment > 0.0 {
+        // Whoever pushes puts energy into the arm, as a compensator does that is too strong.
+        trial.guard = None;
         // Six pulses of 3 s, 1.5 s apart, after the pre-roll: they fill the 30 s of the trajectory.
         trial.pulses = WrenchPulses::each_axis(arguments.pulse_force, arguments.pulse_moment, 4.0, 3.0, 1.5);
     }
     if let Some(number) = arguments.trial {
         (tune.trial, _) = tune.numbered(number);
     }
+    if !(0.0..=10.0).contains(&arguments.scale) {
+        return Err(BadInput(format!("--scale is {}; allowed: 0 to 10", arguments.scale)).into());
+    }
     let (friction, left) = belief(arguments, &mut tune)?;
+    let friction = friction.scaled(arguments.scale);
     warn_not_cancelled(&left, common);
     match &arguments.trajectory {
         Some(path) => run_trajectory(path, arguments, common, &tune, &friction, &left),

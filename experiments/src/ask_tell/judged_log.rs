@@ -164,6 +164,7 @@ pub fn judge_log<const N: usize>(
                 torque,
                 command,
                 saturated: false,
+                guard: None,
                 fault: None,
             };
             decimated.push(since_judged_s, &record);

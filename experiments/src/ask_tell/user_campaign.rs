@@ -8,6 +8,7 @@ use super::{JudgedLog, UserTrials};
 use crate::campaign::{best_trial, write_tuned};
 use crate::campaign_directory::{RunBy, create, open, write_settings};
 use crate::files::{FileError, TunedFile};
+use crate::friction_limit::FrictionLimit;
 use crate::journal::{Clock, Journal, JournalTrial, REPORTED, TrialState, attributes, finished_trial};
 use crate::stored_logs::StoredLogs;
 use crate::strategy::{FinishedTrial, LogSource, Origin, Past, Proposal, RunningTrial};
@@ -147,9 +148,14 @@ impl<const N: usize> UserCampaign<N> {
         let fail = |source| CampaignError::Strategy { trial: number, source };
         let strategy = self.tune.config.strategy.build(&self.tune).map_err(fail)?;
         let past = Past { finished: &finished, running: &running };
-        let Proposal { theta, origin } = match strategy.design(number).map_err(fail)? {
+        let logs = self.logs();
+        let proposal = match strategy.design(number).map_err(fail)? {
             Some(proposal) => proposal,
-            None => strategy.propose(number, past, &self.logs()).map_err(fail)?,
+            None => strategy.propose(number, past, &logs).map_err(fail)?,
+        };
+        let Proposal { theta, origin } = match FrictionLimit::of(&self.tune).map_err(fail)? {
+            Some(limit) => limit.hold_back(proposal, number, &logs).map_err(fail)?,
+            None => proposal,
         };
         if number == self.trials.len() {
             self.journal.create_trial()?;

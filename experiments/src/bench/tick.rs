@@ -43,6 +43,7 @@ pub(super) fn rig<const N: usize>(
         impedance: trial.impedance,
         reference: trial.reference,
         compensator: Compensator::new(friction, trial.velocity).with_effects(trial.effects),
+        guard: trial.guard,
         dt_s: trial.dt_s,
     };
     let estimator = AnyEstimator::for_tuning(tune.config.residual, tune.config.ekf, &trial.model, &friction)?;

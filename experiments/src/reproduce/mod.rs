@@ -2,6 +2,7 @@
 
 mod error;
 mod linderoth2013;
+mod overcompensation;
 mod quantity;
 mod roveda2022;
 mod seeded;
@@ -11,6 +12,7 @@ mod wrench_pulses;
 
 pub use error::ExperimentError;
 pub use linderoth2013::{AssemblyTrace, Linderoth2013};
+pub use overcompensation::{OverCompensation, ScaleRow};
 pub use quantity::{Quantity, QuantitySummary, SeedRun, summarize_quantities};
 pub use roveda2022::{CaseConfig, CellResult, Roveda2022, RowSummary, StrategyConfig, summarize};
 pub use seeded::SeededExperiment;

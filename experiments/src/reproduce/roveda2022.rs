@@ -167,6 +167,8 @@ impl Roveda2022 {
             trials: strategy.trials,
             pose,
             phases: Phases::Random,
+            // The paper's search tries whatever it draws.
+            guard: None,
             ..TuneConfig::default()
         };
         let tune = config.validate::<7>().map_err(CampaignError::Config)?;

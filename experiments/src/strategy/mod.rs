@@ -77,6 +77,8 @@ pub enum Origin {
     Model,
     /// A step of iterative learning.
     Learning,
+    /// Any of these, held back by the guard: it asked for more compensation than there is friction.
+    Guard,
 }
 
 impl fmt::Display for Origin {
@@ -87,6 +89,7 @@ impl fmt::Display for Origin {
             Self::LeastSquares => "least squares",
             Self::Model => "model",
             Self::Learning => "learning",
+            Self::Guard => "guard",
         })
     }
 }

@@ -59,6 +59,7 @@ pub fn loop_times<const N: usize>(tune: &ValidTune<N>, theta: &[f64]) -> Result<
         impedance: trial.impedance,
         reference: trial.reference,
         compensator: Compensator::new(tune.space.friction(theta), trial.velocity).with_effects(trial.effects),
+        guard: trial.guard,
         dt_s: trial.dt_s,
     };
     let friction = tune.space.friction(theta);

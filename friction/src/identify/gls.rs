@@ -81,6 +81,10 @@ pub struct GlsFit<const N: usize> {
     pub coefficients: [[f64; 3]; N],
     /// Standard deviation of the coefficients, bounds ignored (unused entries 0).
     pub sd: [[f64; 3]; N],
+    /// Covariance of the coefficients of each joint, bounds ignored (unused entries 0).
+    pub covariance: [[[f64; 3]; 3]; N],
+    /// What the coefficients are those of.
+    pub basis: Basis,
     /// Torque offset per joint (Nm) (0 if left out).
     pub offset_nm: SVector<f64, N>,
     /// Unmodelled mass at the flange (kg) (0 if left out).
@@ -91,6 +95,16 @@ pub struct GlsFit<const N: usize> {
     pub wrench_rms: [Vector6<f64>; 2],
     /// Samples used.
     pub samples: usize,
+}
+
+impl<const N: usize> GlsFit<N> {
+    /// Standard deviation (Nm) of the friction of a joint that moves at qd [rad/s].
+    pub fn torque_sd_nm(&self, joint: usize, qd: f64) -> f64 {
+        let columns = self.basis.evaluate(qd, qd.signum());
+        let weighted = |row: &[f64; 3]| row.iter().zip(&columns).map(|(c, x)| c * x).sum::<f64>();
+        let rows = self.covariance[joint].iter().zip(&columns);
+        rows.map(|(row, x)| x * weighted(row)).sum::<f64>().max(0.0).sqrt()
+    }
 }
 
 /// Why friction could not be identified.
@@ -138,10 +152,14 @@ pub fn fit_from_wrench<const N: usize>(
 
     let mut coefficients = [[0.0; 3]; N];
     let mut sd = [[0.0; 3]; N];
+    let mut covariance_of_joints = [[[0.0; 3]; 3]; N];
     for j in 0..N {
         for c in 0..columns {
             coefficients[j][c] = theta[j * columns + c];
             sd[j][c] = covariance[(j * columns + c, j * columns + c)].max(0.0).sqrt();
+            for d in 0..columns {
+                covariance_of_joints[j][c][d] = covariance[(j * columns + c, j * columns + d)];
+            }
         }
     }
     let friction = FrictionModel { joints: coefficients.map(|c| settings.basis.law(&c)) };
@@ -163,6 +181,8 @@ pub fn fit_from_wrench<const N: usize>(
         friction,
         coefficients,
         sd,
+        covariance: covariance_of_joints,
+        basis: settings.basis,
         offset_nm,
         payload_kg,
         mean_square: equations.square_left(&theta) / (6.0 * count),

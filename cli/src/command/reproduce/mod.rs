@@ -1,5 +1,6 @@
 //! `tribo reproduce`.
 
+mod overcompensation;
 mod rerun;
 mod roveda2022;
 mod seeded;
@@ -26,6 +27,7 @@ pub fn run(arguments: &Reproduce, common: &Common) -> anyhow::Result<()> {
             seeded::run::<Simoni2019>("simoni2019", settings, arguments, common)
         }
         "uhlmann2023" | "05" => uhlmann2023::run(arguments, common),
+        "overcompensation" | "09" => overcompensation::run(arguments, common),
         "wrench_pulses" | "07" => wrench_pulses::run(arguments, common),
         _ => roveda2022::run(arguments, common),
     }

@@ -1,0 +1,30 @@
+//! The fault campaign: what breaks on real robots is broken here on purpose, in the middle of a trial.
+//!
+//! | fault | what must happen | where |
+//! |---|---|---|
+//! | encoder silent for 20 ms | the arm does not notice, the trial ends; its J is spoiled by the step when the sensor comes back | `sensors` |
+//! | encoder silent for good, one or all | fault `SensorFrozen`, safe torque | `sensors` |
+//! | encoder jumps | fault `SensorJumped`, safe torque; a jump that the arm could have made is survived | `sensors` |
+//! | NaN, infinity | fault `SensorNotFinite`, safe torque | `sensors`, `integration/tick_faults.rs` |
+//! | samples late, twice | survived while they are few ms (J 10 in place of 3); beyond, the trial is stopped | `sensors` |
+//! | noise ×10 | a compensator that believes it is withdrawn before the arm moves; the acceleration limit of a trial stops it without guard too | `sensors` |
+//! | clock jumps | fault `ClockJumped`, safe torque | `sensors` |
+//! | one joint with the wrong sign | stopped with a reason, at the first tick where the sign is out of range | `sensors` |
+//! | torque saturation | stopped: `TorqueSaturation` | `robot` |
+//! | singular pose, pose at a limit | finite torque; past the limit stopped: `JointLimit` | `robot` |
+//! | compensator of 0 to 300 % | withdrawn before anybody sees it, with a reason | `robot`, `integration/compensation_guard.rs` |
+//! | model of another arm | the trial ends or is stopped, nothing is unsafe | `robot` |
+//! | a hand pushes with 50 N | compliant: the trial ends or is stopped, within its limits | `robot` |
+//! | power fails in a trial | stopped while the arm has hardly begun to fall | `robot` |
+//! | deadline missed, loop stalled | held, then stopped with the safe torque | `runtime/tests/overruns.rs` |
+//! | disk full, directory read-only | exit code 2, file and reason named, nothing lost | `cli/tests/storage_faults.rs` |
+//! | system clock jumps | a campaign's result does not change | `cli/tests/storage_faults.rs` |
+//! | SIGKILL, SIGTERM, SIGINT | no finished trial is lost; the resumed result is the undisturbed one | `cli/tests/kill_and_resume.rs` |
+//! | two processes on one campaign | the second is told, the first does not notice | `cli/tests/bad_input.rs`, `ask_and_tell.rs` |
+//!
+//! At every tick of every story the command is finite, within the torque limits and within the rate limit of the last one; and
+//! once it is stopped, the arm comes to rest, wherever sensors or motors still allow that.
+
+mod robot;
+mod sensors;
+mod story;
