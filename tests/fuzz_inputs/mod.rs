@@ -12,7 +12,13 @@
 
 mod document;
 #[path = "../../logs/tests/common/ros2.rs"]
-#[allow(missing_docs, clippy::unwrap_used, dead_code, reason = "the recorder of the tests of `logs`")]
+#[allow(
+    missing_docs,
+    dead_code,
+    clippy::unwrap_used,
+    clippy::new_without_default,
+    reason = "the recorder of the tests of `logs`"
+)]
 pub mod recorder;
 mod robot_log;
 mod scratch;

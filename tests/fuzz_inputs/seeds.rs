@@ -113,7 +113,7 @@ fn campaign(config: TuneConfig) -> Vec<u8> {
 
 fn tuned() -> Vec<u8> {
     let tune = TuneConfig::default().validate_any().expect("valid settings");
-    let AnyTune::Seven(tune) = tune else { panic!("a Panda has seven joints") };
+    let AnyTune::Seven(tune) = tune else { unreachable!("a Panda has seven joints") };
     let file = TunedFile::of_trial(&tune, 2, &vec![0.25; tune.space.zero().len()]);
     let file = TunedFile { tribo_version: String::new(), cost: Some(2.5), uncompensated_cost: Some(24.0), ..file };
     to_yaml(&file).expect("tuned parameters can be written").into_bytes()
