@@ -76,10 +76,8 @@ fn format_of(file: &LogFile) -> Result<LogFormat, LogError> {
 pub fn read_log(path: impl AsRef<Path>) -> Result<(RobotLog, LogSummary), LogError> {
     let path = path.as_ref();
     let format = detect(path)?;
-    match bag_file(path)? {
-        Some(bag) => read_as(&LogFile::new(&bag), format),
-        None => read_as(&LogFile::new(path), format),
-    }
+    let bag = if format == LogFormat::Mcap { bag_file(path)? } else { None };
+    read_as(&LogFile::new(bag.as_deref().unwrap_or(path)), format)
 }
 
 /// Reads a log that is in memory, in any known format of one file; `name` is what errors call it.

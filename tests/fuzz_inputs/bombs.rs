@@ -57,7 +57,7 @@ fn yaml() {
             take_all("tune_yaml", value, format!("{key}: {value}\n").as_bytes());
         }
     }
-    let effects = "- {cause: payload, mass_kg: 0, com_m: [0, 0, 0]}\n".repeat(40_000);
+    let effects = "- {cause: payload, mass_kg: 0, com_m: [0, 0, 0]}\n".repeat(20_000);
     take_all("model_yaml", "effects", format!("schema: tribo.model/1\nrobot: panda\neffects:\n{effects}").as_bytes());
     let joints = "- {coulomb_nm: 1, viscous_nm_s_per_rad: 1}\n".repeat(40_000);
     let friction = format!("friction:\n  law: coulomb_viscous\n  joints:\n{joints}");

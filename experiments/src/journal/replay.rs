@@ -73,7 +73,9 @@ impl Replay {
         for line in lines.split_inclusive(|byte| *byte == b'\n') {
             self.lines += 1;
             let corrupt = |message: String| FileError::Journal { path: path.to_owned(), line: self.lines, message };
-            let record: Value = serde_json::from_slice(line).map_err(|error| corrupt(format!("not JSON: {error}")))?;
+            let text = std::str::from_utf8(line)
+                .map_err(|error| corrupt(format!("not UTF-8 text at byte {}", error.valid_up_to() + 1)))?;
+            let record: Value = serde_json::from_str(text).map_err(|error| corrupt(format!("not JSON: {error}")))?;
             apply(&record, &mut self.studies, &mut self.trials).map_err(corrupt)?;
         }
         Ok(())
