@@ -3,6 +3,8 @@
 //! The reference problem everywhere is the Panda at its ready pose with the default settings of every crate; a story
 //! says in its own header what it changes.
 
+pub mod fuzz_inputs;
+
 use nalgebra::SVector;
 use tribo_control::{GuardSettings, ImpedanceSettings, PAPER_PHASES_RAD, SinusoidReference};
 use tribo_ekf::{WrenchEkf, WrenchEkfSettings};

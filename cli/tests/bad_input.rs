@@ -255,6 +255,34 @@ fn logs() {
     tell(refused.into_iter().map(|(arguments, needles)| refusal(at.path(), arguments, needles)));
 }
 
+/// Small files that ask for much: the rest is in `tests/fuzz_inputs/bombs.rs`, this is how it ends for the user.
+#[test]
+fn what_asks_for_too_much() {
+    let at = scratch();
+    let put = |name: &str, content: &str| std::fs::write(at.path().join(name), content).unwrap();
+    put("far.csv", include_str!("../../fuzz/regressions/csv_log/longer_than_a_number.csv"));
+    let laughs: String =
+        (1..12).map(|k| format!("a{k}: &a{k} [{}]\n", [&*format!("*a{}", k - 1); 10].join(","))).collect();
+    put("laughs.yaml", &format!("a0: &a0 [0]\n{laughs}"));
+    put("deep.yaml", &"[".repeat(100_000));
+    let study = "schema: tribo.study/1\nseeds: 10000\ncases: [{truth: stribeck, friction: stribeck}]\n\
+                 strategies: [{strategy: zero, trials: 1}]\n";
+    put("grid.yaml", &format!("{study}poses: [{}0]\n", "0, ".repeat(900)));
+    let effect = "- {cause: time_delay, delay_s: 0}\n";
+    put("effects.yaml", &format!("schema: tribo.model/1\nrobot: panda\neffects:\n{}", effect.repeat(300)));
+    let refused = [
+        ("diagnose far.csv", &["far.csv: time, last less first: inf is outside"][..]),
+        ("convert far.csv z.parquet", &["far.csv: time, last less first: inf is outside"]),
+        ("tune laughs.yaml --out z", &["laughs.yaml:"]),
+        ("tune deep.yaml --out z", &["deep.yaml:"]),
+        ("study grid.yaml --out z", &["grid.yaml:5: field `poses[1]` is there twice; allowed: once"]),
+        ("simulate --log z.csv --truth effects.yaml", &["effects.yaml:3: field `effects` is 300 entries"]),
+        #[cfg(target_os = "linux")]
+        ("tune /dev/zero --out z", &["/dev/zero:1:1: more than 67108864 bytes"]),
+    ];
+    tell(refused.into_iter().map(|(arguments, needles)| refusal(at.path(), arguments, needles)));
+}
+
 #[test]
 fn values_on_the_command_line() {
     let log = log(7, 3000);
@@ -383,7 +411,7 @@ fn places_of_campaigns() {
                     std::fs::write(path, bytes).unwrap();
                 },
                 resume,
-                &["c/journal.log:1:11: not UTF-8 text"],
+                &["c/journal.log:1: corrupt journal: not UTF-8 text at byte 11"],
             ),
         ]
         .into_iter(),

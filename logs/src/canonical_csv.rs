@@ -20,7 +20,7 @@ use crate::error::LogError;
 use crate::format::LogFormat;
 use crate::header::Header;
 use crate::log::RobotLog;
-use crate::source::open_text;
+use crate::source::LogFile;
 use crate::summary::LogSummary;
 
 /// Reads a canonical CSV file, plain or gzip.
@@ -28,9 +28,13 @@ use crate::summary::LogSummary;
 /// # Errors
 /// [`LogError`] naming the file and, where there is one, line, column and value.
 pub fn read_csv(path: impl AsRef<Path>) -> Result<(RobotLog, LogSummary), LogError> {
-    let path = path.as_ref();
-    let (reader, packed) = open_text(path, "CSV")?;
-    canonical_rows(reader, path, if packed { LogFormat::CsvGz } else { LogFormat::Csv })?.into_log()
+    canonical(&LogFile::new(path.as_ref()))
+}
+
+/// Reads canonical CSV, plain or gzip.
+pub(crate) fn canonical(file: &LogFile) -> Result<(RobotLog, LogSummary), LogError> {
+    let (reader, packed) = file.open_text("CSV")?;
+    canonical_rows(reader, file.path, if packed { LogFormat::CsvGz } else { LogFormat::Csv })?.into_log()
 }
 
 /// Reads canonical CSV text; `path` is the name that errors show.

@@ -8,7 +8,7 @@
 //! Both ways write the same bytes. Of a log in batches only the stamps stay in memory: 29 MB for an hour at 1 kHz.
 //! Leaves out: other formats in batches (Parquet, MCAP and the Kinova files are looked at as a whole first).
 
-use std::io::BufRead;
+use std::io::{BufRead, Seek, Write};
 use std::path::Path;
 
 use crate::atomic::{failed, replace};
@@ -19,12 +19,12 @@ use crate::detect::{detect, read_log};
 use crate::error::LogError;
 use crate::format::LogFormat;
 use crate::libfranka::libfranka_rows;
-use crate::log::{MIN_ROWS, RobotLog};
+use crate::log::{MIN_ROWS, RobotLog, finite_duration};
 use crate::mcap_write::McapWriter;
 use crate::parquet_log::table_metadata;
 use crate::parquet_table::{ROWS_PER_GROUP, TableWriter};
 use crate::quantity::Quantity;
-use crate::source::TextFile;
+use crate::source::LogFile;
 use crate::summary::LogSummary;
 
 /// What the columns of a CSV file are called.
@@ -70,14 +70,25 @@ impl LogTarget {
 /// Those of [`write_atomic`](crate::write_atomic).
 pub fn write_log(path: impl AsRef<Path>, log: &RobotLog, target: LogTarget) -> Result<(), LogError> {
     let path = path.as_ref();
+    replace(path, |file| write_log_to(file, path, log, target))
+}
+
+/// Writes a log to `out`, the same bytes as [`write_log`] to a file called `name`.
+///
+/// # Errors
+/// What `out` refuses.
+pub fn write_log_to(
+    out: impl Write + Seek + Send,
+    name: &Path,
+    log: &RobotLog,
+    target: LogTarget,
+) -> Result<(), LogError> {
     let columns = log.named();
     let names: Vec<String> = columns.iter().map(|(name, _)| name.clone()).collect();
     let columns: Vec<&[f64]> = columns.iter().map(|&(_, column)| column).collect();
-    replace(path, |file| {
-        let mut sink = Sink::new(file, path, &names, target)?;
-        sink.write(&columns)?;
-        sink.finish()
-    })
+    let mut sink = Sink::new(out, name, &names, target)?;
+    sink.write(&columns)?;
+    sink.finish()
 }
 
 /// Reads the log at `from` and writes it to `to`. `progress` hears the part that is read, 0 to 1, and stops by saying false.
@@ -93,7 +104,7 @@ pub fn convert(
     let (from, to) = (from.as_ref(), to.as_ref());
     let stopped = || LogError::Stopped { path: to.to_path_buf() };
     let format = detect(from)?;
-    let file = TextFile::new(from);
+    let file = LogFile::new(from);
     match rows_of(&file, format)? {
         Some(rows) => {
             let mut summary = None;
@@ -119,9 +130,9 @@ pub fn convert(
 }
 
 /// The rows of a format that can be read in one pass; `None` for the others.
-fn rows_of<'p>(file: &TextFile<'p>, format: LogFormat) -> Result<Option<CsvRows<'p, Box<dyn BufRead>>>, LogError> {
+fn rows_of<'p>(file: &LogFile<'p>, format: LogFormat) -> Result<Option<CsvRows<'p, Box<dyn BufRead>>>, LogError> {
     match format {
-        LogFormat::Csv | LogFormat::CsvGz => canonical_rows(file.open("CSV")?.0, file.path, format).map(Some),
+        LogFormat::Csv | LogFormat::CsvGz => canonical_rows(file.open_text("CSV")?.0, file.path, format).map(Some),
         LogFormat::Libfranka => libfranka_rows(file).map(Some),
         _ => Ok(None),
     }
@@ -131,7 +142,7 @@ fn rows_of<'p>(file: &TextFile<'p>, format: LogFormat) -> Result<Option<CsvRows<
 fn in_batches(
     mut rows: CsvRows<'_, Box<dyn BufRead>>,
     from: &Path,
-    mut sink: Sink<'_, '_>,
+    mut sink: Sink<'_, impl Write + Seek + Send>,
     mut go_on: impl FnMut() -> Result<(), LogError>,
 ) -> Result<LogSummary, LogError> {
     let mut batch = vec![Vec::new(); rows.header.positions.len()];
@@ -151,6 +162,7 @@ fn in_batches(
     if time_s.len() < MIN_ROWS {
         return Err(LogError::TooFewRows { got: time_s.len(), need: MIN_ROWS }.in_file(from));
     }
+    finite_duration(&time_s).map_err(|error| error.in_file(from))?;
     sink.finish()?;
 
     let (format, joints, present) = (rows.format, rows.header.joints, rows.header.quantities.clone());
@@ -161,23 +173,20 @@ fn in_batches(
 }
 
 /// A file that takes batches of rows in canonical order.
-struct Sink<'o, 'f> {
-    format: SinkFormat<'o, 'f>,
+struct Sink<'p, W: Write + Seek + Send> {
+    format: SinkFormat<W>,
     /// The name that errors show.
-    path: &'o Path,
+    path: &'p Path,
 }
 
-enum SinkFormat<'o, 'f> {
-    Csv(CsvWriter<&'o mut Output<'f>>),
-    Parquet(TableWriter<&'o mut Output<'f>>),
-    Mcap(Box<McapWriter<&'o mut Output<'f>>>),
+enum SinkFormat<W: Write + Seek + Send> {
+    Csv(CsvWriter<W>),
+    Parquet(TableWriter<W>),
+    Mcap(Box<McapWriter<W>>),
 }
 
-/// What [`replace`] hands to a writer.
-type Output<'f> = std::io::BufWriter<&'f mut std::fs::File>;
-
-impl<'o, 'f> Sink<'o, 'f> {
-    fn new(out: &'o mut Output<'f>, path: &'o Path, names: &[String], target: LogTarget) -> Result<Self, LogError> {
+impl<'p, W: Write + Seek + Send> Sink<'p, W> {
+    fn new(out: W, path: &'p Path, names: &[String], target: LogTarget) -> Result<Self, LogError> {
         let csv = |names: &[String], out| {
             CsvWriter::new(out, path, names).map(SinkFormat::Csv).map_err(|error| failed(path, "write", error))
         };

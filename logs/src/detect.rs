@@ -12,18 +12,20 @@
 
 use std::path::{Path, PathBuf};
 
-use crate::canonical_csv::read_csv;
+use bytes::Bytes;
+
+use crate::canonical_csv::canonical;
 use crate::csv_lines::{BYTE_ORDER_MARK, header_names};
 use crate::error::{LogError, shown};
 use crate::format::LogFormat;
-use crate::kinova_gen3::{is_kinova_gen3, read_kinova_gen3};
-use crate::libfranka::{is_libfranka, read_libfranka};
+use crate::kinova_gen3::{is_kinova_gen3, kinova_gen3};
+use crate::libfranka::{is_libfranka, libfranka_rows};
 use crate::log::RobotLog;
-use crate::mcap_log::{MCAP_MAGIC, read_mcap};
+use crate::mcap_log::{MCAP_MAGIC, mcap};
 use crate::panda_gaz::{is_panda_gaz, read_panda_gaz};
-use crate::parquet_log::read_parquet;
+use crate::parquet_log::parquet;
 use crate::quantity::Quantity;
-use crate::source::{open_text, peek};
+use crate::source::{LogFile, peek};
 use crate::summary::LogSummary;
 
 /// Tells the format of a file or directory.
@@ -41,7 +43,13 @@ pub fn detect(path: impl AsRef<Path>) -> Result<LogFormat, LogError> {
             .map(|_| LogFormat::Mcap)
             .ok_or_else(|| unknown(path, "a directory without exciting_traj_time.txt and without .mcap".to_owned()));
     }
-    let (mut reader, packed) = open_text(path, "log")?;
+    format_of(&LogFile::new(path))
+}
+
+/// The format of one file.
+fn format_of(file: &LogFile) -> Result<LogFormat, LogError> {
+    let path = file.path;
+    let (mut reader, packed) = file.open_text("log")?;
     let start = peek(path, &mut *reader)?;
     match start {
         [] => Err(LogError::Empty { path: path.to_path_buf() }),
@@ -67,13 +75,28 @@ pub fn detect(path: impl AsRef<Path>) -> Result<LogFormat, LogError> {
 /// Those of [`detect`] and of the reader of the format.
 pub fn read_log(path: impl AsRef<Path>) -> Result<(RobotLog, LogSummary), LogError> {
     let path = path.as_ref();
-    match detect(path)? {
-        LogFormat::Csv | LogFormat::CsvGz => read_csv(path),
-        LogFormat::Parquet => read_parquet(path),
-        LogFormat::PandaGaz => read_panda_gaz(path),
-        LogFormat::KinovaGen3 => read_kinova_gen3(path),
-        LogFormat::Libfranka => read_libfranka(path),
-        LogFormat::Mcap => read_mcap(bag_file(path)?.as_deref().unwrap_or(path)),
+    let format = detect(path)?;
+    let bag = if format == LogFormat::Mcap { bag_file(path)? } else { None };
+    read_as(&LogFile::new(bag.as_deref().unwrap_or(path)), format)
+}
+
+/// Reads a log that is in memory, in any known format of one file; `name` is what errors call it.
+///
+/// # Errors
+/// As [`read_log`].
+pub fn read_log_from(bytes: impl Into<Bytes>, name: &Path) -> Result<(RobotLog, LogSummary), LogError> {
+    let file = LogFile::in_memory(bytes.into(), name);
+    read_as(&file, format_of(&file)?)
+}
+
+fn read_as(file: &LogFile, format: LogFormat) -> Result<(RobotLog, LogSummary), LogError> {
+    match format {
+        LogFormat::Csv | LogFormat::CsvGz => canonical(file),
+        LogFormat::Parquet => parquet(file),
+        LogFormat::PandaGaz => read_panda_gaz(file.path),
+        LogFormat::KinovaGen3 => kinova_gen3(file),
+        LogFormat::Libfranka => libfranka_rows(file)?.into_log(),
+        LogFormat::Mcap => mcap(file),
     }
 }
 

@@ -34,7 +34,7 @@ use crate::format::LogFormat;
 use crate::header::{Header, positions_by_name};
 use crate::log::RobotLog;
 use crate::quantity::Quantity;
-use crate::source::open_text;
+use crate::source::LogFile;
 use crate::summary::LogSummary;
 
 /// Joints of the arm.
@@ -67,8 +67,13 @@ pub(crate) fn is_kinova_gen3(names: &[String]) -> bool {
 /// without `TorqueCur`, otherwise as [`read_csv`](crate::read_csv); an index that is no whole number is
 /// [`LogError::BadLine`].
 pub fn read_kinova_gen3(path: impl AsRef<Path>) -> Result<(RobotLog, LogSummary), LogError> {
-    let path = path.as_ref();
-    let (mut columns, end) = rows(path)?.into_columns()?;
+    kinova_gen3(&LogFile::new(path.as_ref()))
+}
+
+/// Reads one CSV of the data set, plain or gzip.
+pub(crate) fn kinova_gen3(file: &LogFile) -> Result<(RobotLog, LogSummary), LogError> {
+    let path = file.path;
+    let (mut columns, end) = rows(file)?.into_columns()?;
     let mut warnings = end.warnings;
 
     // What was measured.
@@ -100,9 +105,9 @@ pub fn read_kinova_gen3(path: impl AsRef<Path>) -> Result<(RobotLog, LogSummary)
 }
 
 /// The rows of a file, header read.
-fn rows(path: &Path) -> Result<CsvRows<'_, Box<dyn BufRead>>, LogError> {
-    let (reader, _) = open_text(path, "CSV")?;
-    let mut lines = Lines::new(reader, path);
+fn rows<'p>(file: &LogFile<'p>) -> Result<CsvRows<'p, Box<dyn BufRead>>, LogError> {
+    let path = file.path;
+    let mut lines = Lines::new(file.open_text("CSV")?.0, path);
     let (names, delimiter) = lines.header()?;
     let header = placed(&names).map_err(|error| error.in_file(path))?;
     Ok(CsvRows::new(lines, path, LogFormat::KinovaGen3, &names, delimiter, header, Clock::SampleIndex))

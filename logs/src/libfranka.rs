@@ -31,7 +31,7 @@ use crate::format::LogFormat;
 use crate::header::Header;
 use crate::log::RobotLog;
 use crate::quantity::Quantity;
-use crate::source::TextFile;
+use crate::source::LogFile;
 use crate::summary::LogSummary;
 
 /// The column between state and command in the legacy header.
@@ -78,12 +78,12 @@ pub(crate) fn is_libfranka(names: &[String]) -> bool {
 /// # Errors
 /// As [`read_csv`](crate::read_csv); missing columns are called by their libfranka names.
 pub fn read_libfranka(path: impl AsRef<Path>) -> Result<(RobotLog, LogSummary), LogError> {
-    libfranka_rows(&TextFile::new(path.as_ref()))?.into_log()
+    libfranka_rows(&LogFile::new(path.as_ref()))?.into_log()
 }
 
 /// The rows of a file, header read. Where only the command tells the torque, the file is read before up to the first row that
 /// has one.
-pub(crate) fn libfranka_rows<'p>(file: &TextFile<'p>) -> Result<CsvRows<'p, Box<dyn BufRead>>, LogError> {
+pub(crate) fn libfranka_rows<'p>(file: &LogFile<'p>) -> Result<CsvRows<'p, Box<dyn BufRead>>, LogError> {
     let commanded = rows_with(file, true)?;
     if !commanded.header.quantities.contains(&Quantity::TorqueDesired) || ever_commanded(commanded) {
         return rows_with(file, true);
@@ -94,8 +94,8 @@ pub(crate) fn libfranka_rows<'p>(file: &TextFile<'p>) -> Result<CsvRows<'p, Box<
 }
 
 /// The rows of a file with or without the commanded torque.
-fn rows_with<'p>(file: &TextFile<'p>, commanded_torque: bool) -> Result<CsvRows<'p, Box<dyn BufRead>>, LogError> {
-    let mut lines = Lines::new(file.open("CSV")?.0, file.path);
+fn rows_with<'p>(file: &LogFile<'p>, commanded_torque: bool) -> Result<CsvRows<'p, Box<dyn BufRead>>, LogError> {
+    let mut lines = Lines::new(file.open_text("CSV")?.0, file.path);
     let (names, delimiter) = lines.header()?;
     let header = placed(&names, commanded_torque).map_err(|error| error.in_file(file.path))?;
     Ok(CsvRows::new(lines, file.path, LogFormat::Libfranka, &names, delimiter, header, Clock::Milliseconds))

@@ -1,7 +1,7 @@
 //! A robot log in memory, by columns.
 //!
 //! ```text
-//! t_0 < t_1 < … < t_{n-1},  n >= 2,  every cell finite,  every column n long,  N columns per joint quantity
+//! t_0 < t_1 < … < t_{n-1},  t_{n-1} − t_0 finite,  n >= 2,  every cell finite,  every column n long,  N columns per joint quantity
 //! ```
 //!
 //! [`LogColumns`] is the raw form with public fields; [`LogColumns::validate`] checks the law above and gives a
@@ -103,8 +103,8 @@ impl LogColumns {
     /// Checks the law of a log.
     ///
     /// # Errors
-    /// [`LogError::ColumnCount`], [`LogError::ColumnLength`], [`LogError::TooFewRows`], [`LogError::NotFinite`] or
-    /// [`LogError::TimeNotIncreasing`], whichever is met first in canonical order.
+    /// [`LogError::ColumnCount`], [`LogError::ColumnLength`], [`LogError::TooFewRows`], [`LogError::NotFinite`],
+    /// [`LogError::TimeNotIncreasing`] or [`LogError::OutOfRange`], whichever is met first in canonical order.
     pub fn validate(self) -> Result<RobotLog, LogError> {
         let (joints, rows) = (self.joints().max(1), self.rows());
         for quantity in Quantity::ALL {
@@ -129,7 +129,7 @@ impl LogColumns {
             Some(k) => {
                 Err(LogError::TimeNotIncreasing { row: k + 1, previous_s: self.time_s[k], value_s: self.time_s[k + 1] })
             }
-            None => Ok(RobotLog(self)),
+            None => finite_duration(&self.time_s).map(|()| RobotLog(self)),
         }
     }
 
@@ -172,6 +172,17 @@ impl LogColumns {
             Quantity::Temperature => self.temperature_c.is_some(),
             _ => self.has(quantity),
         }
+    }
+}
+
+/// Stamps that are finite may be further apart than a number can say, and who divides their distance gets no count of rows.
+pub(crate) fn finite_duration(time_s: &[f64]) -> Result<(), LogError> {
+    let value = time_s.last().zip(time_s.first()).map_or(0.0, |(last, first)| last - first);
+    let allowed = "the durations that are finite numbers of seconds";
+    if value.is_finite() {
+        Ok(())
+    } else {
+        Err(LogError::OutOfRange { field: "time, last less first", value, allowed })
     }
 }
 
@@ -247,6 +258,8 @@ mod tests {
         let mut log = two_rows();
         log.dq_rad_s[0].pop();
         assert_eq!(log.validate().unwrap_err().to_string(), "column dq_0: 1 rows, expected 2");
+        let log = LogColumns { time_s: vec![-1e308, 1e308], ..two_rows() };
+        assert!(log.validate().unwrap_err().to_string().starts_with("time, last less first: inf is outside"));
         let log = LogColumns { temperature_c: Some(vec![]), ..two_rows() };
         assert_eq!(log.validate().unwrap_err().to_string(), "temperature_i: 0 columns, expected 1");
         assert!(matches!(LogColumns::default().validate(), Err(LogError::ColumnCount { .. })));

@@ -14,7 +14,6 @@
 //! Leaves out: ROS 1 messages, protobuf, CDR by IDL, other attachments of the file.
 
 use std::collections::BTreeMap;
-use std::fs::File;
 use std::io::BufReader;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::Path;
@@ -30,7 +29,7 @@ use crate::joint_order::arm_joints;
 use crate::log::{LogColumns, RobotLog};
 use crate::message_source::{Sample, Source};
 use crate::quantity::{MAX_JOINTS, Quantity};
-use crate::source::open;
+use crate::source::{LogFile, RawBytes};
 use crate::summary::LogSummary;
 
 /// First bytes of an MCAP file.
@@ -43,20 +42,32 @@ const RECORD_PER_FILE: u64 = 64;
 /// The largest record believed in a small file (bytes).
 const LEAST_RECORD_BYTES: u64 = 1 << 20;
 
+/// The most cells believed per byte of a file: many chunks that unpack to the same message many times over are each small enough, and
+/// together ask for more than the file justifies.
+const CELLS_PER_BYTE: usize = 64;
+
+/// The most cells believed of a small file.
+const LEAST_CELLS: usize = 1 << 20;
+
 /// Reads the one channel of an MCAP file that says most about an arm.
 ///
 /// # Errors
 /// [`LogError::NoReadableTopic`] with the reason for each topic, [`LogError::BadMessage`] with topic, number and field,
 /// [`LogError::Corrupt`] for a damaged or cut file, and those of opening it.
 pub fn read_mcap(path: impl AsRef<Path>) -> Result<(RobotLog, LogSummary), LogError> {
-    let path = path.as_ref();
-    // Whatever a damaged file makes the decoder do, it ends here; everything it touched is dropped with it.
-    let read = catch_unwind(AssertUnwindSafe(|| read_best_channel(path)));
-    read.unwrap_or_else(|_| Err(corrupt(path, "the MCAP decoder gave up on it".to_owned())))
+    mcap(&LogFile::new(path.as_ref()))
 }
 
-fn read_best_channel(path: &Path) -> Result<(RobotLog, LogSummary), LogError> {
-    let mut channels = survey(path)?;
+/// Reads MCAP.
+pub(crate) fn mcap(file: &LogFile) -> Result<(RobotLog, LogSummary), LogError> {
+    // Whatever a damaged file makes the decoder do, it ends here; everything it touched is dropped with it.
+    let read = catch_unwind(AssertUnwindSafe(|| read_best_channel(file)));
+    read.unwrap_or_else(|_| Err(corrupt(file.path, "the MCAP decoder gave up on it".to_owned())))
+}
+
+fn read_best_channel(file: &LogFile) -> Result<(RobotLog, LogSummary), LogError> {
+    let path = file.path;
+    let mut channels = survey(file)?;
     let readable = |(id, candidate): (&u16, &Candidate)| {
         let arm = candidate.arm.as_ref().ok()?;
         Some((arm.quantities.len(), candidate.messages, std::cmp::Reverse(*id)))
@@ -73,7 +84,9 @@ fn read_best_channel(path: &Path) -> Result<(RobotLog, LogSummary), LogError> {
 
     // The rows of that channel.
     let mut rows = Rows::new(&arm);
-    for message in messages(path)? {
+    let length = usize::try_from(length_of(file)?).unwrap_or(usize::MAX);
+    let most_cells = length.saturating_mul(CELLS_PER_BYTE).max(LEAST_CELLS);
+    for message in messages(file)? {
         let message = message.map_err(|error| corrupt(path, told(&error)))?;
         if message.channel.id == best {
             let bad = |detail| LogError::BadMessage {
@@ -83,6 +96,9 @@ fn read_best_channel(path: &Path) -> Result<(RobotLog, LogSummary), LogError> {
                 detail,
             };
             let sample = source.sample(&message.data).map_err(bad)?;
+            if rows.log_ns.len() >= most_cells / rows.columns.len().max(1) {
+                return Err(corrupt(path, format!("unpacks to more than {most_cells} cells from {length} bytes")));
+            }
             rows.push(&arm, sample, message.log_time).map_err(|detail| LogError::BadMessage {
                 path: path.to_path_buf(),
                 topic: topic.clone(),
@@ -136,24 +152,28 @@ impl Candidate {
 const LOOKED_AT: u64 = 100;
 
 /// Every channel that has messages.
-fn survey(path: &Path) -> Result<BTreeMap<u16, Candidate>, LogError> {
+fn survey(file: &LogFile) -> Result<BTreeMap<u16, Candidate>, LogError> {
     let mut channels = BTreeMap::new();
-    for message in messages(path)? {
-        let message = message.map_err(|error| corrupt(path, told(&error)))?;
+    for message in messages(file)? {
+        let message = message.map_err(|error| corrupt(file.path, told(&error)))?;
         channels.entry(message.channel.id).or_insert_with(|| Candidate::new(&message.channel)).look_at(&message);
     }
     Ok(channels)
 }
 
+fn length_of(file: &LogFile) -> Result<u64, LogError> {
+    file.length().map_err(|source| LogError::io(file.path, "read", source))
+}
+
 /// The messages of a file from its start, records capped against the length of the file.
-fn messages(path: &Path) -> Result<MessageReader<BufReader<File>>, LogError> {
-    let file = open(path, "MCAP")?;
-    let length = file.metadata().map_err(|source| LogError::io(path, "read", source))?.len();
+fn messages(file: &LogFile) -> Result<MessageReader<BufReader<RawBytes>>, LogError> {
+    let raw = file.open("MCAP")?;
+    let length = length_of(file)?;
     let most = length.saturating_mul(RECORD_PER_FILE).max(LEAST_RECORD_BYTES);
     let options = LinearReaderOptions::default()
         .with_validate_chunk_crcs(true)
         .with_record_length_limit(usize::try_from(most).unwrap_or(usize::MAX));
-    Ok(MessageReader::new_with_options(BufReader::new(file), options))
+    Ok(MessageReader::new_with_options(BufReader::new(raw), options))
 }
 
 /// The joints of a channel and the quantities it has for all of them.

@@ -15,7 +15,7 @@ use crate::csv_lines::{Lines, parse_number};
 use crate::error::LogError;
 use crate::format::LogFormat;
 use crate::log::{LogColumns, RobotLog};
-use crate::source::open_text;
+use crate::source::LogFile;
 use crate::summary::LogSummary;
 
 /// Joints of the Panda.
@@ -88,8 +88,7 @@ fn joints_of(values: &[f64], k: usize) -> &[f64] {
 
 /// One number per line, with the line each came from.
 fn read_values(path: &Path, column: &str) -> Result<(Vec<f64>, Vec<u64>), LogError> {
-    let (reader, _) = open_text(path, "text")?;
-    let mut lines = Lines::new(reader, path);
+    let mut lines = Lines::new(LogFile::new(path).open_text("text")?.0, path);
     let (mut values, mut numbers) = (Vec::new(), Vec::new());
     while lines.advance()? {
         match parse_number(lines.text(), b',') {

@@ -7,7 +7,8 @@ use crate::error::LogError;
 use crate::format::LogFormat;
 use crate::header::Header;
 use crate::log::RobotLog;
-use crate::parquet_table::{Table, read_table};
+use crate::parquet_table::{Table, table_of};
+use crate::source::LogFile;
 use crate::summary::LogSummary;
 
 /// Value of the metadata key `schema`.
@@ -24,10 +25,15 @@ pub fn write_parquet(path: impl AsRef<Path>, log: &RobotLog) -> Result<(), LogEr
 /// Reads a log from Parquet: columns in any order, unknown ones reported.
 ///
 /// # Errors
-/// Those of [`read_table`], and errors of the content with the file name.
+/// Those of [`read_table`](crate::read_table), and errors of the content with the file name.
 pub fn read_parquet(path: impl AsRef<Path>) -> Result<(RobotLog, LogSummary), LogError> {
-    let path = path.as_ref();
-    let mut table = read_table(path)?;
+    parquet(&LogFile::new(path.as_ref()))
+}
+
+/// Reads a log from Parquet.
+pub(crate) fn parquet(file: &LogFile) -> Result<(RobotLog, LogSummary), LogError> {
+    let path = file.path;
+    let mut table = table_of(file)?;
     let skipped = std::mem::take(&mut table.skipped_columns);
     let (log, mut unknown) = table.into_log().map_err(|error| error.in_file(path))?;
     unknown.extend(skipped);

@@ -10,7 +10,6 @@
 //! A damaged file is an error, never a panic: our own files carry a checksum (see `seal`), for others panics of the
 //! decoder are caught. Leaves out: codecs other than zstd and snappy.
 
-use std::fs::File;
 use std::io::{Seek, Write};
 use std::ops::Range;
 use std::panic::{AssertUnwindSafe, catch_unwind};
@@ -23,14 +22,14 @@ use parquet::data_type::{DataType, DoubleType};
 use parquet::errors::ParquetError;
 use parquet::file::metadata::KeyValue;
 use parquet::file::properties::{EnabledStatistics, WriterProperties};
-use parquet::file::reader::{FileReader, SerializedFileReader};
+use parquet::file::reader::{ChunkReader, FileReader, SerializedFileReader};
 use parquet::file::writer::SerializedFileWriter;
 use parquet::schema::types::{ColumnDescriptor, Type};
 
 use crate::atomic::{failed, replace};
 use crate::error::LogError;
 use crate::seal::{self, OPEN_SEAL, SEAL_KEY, SEAL_VALUE, Seal, Sealer};
-use crate::source::open;
+use crate::source::{LogFile, RawBytes};
 
 /// Who wrote a file, in its footer.
 const PROGRAM: &str = "tribo-logs";
@@ -38,9 +37,12 @@ const PROGRAM: &str = "tribo-logs";
 /// Rows of a group: a minute at 1 kHz, 31 MB in 60 columns. Trials and most logs are one group.
 pub(crate) const ROWS_PER_GROUP: usize = 1 << 16;
 
-/// The most rows believed per byte of a file. Rows differ at least in their stamp, so a log needs more than a byte for eight;
-/// beyond this a damaged or hostile footer would ask for memory that the file does not justify.
-const MOST_ROWS_PER_BYTE: u64 = 1 << 10;
+/// The most cells believed per byte of a file, and at least [`LEAST_CELLS`]. Columns that never change take no bytes, but rows differ in
+/// their stamp; beyond this a damaged or hostile footer would ask for memory that the file does not justify.
+const MOST_CELLS_PER_BYTE: u64 = 1 << 10;
+
+/// The most cells believed of a small file.
+const LEAST_CELLS: u64 = 1 << 20;
 
 /// Values decoded at once.
 const BATCH_ROWS: usize = 1 << 14;
@@ -169,22 +171,29 @@ impl<W: Write + Seek + Send> TableWriter<W> {
 /// [`LogError::NotFound`], [`LogError::IsDirectory`], [`LogError::Io`], [`LogError::Empty`], and
 /// [`LogError::Corrupt`] for anything the decoder or the checksum refuses.
 pub fn read_table(path: impl AsRef<Path>) -> Result<Table, LogError> {
-    let path = path.as_ref();
+    table_of(&LogFile::new(path.as_ref()))
+}
+
+/// Reads a table.
+pub(crate) fn table_of(file: &LogFile) -> Result<Table, LogError> {
+    let path = file.path;
     let io = |source| LogError::io(path, "read", source);
-    let mut file = open(path, "Parquet")?;
-    if file.metadata().map_err(io)?.len() == 0 {
+    let mut bytes = file.open("Parquet")?;
+    if file.length().map_err(io)? == 0 {
         return Err(LogError::Empty { path: path.to_path_buf() });
     }
-    let seal = seal::check(&mut file).map_err(io)?;
+    let seal = seal::check(&mut bytes).map_err(io)?;
     if seal == Seal::Broken {
         return Err(corrupt(path, "the checksum of the file does not match its content".to_owned()));
     }
-    file.rewind().map_err(io)?;
 
     // The decoder indexes and allocates by numbers it read from the file and panics on some damaged inputs. Our own
     // files are checked above; for files of other programs the panic stops here. Nothing shared is left half changed:
     // everything the closure touches is dropped with it.
-    let decoded = catch_unwind(AssertUnwindSafe(|| decode(file)));
+    let decoded = catch_unwind(AssertUnwindSafe(|| match bytes {
+        RawBytes::File(file) => decode(file),
+        RawBytes::Memory(memory) => decode(memory.into_inner()),
+    }));
     let (mut table, promises_seal) = match decoded {
         Ok(Ok(decoded)) => decoded,
         Ok(Err(error)) => return Err(corrupt(path, error.to_string())),
@@ -211,13 +220,14 @@ fn properties(metadata: &[(String, String)]) -> WriterProperties {
 }
 
 /// All numeric columns of a Parquet file, and whether its footer says in one of two places that we sealed it.
-fn decode(file: File) -> Result<(Table, bool), ParquetError> {
-    let bytes = file.metadata()?.len();
+fn decode<R: ChunkReader + 'static>(file: R) -> Result<(Table, bool), ParquetError> {
+    let bytes = file.len();
     let reader = SerializedFileReader::new(file)?;
     let metadata = reader.metadata().file_metadata();
     let rows = usize::try_from(metadata.num_rows()).map_err(|e| ParquetError::General(e.to_string()))?;
-    if rows as u64 > bytes.saturating_mul(MOST_ROWS_PER_BYTE) {
-        return Err(ParquetError::General(format!("{rows} rows in {bytes} bytes")));
+    let numeric = metadata.schema_descr().columns().iter().filter(|column| is_number(column)).count().max(1) as u64;
+    if (rows as u64).saturating_mul(numeric) > bytes.saturating_mul(MOST_CELLS_PER_BYTE).max(LEAST_CELLS) {
+        return Err(ParquetError::General(format!("{rows} rows of {numeric} columns in {bytes} bytes")));
     }
     let mut table = Table::default();
     for pair in metadata.key_value_metadata().into_iter().flatten() {

@@ -1,11 +1,12 @@
-//! Opening files for reading, with the errors people meet told apart.
+//! Opening logs for reading, on the disk or in memory, with the errors people meet told apart.
 
 use std::cell::Cell;
 use std::fs::{self, File};
-use std::io::{BufRead, BufReader, Read};
+use std::io::{BufRead, BufReader, Cursor, Read};
 use std::path::Path;
 use std::rc::Rc;
 
+use bytes::Bytes;
 use flate2::bufread::MultiGzDecoder;
 
 use crate::error::LogError;
@@ -16,37 +17,44 @@ pub(crate) const GZIP_MAGIC: [u8; 2] = [0x1f, 0x8b];
 /// Bytes looked at to know a format, and read at once.
 const BUFFER_BYTES: usize = 1 << 16;
 
-/// Opens a file; `expected` says what kind for the error about a directory.
-pub(crate) fn open(path: &Path, expected: &'static str) -> Result<File, LogError> {
-    let metadata = fs::metadata(path).map_err(|source| LogError::io(path, "open", source))?;
-    if metadata.is_dir() {
-        return Err(LogError::IsDirectory { path: path.to_path_buf(), expected });
-    }
-    File::open(path).map_err(|source| LogError::io(path, "open", source))
-}
-
-/// A file as text, unpacked if its first bytes are those of gzip. The flag says whether it was.
-pub(crate) fn open_text(path: &Path, expected: &'static str) -> Result<(Box<dyn BufRead>, bool), LogError> {
-    TextFile::new(path).open(expected)
-}
-
-/// A text file that tells how much of it has been read.
-pub(crate) struct TextFile<'p> {
+/// The bytes of a log, in a file or in memory, and how much of them has been read.
+pub(crate) struct LogFile<'p> {
+    /// The file; of bytes in memory the name that errors show.
     pub path: &'p Path,
-    /// Bytes of the file, packed or not, taken since it was opened last.
+    /// The content, where it is in memory.
+    memory: Option<Bytes>,
+    /// Bytes, packed or not, taken as text since it was opened last.
     taken: Rc<Cell<u64>>,
 }
 
-impl<'p> TextFile<'p> {
+impl<'p> LogFile<'p> {
+    /// A file on the disk.
     pub fn new(path: &'p Path) -> Self {
-        Self { path, taken: Rc::default() }
+        Self { path, memory: None, taken: Rc::default() }
     }
 
-    /// Opens it from its start, unpacked if its first bytes are those of gzip. The flag says whether it was.
-    pub fn open(&self, expected: &'static str) -> Result<(Box<dyn BufRead>, bool), LogError> {
+    /// Bytes in memory under a name.
+    pub fn in_memory(bytes: Bytes, name: &'p Path) -> Self {
+        Self { path: name, memory: Some(bytes), taken: Rc::default() }
+    }
+
+    /// Opens it from its start; `expected` says what kind for the error about a directory.
+    pub fn open(&self, expected: &'static str) -> Result<RawBytes, LogError> {
+        if let Some(bytes) = &self.memory {
+            return Ok(RawBytes::Memory(Cursor::new(bytes.clone())));
+        }
+        let metadata = fs::metadata(self.path).map_err(|source| LogError::io(self.path, "open", source))?;
+        if metadata.is_dir() {
+            return Err(LogError::IsDirectory { path: self.path.to_path_buf(), expected });
+        }
+        File::open(self.path).map(RawBytes::File).map_err(|source| LogError::io(self.path, "open", source))
+    }
+
+    /// Opens it as text from its start, unpacked if its first bytes are those of gzip. The flag says whether it was.
+    pub fn open_text(&self, expected: &'static str) -> Result<(Box<dyn BufRead>, bool), LogError> {
         self.taken.set(0);
-        let file = Counted { file: open(self.path, expected)?, taken: Rc::clone(&self.taken) };
-        let mut reader = BufReader::with_capacity(BUFFER_BYTES, file);
+        let raw = Counted { raw: self.open(expected)?, taken: Rc::clone(&self.taken) };
+        let mut reader = BufReader::with_capacity(BUFFER_BYTES, raw);
         if peek(self.path, &mut reader)?.starts_with(&GZIP_MAGIC) {
             let unpacked = MultiGzDecoder::new(reader);
             return Ok((Box::new(BufReader::with_capacity(BUFFER_BYTES, unpacked)), true));
@@ -54,22 +62,45 @@ impl<'p> TextFile<'p> {
         Ok((Box::new(reader), false))
     }
 
-    /// The part of the file that has been read, 0 to 1.
+    /// Number of bytes.
+    pub fn length(&self) -> std::io::Result<u64> {
+        match &self.memory {
+            Some(bytes) => Ok(bytes.len() as u64),
+            None => fs::metadata(self.path).map(|metadata| metadata.len()),
+        }
+    }
+
+    /// The part of the text that has been read, 0 to 1.
     pub fn part_read(&self) -> f64 {
-        let length = fs::metadata(self.path).map_or(0, |metadata| metadata.len());
+        let length = self.length().unwrap_or(0);
         if length == 0 { 1.0 } else { (self.taken.get() as f64 / length as f64).min(1.0) }
     }
 }
 
-/// A file that counts what is read from it.
+/// Bytes from their start, as they are.
+pub(crate) enum RawBytes {
+    File(File),
+    Memory(Cursor<Bytes>),
+}
+
+impl Read for RawBytes {
+    fn read(&mut self, bytes: &mut [u8]) -> std::io::Result<usize> {
+        match self {
+            Self::File(file) => file.read(bytes),
+            Self::Memory(memory) => memory.read(bytes),
+        }
+    }
+}
+
+/// Text that counts what is read of it.
 struct Counted {
-    file: File,
+    raw: RawBytes,
     taken: Rc<Cell<u64>>,
 }
 
 impl Read for Counted {
     fn read(&mut self, bytes: &mut [u8]) -> std::io::Result<usize> {
-        let count = self.file.read(bytes)?;
+        let count = self.raw.read(bytes)?;
         self.taken.set(self.taken.get() + count as u64);
         Ok(count)
     }

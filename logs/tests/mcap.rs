@@ -4,10 +4,16 @@
 
 mod common;
 
+use std::path::Path;
+
 use common::ros2::{Cdr, JOINT_STATE, Recorded, franka_robot_state, mcap_file};
 use common::{bits, file, relative, synthetic_log};
-use mcap::Compression;
-use tribo_logs::{LogFormat, LogSummary, Quantity, RobotLog, read_log, row, write_mcap};
+use mcap::records::MessageHeader;
+use mcap::{Compression, WriteOptions};
+use tribo_logs::{
+    LogColumns, LogFormat, LogSummary, LogTarget, Quantity, RobotLog, read_log, read_log_from, row, write_log_to,
+    write_mcap,
+};
 
 const START_NS: u64 = 1_700_000_000_123_456_789;
 const MS: u64 = 1_000_000;
@@ -250,5 +256,53 @@ fn cut_files_say_so() {
         let (_directory, path) = file("bag.mcap", &whole[..length]);
         let text = relative(&read_log(&path).unwrap_err().to_string(), &path);
         assert!(text.starts_with("bag.mcap: damaged or cut off: "), "{length}: {text}");
+    }
+}
+
+/// A chunk of equal messages packs to nearly nothing, and a file may have many: each is small enough for itself.
+#[test]
+fn a_small_file_cannot_ask_for_large_memory() {
+    let options = WriteOptions::new().emit_message_indexes(false).disable_seeking(true).compression_threads(0);
+    let mut bytes = std::io::Cursor::new(Vec::new());
+    let mut writer = options.compression(Some(Compression::Zstd)).create(&mut bytes).unwrap();
+    let channel_id = writer.add_channel(0, "/j", "json", &Default::default()).unwrap();
+    let header = MessageHeader { channel_id, sequence: 0, log_time: 0, publish_time: 0 };
+    for _ in 0..400_000 {
+        writer.write_to_known_channel(&header, br#"{"time":0,"q":[1],"dq":[2],"tau_J":[3]}"#).unwrap();
+    }
+    writer.finish().unwrap();
+    drop(writer);
+    let bytes = bytes.into_inner();
+    assert!(bytes.len() < 20_000, "{} bytes", bytes.len());
+    let text = read_log_from(bytes, Path::new("bomb.mcap")).unwrap_err().to_string();
+    assert!(text.contains("bomb.mcap: damaged or cut off: unpacks to more than"), "{text}");
+}
+
+/// The log that packs best for its rows: an arm that stands still, without noise.
+#[test]
+fn a_still_arm_is_no_bomb() {
+    let still = || vec![vec![-0.25; 60_000]; 7];
+    let time_s = (0..60_000).map(|k| f64::from(k) / 1024.0).collect();
+    let all = Some(still());
+    let log = LogColumns {
+        time_s,
+        q_rad: still(),
+        dq_rad_s: still(),
+        tau_j_nm: still(),
+        tau_j_d_nm: all.clone(),
+        tau_friction_nm: all.clone(),
+        tau_link_nm: all.clone(),
+        theta_rad: all.clone(),
+        dtheta_rad_s: all.clone(),
+        temperature_c: all,
+        ..LogColumns::default()
+    };
+    let log = log.validate().unwrap();
+    for target in [LogTarget::Mcap, LogTarget::Parquet, LogTarget::Csv(Default::default())] {
+        let mut bytes = std::io::Cursor::new(Vec::new());
+        let name = Path::new("still.csv.gz");
+        write_log_to(&mut bytes, name, &log, target).unwrap();
+        let bytes = bytes.into_inner();
+        assert_eq!(read_log_from(bytes, name).unwrap().0, log);
     }
 }

@@ -39,6 +39,8 @@ fn error_after(file: &str, edit: impl Fn(String) -> String) -> String {
 #[test]
 fn rows_are_read_and_repeats_dropped() {
     let directory = synthetic();
+    // A recording of something else beside them.
+    fs::write(directory.path().join("other.mcap"), "").unwrap();
     let (log, summary) = read_log(directory.path()).unwrap();
     assert_eq!(log.time_s, [0.0, 0.001, 0.003]);
     assert_eq!(row::<7>(&log.q_rad, 2), [30.0, 31.0, 32.0, 33.0, 34.0, 35.0, 36.0]);

@@ -27,7 +27,7 @@ const FORBIDDEN: [(&str, &str); 3] = [("runtime", "sim"), ("runtime", "ekf"), ("
 const RESERVED: [(&str, &[&str]); 7] = [
     ("egui*", &["dashboard", "cli"]),
     ("eframe", &["dashboard", "cli"]),
-    ("clap*", &["cli"]),
+    ("clap*", &["cli", "tests"]),
     ("faer*", &["bayesopt", "friction", "residual", "diagnose"]),
     ("argmin*", &["bayesopt", "friction", "residual", "diagnose"]),
     ("allocation-counter", &["tests"]),

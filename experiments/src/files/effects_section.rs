@@ -7,8 +7,15 @@ use tribo_sim::{Effect, EffectError};
 
 use super::{FieldError, Model, ModelFile};
 
+/// The most effects of a model; a diagnosis leaves some hundred at most, and each is checked on top of all before it.
+const MOST_EFFECTS: usize = 256;
+
 /// Checks that every effect, on top of those before it, leaves something that can be simulated.
 pub(super) fn validate_effects<const N: usize>(effects: &[Effect], model: &Model<N>) -> Result<(), FieldError> {
+    if effects.len() > MOST_EFFECTS {
+        let allowed = format!("at most {MOST_EFFECTS} entries");
+        return Err(FieldError::new("effects", format!("{} entries", effects.len()), allowed));
+    }
     let mut truth = model.to_truth();
     for (k, effect) in effects.iter().enumerate() {
         truth.effects.push(effect.clone());
@@ -325,6 +332,10 @@ mod tests {
                 &["m.yaml:5: ", "`effects[1].joint` is 1", "at most 1 presliding per joint"],
             ),
             ("- {cause: coulomb, joint: 1, delta_coulomb_nm: 1, color: red}\n", &["m.yaml:4", "`color`"]),
+            (
+                &"- {cause: time_delay, delay_s: 0}\n".repeat(257),
+                &["m.yaml:3: ", "`effects` is 257 entries", "at most 256"],
+            ),
             ("- {cause: gremlins, joint: 1}\n", &["m.yaml:4", "`gremlins`", "coulomb"]),
             ("- {cause: coulomb, joint: 1}\n", &["m.yaml:4", "delta_coulomb_nm"]),
             ("- {cause: coulomb, joint: one, delta_coulomb_nm: 1}\n", &["m.yaml:4"]),

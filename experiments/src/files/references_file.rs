@@ -32,7 +32,12 @@ impl References {
     /// The reference costs that a campaign has left in its directory. A missing or damaged file is as good as none: they
     /// follow from the settings.
     pub fn read(campaign: &Path) -> Option<Self> {
-        let file: ReferencesFile = YamlDocument::read(&campaign.join(NAME)).ok()?.parse().ok()?;
+        Self::parse(&YamlDocument::read(&campaign.join(NAME)).ok()?)
+    }
+
+    /// The reference costs in a document.
+    pub fn parse(document: &YamlDocument) -> Option<Self> {
+        let file: ReferencesFile = document.parse().ok()?;
         let ReferencesFile { schema, uncompensated, oracle, frictionless } = file;
         let usable = [uncompensated, oracle, frictionless].iter().all(|cost| cost.is_finite() && *cost >= 0.0);
         (schema == SCHEMA && usable).then_some(Self { uncompensated, oracle, frictionless })

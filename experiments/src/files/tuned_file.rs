@@ -65,7 +65,11 @@ impl TunedFile {
 
     /// Reads and validates a file.
     pub fn read(path: &Path) -> Result<Self, FileError> {
-        let document = YamlDocument::read(path)?;
+        Self::parse(&YamlDocument::read(path)?)
+    }
+
+    /// The tuned parameters in a document, validated.
+    pub fn parse(document: &YamlDocument) -> Result<Self, FileError> {
         let tuned: Self = document.parse()?;
         match tuned.joints() {
             6 => tuned.check::<6>(),

@@ -1,5 +1,7 @@
 //! Reading and writing YAML with errors that name file, line and field.
 
+use std::fs::File;
+use std::io::Read;
 use std::path::{Path, PathBuf};
 
 use serde::Serialize;
@@ -31,9 +33,19 @@ impl FieldError {
     }
 }
 
+/// The largest text that is read (bytes), a thousand times that of any file of ours: `/dev/zero` has no end.
+const LARGEST: u64 = 64 << 20;
+
 /// The whole text of a file; bytes that are no text are named by their place.
 pub fn read_text(path: &Path) -> Result<String, FileError> {
-    String::from_utf8(std::fs::read(path).map_err(FileError::io(path))?).map_err(|error| {
+    let mut bytes = Vec::new();
+    let file = File::open(path).map_err(FileError::io(path))?;
+    file.take(LARGEST + 1).read_to_end(&mut bytes).map_err(FileError::io(path))?;
+    if bytes.len() as u64 > LARGEST {
+        let message = format!("more than {LARGEST} bytes; no file of this kind is that large");
+        return Err(FileError::Syntax { path: path.to_owned(), line: 1, column: 1, message });
+    }
+    String::from_utf8(bytes).map_err(|error| {
         let good = &error.as_bytes()[..error.utf8_error().valid_up_to()];
         let line = good.iter().filter(|&&byte| byte == b'\n').count() as u64 + 1;
         let column = good.iter().rev().take_while(|&&byte| byte != b'\n').count() as u64 + 1;
@@ -243,6 +255,13 @@ mod tests {
         }
         let wrong = document("# c\ninner:\n  # d\n  x: wide\n").parse::<Outer>().unwrap_err().to_string();
         assert_eq!(wrong, "some.yaml:4:6: field `inner.x`: not a number");
+    }
+
+    #[cfg(target_os = "linux")]
+    #[test]
+    fn a_file_without_end_is_refused() {
+        let message = read_text(Path::new("/dev/zero")).unwrap_err().to_string();
+        assert_eq!(message, "/dev/zero:1:1: more than 67108864 bytes; no file of this kind is that large");
     }
 
     #[test]

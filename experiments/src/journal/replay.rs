@@ -68,12 +68,14 @@ pub struct Replay {
 }
 
 impl Replay {
-    /// Takes further complete lines of the journal at `path`; anything unexpected names its line.
-    pub fn extend(&mut self, path: &Path, text: &str) -> Result<(), FileError> {
-        for line in text.lines() {
+    /// Takes further complete lines of the journal at `path`; anything unexpected, bytes that are no text too, names its line.
+    pub fn extend(&mut self, path: &Path, lines: &[u8]) -> Result<(), FileError> {
+        for line in lines.split_inclusive(|byte| *byte == b'\n') {
             self.lines += 1;
             let corrupt = |message: String| FileError::Journal { path: path.to_owned(), line: self.lines, message };
-            let record: Value = serde_json::from_str(line).map_err(|error| corrupt(format!("not JSON: {error}")))?;
+            let text = std::str::from_utf8(line)
+                .map_err(|error| corrupt(format!("not UTF-8 text at byte {}", error.valid_up_to() + 1)))?;
+            let record: Value = serde_json::from_str(text).map_err(|error| corrupt(format!("not JSON: {error}")))?;
             apply(&record, &mut self.studies, &mut self.trials).map_err(corrupt)?;
         }
         Ok(())
@@ -86,9 +88,9 @@ impl Replay {
 }
 
 /// Replays the complete lines of a journal. An empty text has no study yet; anything unexpected names its line.
-pub fn replay(path: &Path, text: &str) -> Result<Vec<JournalTrial>, FileError> {
+pub fn replay(path: &Path, lines: &[u8]) -> Result<Vec<JournalTrial>, FileError> {
     let mut replay = Replay::default();
-    replay.extend(path, text)?;
+    replay.extend(path, lines)?;
     Ok(replay.trials)
 }
 
@@ -164,7 +166,7 @@ mod tests {
 
     #[test]
     fn replays_a_trial() {
-        let trials = replay(Path::new("journal.log"), GOOD).unwrap();
+        let trials = replay(Path::new("journal.log"), GOOD.as_bytes()).unwrap();
         assert_eq!(trials.len(), 1);
         assert_eq!((trials[0].state, trials[0].value, trials[0].params["x"]), (TrialState::Complete, Some(3.5), 0.25));
     }
@@ -180,7 +182,7 @@ mod tests {
             (&format!("{GOOD}{}\n", GOOD.lines().nth(3).unwrap())[..], 6),
             (&GOOD.replace("{\"op_code\":8", "{\"op_code\":99")[..], 4),
         ] {
-            let message = replay(Path::new("journal.log"), damage).unwrap_err().to_string();
+            let message = replay(Path::new("journal.log"), damage.as_bytes()).unwrap_err().to_string();
             assert!(message.starts_with(&format!("journal.log:{line}: ")), "{message}");
         }
     }

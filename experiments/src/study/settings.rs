@@ -14,6 +14,25 @@ use crate::{ConfigError, EstimatorName, Phases, TuneConfig, TunedLaw};
 /// Schema name of studies.
 const SCHEMA: &str = "tribo.study/1";
 
+/// The most combinations of pose, case, strategy and estimator: each is tried before anything runs, in a tenth of a millisecond.
+const MOST_KINDS: usize = 10_000;
+/// The most cells, each a file.
+const MOST_CELLS: u64 = 1_000_000;
+/// The most entries of a list.
+const LONGEST_LIST: usize = 1000;
+
+/// Checks that every entry of a list is there once.
+fn once<T: PartialEq>(field: &str, entries: &[T]) -> Result<(), FieldError> {
+    if entries.len() > LONGEST_LIST {
+        let allowed = format!("at most {LONGEST_LIST} entries");
+        return Err(FieldError::new(field, format!("{} entries", entries.len()), allowed));
+    }
+    match (1..entries.len()).find(|&k| entries[..k].contains(&entries[k])) {
+        Some(k) => Err(FieldError::new(format!("{field}[{k}]"), "there twice", "once")),
+        None => Ok(()),
+    }
+}
+
 /// Campaigns over seeds, poses, truths, strategies and estimators: `schema: tribo.study/1`.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -89,7 +108,14 @@ impl Study {
     /// # Errors
     /// A file that cannot be used; the first field out of its range.
     pub fn read(path: &Path) -> Result<Self, FileError> {
-        let document = YamlDocument::read(path)?;
+        Self::parse(&YamlDocument::read(path)?)
+    }
+
+    /// The study in a document, as [`Self::read`].
+    ///
+    /// # Errors
+    /// Those of [`Self::read`].
+    pub fn parse(document: &YamlDocument) -> Result<Self, FileError> {
         let mut study: Self = document.parse()?;
         match study.validate() {
             Ok(()) => Ok(study),
@@ -114,11 +140,21 @@ impl Study {
                 return Err(FieldError::new(field, "[]", "one or more").into());
             }
         }
+        once("poses", &self.poses)?;
+        once("cases", &self.cases)?;
+        once("strategies", &self.strategies)?;
+        once("estimators", &self.estimators)?;
+        let kinds = self.poses.len() * self.cases.len() * (self.strategies.len() + 1) * self.estimators.len();
+        if kinds > MOST_KINDS {
+            let allowed = format!("at most {MOST_KINDS} combinations of pose, case, strategy and estimator");
+            return Err(FieldError::new("cases", format!("part of {kinds} combinations"), allowed).into());
+        }
+        if self.seeds > MOST_CELLS / kinds as u64 {
+            let allowed = format!("at most {} with {kinds} campaigns and references each", MOST_CELLS / kinds as u64);
+            return Err(FieldError::new("seeds", self.seeds, allowed).into());
+        }
         for (k, budget) in self.strategies.iter().enumerate() {
             FieldError::check(&format!("strategies.{k}.trials"), budget.trials as f64, 1.0, 10_000.0)?;
-            if self.strategies[..k].contains(budget) {
-                return Err(FieldError::new(format!("strategies.{k}.strategy"), "there twice", "once").into());
-            }
         }
         if let Some((k, pose)) = self.poses.iter().enumerate().find(|(_, pose)| **pose >= POSES) {
             return Err(FieldError::new(format!("poses.{k}"), pose, format!("0 to {}", POSES - 1)).into());
@@ -182,5 +218,32 @@ impl Study {
                 TuneConfig { strategy, trials, ..config }
             }
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A study of some kilobytes must not ask for more cells than memory holds.
+    #[test]
+    fn grids_without_end_are_refused() {
+        let refused = |seeds: u64, poses: &str, trials: std::ops::Range<usize>| {
+            let strategies: String = trials.map(|k| format!("- {{strategy: sobol, trials: {k}}}\n")).collect();
+            let text = format!(
+                "schema: tribo.study/1\nseeds: {seeds}\nposes: {poses}\n\
+                 cases: [{{truth: stribeck, friction: stribeck}}]\nstrategies:\n{strategies}"
+            );
+            Study::parse(&YamlDocument::embedded("s.yaml", &text))
+                .map(|study| study.cells().len())
+                .map_err(|e| e.to_string())
+        };
+        assert_eq!(refused(2, "[0, 2]", 1..3), Ok(12));
+        let message = refused(1, "[0, 2, 0]", 1..2).unwrap_err();
+        assert_eq!(message, "s.yaml:3: field `poses[2]` is there twice; allowed: once");
+        let message = refused(10_000, "[0, 1, 2]", 1..101).unwrap_err();
+        assert!(message.starts_with("s.yaml:2: field `seeds` is 10000; allowed: at most 3300 "), "{message}");
+        let message = refused(1, "[0]", 1..1002).unwrap_err();
+        assert!(message.contains("`strategies` is 1001 entries; allowed: at most 1000"), "{message}");
     }
 }

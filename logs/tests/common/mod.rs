@@ -1,4 +1,4 @@
-//! What the tests of this folder share: a synthetic log, a file with given content, a small random source.
+//! What the tests of this folder share: a synthetic log, a file with given content.
 
 #![allow(clippy::unwrap_used, clippy::panic, dead_code, reason = "test helpers; not every binary uses all")]
 
@@ -101,44 +101,7 @@ pub fn file(name: &str, content: impl AsRef<[u8]>) -> (TempDir, PathBuf) {
     (directory, path)
 }
 
-/// A directory for twenty thousand short-lived files: in memory where the system offers it, since no disk is tested.
-pub fn scratch() -> TempDir {
-    tempfile::tempdir_in("/dev/shm").or_else(|_| tempfile::tempdir()).unwrap()
-}
-
 /// What remains of an error text when the directory is taken away.
 pub fn relative(text: &str, path: &Path) -> String {
     text.replace(&format!("{}/", path.parent().unwrap().display()), "")
-}
-
-/// Marsaglia's xorshift: mutations need variety, not quality.
-pub struct XorShift(pub u64);
-
-impl XorShift {
-    pub fn below(&mut self, limit: usize) -> usize {
-        self.0 ^= self.0 << 13;
-        self.0 ^= self.0 >> 7;
-        self.0 ^= self.0 << 17;
-        (self.0 % limit as u64) as usize
-    }
-}
-
-/// `bytes` with one to four bytes changed, removed, inserted or cut off.
-pub fn mutated(bytes: &[u8], random: &mut XorShift) -> Vec<u8> {
-    let mut bytes = bytes.to_vec();
-    for _ in 0..=random.below(4) {
-        if bytes.is_empty() {
-            break;
-        }
-        let (place, byte) = (random.below(bytes.len()), random.below(256) as u8);
-        match random.below(16) {
-            0 => drop(bytes.remove(place)),
-            1 => bytes.insert(place, byte),
-            2 => bytes.truncate(place),
-            3 => bytes[place] = *b",;\n\r\"-.e".get(random.below(8)).unwrap_or(&0),
-            4..=9 => bytes[place] ^= 1 << random.below(8),
-            _ => bytes[place] = byte,
-        }
-    }
-    bytes
 }

@@ -1,0 +1,136 @@
+//! The seeds that Tribo's own writers make. The others are written by hand, in the same folders.
+//!
+//! `TRIBO_RECORD_SEEDS=1 cargo test --release -p tribo-tests --test fuzz_inputs seeds` writes them anew, after a format has changed.
+
+use std::fs;
+use std::io::Cursor;
+use std::path::Path;
+
+use mcap::Compression;
+use tribo_experiments::files::{TunedFile, to_yaml};
+use tribo_experiments::{AnyTune, TuneConfig, UserTrials};
+use tribo_logs::{LogColumns, LogTarget, RobotLog, read_log_from, write_log_to};
+use tribo_robot::presets;
+use tribo_robot::urdf::to_urdf;
+use tribo_tests::fuzz_inputs::recorder::{Cdr, JOINT_STATE, Recorded, franka_robot_state, mcap_file};
+
+/// Folder, name and content of each.
+fn seeds() -> Vec<(&'static str, &'static str, Vec<u8>)> {
+    let mut seeds = vec![
+        ("urdf", "panda.urdf", to_urdf(&presets::panda()).into_bytes()),
+        ("urdf", "ur10e.urdf", to_urdf(&presets::ur10e()).into_bytes()),
+        ("tune_yaml", "campaign.yaml", campaign(TuneConfig::default())),
+        (
+            "tune_yaml",
+            "user_campaign.yaml",
+            campaign(TuneConfig { user_trials: Some(UserTrials::default()), ..TuneConfig::default() }),
+        ),
+        ("tuned_yaml", "tuned.yaml", tuned()),
+    ];
+    for (folder, name, target) in [
+        ("csv_log", "full.csv", LogTarget::Csv(Default::default())),
+        ("csv_log", "full.csv.gz", LogTarget::Csv(Default::default())),
+        ("parquet_log", "full.parquet", LogTarget::Parquet),
+        ("mcap_log", "full.mcap", LogTarget::Mcap),
+    ] {
+        let mut file = Cursor::new(Vec::new());
+        write_log_to(&mut file, Path::new(name), &log(), target).expect("a log can be written");
+        seeds.push((folder, name, file.into_inner()));
+    }
+    let messages: Vec<Recorded> = (0..3).flat_map(|k| [joint_state(k), json(k)]).collect();
+    for (name, packed) in
+        [("plain.mcap", None), ("zstd.mcap", Some(Compression::Zstd)), ("lz4.mcap", Some(Compression::Lz4))]
+    {
+        seeds.push(("mcap_log", name, mcap_file(&messages, packed)));
+    }
+    let franka: Vec<Recorded> = (0..3).map(franka_state).collect();
+    let joints: Vec<Recorded> = (0..3).map(joint_state).collect();
+    let flat: Vec<Recorded> = (0..3).map(json).collect();
+    for (name, messages) in [("franka_robot_state", franka), ("joint_state", joints), ("json", flat)] {
+        seeds.push(("mcap_message", name, apart(&messages)));
+    }
+    seeds
+}
+
+/// Two joints, three rows, everything that a log can hold.
+fn log() -> RobotLog {
+    let columns = |start: f64| -> Vec<Vec<f64>> {
+        (0..2).map(|j| (0..3).map(|k| start + f64::from(j) + f64::from(k) / 8.0).collect()).collect()
+    };
+    let log = LogColumns {
+        time_s: vec![0.0, 1e-3, 2e-3],
+        q_rad: columns(0.0),
+        dq_rad_s: columns(10.0),
+        tau_j_nm: columns(-0.1),
+        tau_j_d_nm: Some(columns(30.0)),
+        tau_friction_nm: Some(columns(35.0)),
+        tau_link_nm: Some(columns(40.0)),
+        theta_rad: Some(columns(50.0)),
+        dtheta_rad_s: Some(columns(60.0)),
+        temperature_c: Some(columns(25.0)),
+        temperature_ambient_c: Some(vec![20.0, 20.5, 1e-300]),
+        o_f_ext: Some(std::array::from_fn(|k| vec![k as f64, 0.5, -0.0])),
+    };
+    log.validate().expect("a valid log")
+}
+
+fn joint_state(k: u64) -> Recorded {
+    let cdr = Cdr::new().joint_state(k * 1_000_000, &["j2", "j1"], &[k as f64, 2.0], &[3.0, 4.0], &[5.0, 6.0]);
+    Recorded::cdr("/js", "sensor_msgs/msg/JointState", JOINT_STATE, k, cdr)
+}
+
+fn json(k: u64) -> Recorded {
+    Recorded::json("/j", k, &format!(r#"{{"time":{k},"q":[1],"dq":[2],"tau_J":[3],"O_F_ext":[0,0,1,0,0,{k}.5]}}"#))
+}
+
+/// Fields in the order of the definition.
+fn franka_state(k: u64) -> Recorded {
+    let arm =
+        |cdr: Cdr, value: f64| cdr.joint_state(k * 1_000_000, &["j1", "j2"], &[value; 2], &[value; 2], &[value; 2]);
+    let cdr = Cdr::new().header(k * 1_000_000).f64s(&[0.0; 10]);
+    let cdr = arm(arm(arm(cdr, k as f64), 2.0), 3.0).f64s(&[0.0; 14]);
+    let cdr = arm(cdr, 4.0).f64s(&[0.0; 2]);
+    let cdr = cdr.header(k * 1_000_000).f64s(&[0.5; 6]).header(k * 1_000_000).f64s(&[1.5; 6]);
+    let cdr = cdr.f64s(&[k as f64 * 1e-3, 1.0]).u8(2).u8(0).u8(0);
+    Recorded::cdr("/franka", "franka_msgs/msg/FrankaRobotState", &franka_robot_state(""), k, cdr)
+}
+
+/// As `mcap_message` takes them apart.
+fn apart(messages: &[Recorded]) -> Vec<u8> {
+    let first = &messages[0];
+    let definition = if first.json { "" } else { &first.definition };
+    let head = [first.kind.as_bytes(), definition.as_bytes()];
+    let parts: Vec<&[u8]> = head.into_iter().chain(messages.iter().map(|message| &message.bytes[..])).collect();
+    parts.join(&b"\n--\n"[..])
+}
+
+fn campaign(config: TuneConfig) -> Vec<u8> {
+    let tune = config.validate_any().expect("valid settings");
+    // The version would change the seed with every release.
+    let config = TuneConfig { tribo_version: String::new(), ..tune.config().clone() };
+    to_yaml(&config).expect("settings can be written").into_bytes()
+}
+
+fn tuned() -> Vec<u8> {
+    let tune = TuneConfig::default().validate_any().expect("valid settings");
+    let AnyTune::Seven(tune) = tune else { unreachable!("a Panda has seven joints") };
+    let file = TunedFile::of_trial(&tune, 2, &vec![0.25; tune.space.zero().len()]);
+    let file = TunedFile { tribo_version: String::new(), cost: Some(2.5), uncompensated_cost: Some(24.0), ..file };
+    to_yaml(&file).expect("tuned parameters can be written").into_bytes()
+}
+
+/// Seeds of logs are logs: what starts from damage does not get far.
+#[test]
+fn seeds_are_good() {
+    for (folder, name, content) in seeds() {
+        let path = super::folder("seeds", folder).join(name);
+        if std::env::var_os("TRIBO_RECORD_SEEDS").is_some() {
+            fs::create_dir_all(path.parent().expect("a folder")).expect("a folder");
+            fs::write(&path, &content).expect("a seed can be written");
+        }
+        assert!(path.is_file(), "{} is not recorded; see the head of this file", path.display());
+        if folder.ends_with("_log") {
+            read_log_from(content, &path).unwrap_or_else(|error| panic!("{error}"));
+        }
+    }
+}
