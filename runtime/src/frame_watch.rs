@@ -49,7 +49,7 @@ impl<const N: usize> FrameWatch<N> {
     pub(crate) fn check(&mut self, arm: &Arm<N>, frame: &SensorFrame<N>, dt_s: f64) -> Option<TickFault> {
         let (last_s, last_q) = self.last.replace((frame.time_s, frame.q))?;
         let step_s = frame.time_s - last_s;
-        if step_s < 0.0 || step_s > LONGEST_GAP_S {
+        if !(0.0..=LONGEST_GAP_S).contains(&step_s) {
             return Some(TickFault::ClockJumped);
         }
         for j in 0..N {

@@ -135,10 +135,12 @@ fn positions_and_speeds_beyond_their_limits_are_named() {
     assert_eq!(latched_fault(AT, |_, frame| frame.qd[0] = -1e300), TickFault::JointSpeed { joint: 0 });
 }
 
-/// A clock that is not a number gives a reference that is not, hence a torque that is not: caught before it is sent.
+/// A clock that is not a number has jumped; from the very first tick on it gives a reference that is no number either, hence a torque
+/// that is none: caught before it is sent.
 #[test]
-fn a_broken_clock_is_a_torque_fault() {
-    assert_eq!(latched_fault(AT, |_, frame| frame.time_s = f64::NAN), TickFault::TorqueNotFinite);
+fn a_broken_clock_is_caught() {
+    assert_eq!(latched_fault(AT, |_, frame| frame.time_s = f64::NAN), TickFault::ClockJumped);
+    assert_eq!(latched_fault(0, |_, frame| frame.time_s = f64::NAN), TickFault::TorqueNotFinite);
 }
 
 /// The loop is sensorless: the torque signal may be anything.
