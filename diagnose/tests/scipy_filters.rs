@@ -55,7 +55,8 @@ fn same(what: &str, questions: &[Value], ours: &[Vec<f64>], tolerance: f64) {
         assert_eq!(ours.len(), theirs.len());
         let scale = theirs.iter().fold(0.0_f64, |scale, value| scale.max(value.abs()));
         let off = ours.iter().zip(&theirs).fold(0.0_f64, |off, (a, b)| off.max((a - b).abs())) / scale;
-        assert!(off < tolerance, "{what}: off by {off:e} with {question}");
+        let (order, cutoff_hz, n) = (&question["order"], &question["cutoff_hz"], ours.len());
+        assert!(off < tolerance, "{what} (order {order}, {cutoff_hz} Hz) of {n} samples is off by {off:e}");
         worst = worst.max(off);
     }
     println!("SciPy, {what}: {} signals within {worst:.1e}", ours.len());
