@@ -214,7 +214,7 @@ fn programmes_with_degenerate_bands_have_the_solutions_of_the_witnesses() {
 
 #[test]
 fn estimates_and_limits_of_a_panda_are_those_of_the_witnesses() {
-    let sign = |i: usize| if i % 2 == 0 { 1.0 } else { -1.0 };
+    let sign = |i: usize| if i.is_multiple_of(2) { 1.0 } else { -1.0 };
     let axes = [0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11]
         .map(|i| SVector::<f64, 6>::from_fn(|r, _| if r == i / 2 { sign(i) } else { 0.0 }));
     agree(&(0..100).map(|k| (instance(k), prior())).collect::<Vec<_>>(), &axes);
