@@ -100,7 +100,7 @@ fn chart<'a, 'b>(panel: &'a Area<'b>, name: &str, top: f64) -> Result<Chart<'a, 
     Ok(chart)
 }
 
-fn legend(chart: &mut Chart<'_, '_>) -> Result<(), Box<dyn Error>> {
+fn legend<'a, 'b: 'a>(chart: &mut Chart<'a, 'b>) -> Result<(), Box<dyn Error>> {
     chart
         .configure_series_labels()
         .position(SeriesLabelPosition::UpperLeft)

@@ -1,11 +1,14 @@
 //! What the stories about exports share: tuned files of any law, and programs that may be missing.
 
-#![allow(clippy::expect_used, dead_code, reason = "test helpers; not every binary uses all")]
+#![allow(clippy::expect_used, dead_code, unused_imports, reason = "test helpers; not every binary uses all")]
 
-use std::io::Write;
+#[path = "../../../tests/python_witness.rs"]
+mod python_witness;
+
 use std::path::Path;
 use std::process::{Command, Stdio};
 
+pub use python_witness::python;
 use tribo_experiments::export::{Exported, Format, export};
 use tribo_experiments::files::{FrictionSection, ModelFile, TunedFile, YamlDocument};
 use tribo_friction::law::{Asymmetric, CoulombViscous, GazSigmoid, Lugre, Stribeck};
@@ -115,19 +118,6 @@ impl Draws {
     pub fn between(&mut self, low: f64, high: f64) -> f64 {
         low + (high - low) * self.uniform()
     }
-}
-
-/// A Python that imports `module` (`TRIBO_PYTHON`, else `python3` on the path); says loudly what is untested without.
-#[allow(clippy::explicit_write, reason = "eprintln! is captured, this is not")]
-pub fn python(module: &str, untested: &str) -> Option<String> {
-    let python = std::env::var("TRIBO_PYTHON").unwrap_or_else(|_| "python3".to_owned());
-    let mut probe = Command::new(&python);
-    probe.args(["-c", &format!("import {module}")]).stdout(Stdio::null()).stderr(Stdio::null());
-    if probe.status().is_ok_and(|status| status.success()) {
-        return Some(python);
-    }
-    writeln!(std::io::stderr(), "SKIPPED: no Python with {module} (set TRIBO_PYTHON); {untested}").expect("stderr");
-    None
 }
 
 /// Whether a program is there.
