@@ -15,9 +15,9 @@ use tribo_tests::{DT_S, default_ekf, ready_flange};
 
 fn swept(settings: &str) -> Vec<ScaleRow> {
     let settings = format!("schema: tribo.reproduce/1\nseeds: 1\n{settings}");
-    let sweep: OverCompensation = YamlDocument::embedded("sweep", &settings).parse().unwrap();
-    sweep.validate().unwrap();
-    sweep.run(|| ()).unwrap()
+    let sweep: OverCompensation = YamlDocument::embedded("sweep", &settings).parse().expect("settings");
+    sweep.validate().expect("settings in range");
+    sweep.run(|| ()).expect("a sweep")
 }
 
 /// Without the guard the arm oscillates by more than 2 mm, or its elbow slides: the guard was there first, with a reason.

@@ -1,9 +1,8 @@
 //! `tribo reproduce overcompensation`.
 
-use serde::{Deserialize, Serialize};
 use tribo_experiments::reproduce::{OverCompensation, ScaleRow};
 
-use super::rerun::{RESULT_SCHEMA, deliver, expected, json_lines, settings, with_progress};
+use super::rerun::{Rows, deliver, expected, settings, with_progress};
 use crate::arguments::{Common, Reproduce};
 use crate::failure::{BadInput, CheckFailed};
 use crate::output::{print, significant, table};
@@ -11,37 +10,20 @@ use crate::output::{print, significant, table};
 /// The settings that ship with the experiment.
 const SETTINGS: &str = include_str!("../../../../experiments/09_overcompensation/config.yaml");
 
-/// What `--out` writes and `--check` reads.
-#[derive(Debug, Serialize, Deserialize)]
-struct Document {
-    schema: String,
-    tribo_version: String,
-    seeds: u64,
-    rows: Vec<ScaleRow>,
-}
-
 /// Runs every situation at every scale and prints one row per situation.
 pub fn run(arguments: &Reproduce, common: &Common) -> anyhow::Result<()> {
-    let expected = expected::<Document>(arguments)?;
+    let expected = expected::<Rows<ScaleRow>>(arguments)?;
     let config = settings(arguments, SETTINGS, OverCompensation::validate, |config| &mut config.seeds)?;
     let rows = with_progress(common, config.trials() as u64, "trials", |bar| {
         Ok(config.run(|| bar.inc(1)).map_err(|error| BadInput(error.to_string()))?)
     })?;
-    let (schema, tribo_version) = (RESULT_SCHEMA.to_owned(), env!("CARGO_PKG_VERSION").to_owned());
-    let document = Document { schema, tribo_version, seeds: config.seeds, rows };
-    let text = format!(
-        "{{\n\"schema\": \"{}\",\n\"tribo_version\": \"{}\",\n\"seeds\": {},\n\"rows\": [\n{}\n]\n}}\n",
-        document.schema,
-        document.tribo_version,
-        document.seeds,
-        json_lines(&document.rows)?
-    );
-    deliver(&text, arguments, common, || show(&document.rows))?;
+    let document = Rows::new(config.seeds, rows);
+    deliver(&document.text()?, arguments, common, || show(&document.rows))?;
     expected.map_or(Ok(()), |expected| check(&document, &expected))
 }
 
 /// Another platform's rounding may move a trip by a tick, hence not which situations trip, and what one would have seen.
-fn check(ours: &Document, expected: &Document) -> anyhow::Result<()> {
+fn check(ours: &Rows<ScaleRow>, expected: &Rows<ScaleRow>) -> anyhow::Result<()> {
     if ours.seeds != expected.seeds || ours.rows.len() != expected.rows.len() {
         let (got, want) = (ours.rows.len(), expected.rows.len());
         let message = format!(

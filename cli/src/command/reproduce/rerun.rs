@@ -4,8 +4,8 @@ use std::path::Path;
 
 use anyhow::Context;
 use indicatif::{ProgressBar, ProgressStyle};
-use serde::Serialize;
 use serde::de::DeserializeOwned;
+use serde::{Deserialize, Serialize};
 use tribo_experiments::files::{FieldError, FileError, YamlDocument, read_text};
 use tribo_logs::write_atomic;
 
@@ -66,6 +66,34 @@ pub fn deliver(text: &str, arguments: &Reproduce, common: &Common, show: impl Fn
         show();
     }
     Ok(())
+}
+
+/// What `--out` writes and `--check` reads of an experiment that is a list of rows.
+#[derive(Debug, Serialize, Deserialize)]
+pub struct Rows<R> {
+    schema: String,
+    tribo_version: String,
+    /// Seeds 1 to this one.
+    pub seeds: u64,
+    /// What was found.
+    pub rows: Vec<R>,
+}
+
+impl<R: Serialize> Rows<R> {
+    /// The result of this version.
+    pub fn new(seeds: u64, rows: Vec<R>) -> Self {
+        let (schema, tribo_version) = (RESULT_SCHEMA.to_owned(), env!("CARGO_PKG_VERSION").to_owned());
+        Self { schema, tribo_version, seeds, rows }
+    }
+
+    /// JSON with one line per row.
+    pub fn text(&self) -> serde_json::Result<String> {
+        let Self { schema, tribo_version, seeds, rows } = self;
+        let rows = json_lines(rows)?;
+        Ok(format!(
+            "{{\n\"schema\": \"{schema}\",\n\"tribo_version\": \"{tribo_version}\",\n\"seeds\": {seeds},\n\"rows\": [\n{rows}\n]\n}}\n"
+        ))
+    }
 }
 
 /// One line per item, for diffs that people can read.

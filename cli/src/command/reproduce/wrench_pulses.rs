@@ -1,9 +1,8 @@
 //! `tribo reproduce wrench_pulses`.
 
-use serde::{Deserialize, Serialize};
 use tribo_experiments::reproduce::{PushRow, PushedTool};
 
-use super::rerun::{RESULT_SCHEMA, deliver, expected, json_lines, settings, with_progress};
+use super::rerun::{Rows, deliver, expected, settings, with_progress};
 use crate::arguments::{Common, Reproduce};
 use crate::failure::{BadInput, CheckFailed};
 use crate::output::{print, significant, table};
@@ -13,37 +12,20 @@ const SETTINGS: &str = include_str!("../../../../experiments/07_wrench_pulses/co
 /// Relative difference of a figure that `--check` accepts: another platform's rounding moves a bisection by one step.
 const TOLERANCE: f64 = 0.05;
 
-/// What `--out` writes and `--check` reads.
-#[derive(Debug, Serialize, Deserialize)]
-struct Document {
-    schema: String,
-    tribo_version: String,
-    seeds: u64,
-    rows: Vec<PushRow>,
-}
-
 /// Runs every estimator in every situation and prints one row for each.
 pub fn run(arguments: &Reproduce, common: &Common) -> anyhow::Result<()> {
-    let expected = expected::<Document>(arguments)?;
+    let expected = expected::<Rows<PushRow>>(arguments)?;
     let config = settings(arguments, SETTINGS, PushedTool::validate, |config| &mut config.seeds)?;
     let rows = with_progress(common, config.trials() as u64, "trials", |bar| {
         Ok(config.run(|| bar.inc(1)).map_err(|error| BadInput(error.to_string()))?)
     })?;
 
-    let (schema, tribo_version) = (RESULT_SCHEMA.to_owned(), env!("CARGO_PKG_VERSION").to_owned());
-    let document = Document { schema, tribo_version, seeds: config.seeds, rows };
-    let text = format!(
-        "{{\n\"schema\": \"{}\",\n\"tribo_version\": \"{}\",\n\"seeds\": {},\n\"rows\": [\n{}\n]\n}}\n",
-        document.schema,
-        document.tribo_version,
-        document.seeds,
-        json_lines(&document.rows)?
-    );
-    deliver(&text, arguments, common, || show(&document.rows))?;
+    let document = Rows::new(config.seeds, rows);
+    deliver(&document.text()?, arguments, common, || show(&document.rows))?;
     expected.map_or(Ok(()), |expected| check(&document, &expected))
 }
 
-fn check(ours: &Document, expected: &Document) -> anyhow::Result<()> {
+fn check(ours: &Rows<PushRow>, expected: &Rows<PushRow>) -> anyhow::Result<()> {
     if ours.seeds != expected.seeds {
         let message = format!("the expected result is of {} seeds, this one of {}", expected.seeds, ours.seeds);
         return Err(CheckFailed(message).into());
