@@ -132,7 +132,7 @@ fn several_trials_are_in_flight_and_come_back_in_any_order() {
 #[test]
 fn a_trial_that_failed_teaches_what_it_can() {
     let at = scratch();
-    let settings = "schema: tribo.tune/1\nstrategy: random\ntrials: 9\nlimits: {error_m: 0.005}\n";
+    let settings = "schema: tribo.tune/1\nstrategy: random\ntrials: 9\nguard: null\nlimits: {error_m: 0.005}\n";
     std::fs::write(at.path().join("tight.yaml"), settings).unwrap();
     // Random parameters break tight limits: the log ends early, the reason is the simulator's.
     let mut crashed = 0;

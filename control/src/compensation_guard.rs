@@ -19,7 +19,8 @@ const STICK_SLIP: f64 = 0.1;
 /// Work of the compensator over the surplus of an oscillation, at least [-]: what it did not put in is not its fault.
 const PUT_IN: f64 = 1.2;
 
-/// Bounds of a [`CompensationGuard`] and of what may be tried on a robot at all.
+/// Bounds of a [`CompensationGuard`] and of what may be tried on a robot at all; energies and drift are those of an arm with the
+/// friction of a Panda.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct GuardSettings {
@@ -40,6 +41,20 @@ pub struct GuardSettings {
     pub swing_rad_s: f64,
     /// Swings from one side to the other, within about a second, that are a limit cycle.
     pub swings: f64,
+}
+
+impl GuardSettings {
+    /// The same for joints with `factor` times the friction of a Panda's. On the same motion the work of friction goes with it, and so
+    /// does the way that what is over-compensated makes the arm slide; stick-slip against the same stiffness leaves an energy that
+    /// goes with its square.
+    pub fn for_friction(self, factor: f64) -> Self {
+        Self {
+            surplus_j: factor * self.surplus_j,
+            oscillation_j: factor * factor * self.oscillation_j,
+            drift_rad: factor * self.drift_rad,
+            ..self
+        }
+    }
 }
 
 impl Default for GuardSettings {

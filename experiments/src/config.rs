@@ -356,7 +356,8 @@ impl TuneConfig {
             impedance: self.impedance,
             reference: SinusoidReference::paper(centre, phase_rad),
             velocity: self.velocity,
-            guard: self.guard,
+            // What its bounds are in proportion to is the friction of the joints, like the box of their parameters.
+            guard: self.guard.map(|guard| guard.for_friction(box_scale.iter().sum::<f64>() / N as f64)),
             limits: self.limits,
             measure: match self.cost {
                 CostName::Paper => CostMeasure::Paper,
