@@ -10,12 +10,16 @@
 #![allow(clippy::unwrap_used, clippy::panic, reason = "a test fails by panicking, in its helpers too")]
 
 mod common;
+#[allow(dead_code, clippy::expect_used, reason = "test helpers; not every binary uses all")]
+#[path = "../../tests/python_witness.rs"]
+mod python_witness;
 
 use std::io::Write;
 use std::path::Path;
-use std::process::{Command, Stdio};
+use std::process::Command;
 
-use common::{journal_lines, run, scratch, skipped};
+use common::{journal_lines, run, scratch};
+use python_witness::python;
 use serde_json::Value;
 
 /// A campaign whose trials run side by side, with the law that has most parameters.
@@ -139,14 +143,6 @@ print(json.dumps({
 }))
 "#;
 
-/// A Python that imports `optuna`.
-fn python() -> Option<String> {
-    let python = std::env::var("TRIBO_PYTHON").unwrap_or_else(|_| "python3".to_owned());
-    let mut probe = Command::new(&python);
-    probe.args(["-c", "import optuna"]).stdout(Stdio::null()).stderr(Stdio::null());
-    probe.status().is_ok_and(|status| status.success()).then_some(python)
-}
-
 fn load(python: &str, journal: &Path) -> Value {
     let output = Command::new(python).args(["-c", LOADER]).arg(journal).output().unwrap();
     assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
@@ -155,10 +151,7 @@ fn load(python: &str, journal: &Path) -> Value {
 
 #[test]
 fn optunas_own_loader_finds_every_trial() {
-    let Some(python) = python() else {
-        skipped("no Python with optuna (set TRIBO_PYTHON); Optuna's loader is UNTESTED on journal.log");
-        return;
-    };
+    let Some(python) = python("optuna", "Optuna's loader is UNTESTED on journal.log") else { return };
     let at = scratch();
     let result = run(at.path(), TUNE).ok().json();
     let study = load(&python, &at.path().join("c/journal.log"));
@@ -189,10 +182,7 @@ fn optunas_own_loader_finds_every_trial() {
 /// A journal cut in the middle of a trial, as a kill leaves it, opens too: the trial is running.
 #[test]
 fn optuna_opens_a_journal_that_was_killed() {
-    let Some(python) = python() else {
-        skipped("no Python with optuna (set TRIBO_PYTHON); Optuna's loader is UNTESTED on a cut journal");
-        return;
-    };
+    let Some(python) = python("optuna", "Optuna's loader is UNTESTED on a cut journal") else { return };
     let at = scratch();
     run(at.path(), "tune --trials 2 --strategy grey_box --quiet --out c").ok();
     let path = at.path().join("c/journal.log");

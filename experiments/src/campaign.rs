@@ -157,7 +157,7 @@ impl<const N: usize> Campaign<N> {
                     break;
                 }
             }
-            let batch = self.next_batch(next, strategy.as_ref(), limit.as_ref(), &logs)?;
+            let batch = self.next_batch(next, strategy.as_ref(), &limit, &logs)?;
             self.run_batch(&batch, &logs, observer)?;
         }
 
@@ -177,22 +177,17 @@ impl<const N: usize> Campaign<N> {
         &self,
         next: usize,
         strategy: &dyn Strategy<N>,
-        limit: Option<&FrictionLimit<N>>,
+        limit: &FrictionLimit<N>,
         logs: &StoredLogs<N>,
     ) -> Result<Vec<(usize, Proposal)>, CampaignError> {
         let fail = |trial: usize| move |source: StrategyError| CampaignError::Strategy { trial, source };
         let mut batch = Vec::new();
-        let known = limit.map(|limit| limit.first_known(next, logs)).transpose().map_err(fail(next))?.flatten();
-        let held_back = |number: usize, known: usize, proposal: Proposal| match limit {
-            Some(limit) => limit.hold_back(proposal, known, logs).map_err(fail(number)),
-            None => Ok(proposal),
-        };
         // Twice the threads keeps all of them busy and the journal close behind; before the guard knows anything, one at a time.
-        let most = if limit.is_some() && known.is_none() { 1 } else { 2 * rayon::current_num_threads() };
+        let most = if limit.knows(next, logs).map_err(fail(next))? { 2 * rayon::current_num_threads() } else { 1 };
         for number in (next..self.trials.len()).filter(|&number| self.trials[number].is_none()) {
             match strategy.design(number).map_err(fail(number))? {
                 Some(proposal) if batch.len() < most => {
-                    batch.push((number, held_back(number, known.unwrap_or(next), proposal)?));
+                    batch.push((number, limit.hold_back_design(proposal, next, logs).map_err(fail(number))?));
                 }
                 _ => break,
             }
@@ -201,7 +196,7 @@ impl<const N: usize> Campaign<N> {
             let finished: Vec<FinishedTrial> = self.trials[..next].iter().flatten().cloned().collect();
             let past = Past { finished: &finished, running: &[] };
             let proposal = strategy.propose(next, past, logs).map_err(fail(next))?;
-            batch.push((next, held_back(next, next, proposal)?));
+            batch.push((next, limit.hold_back(proposal, next, logs).map_err(fail(next))?));
         }
         Ok(batch)
     }

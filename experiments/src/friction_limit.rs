@@ -24,52 +24,63 @@ const DEVIATIONS: f64 = 2.0;
 /// A law that is wrong for the robot bounds what is tried by what it explains of the logs, and no better.
 pub struct FrictionLimit<const N: usize> {
     space: ParameterSpace,
-    identification: GreyBox<N>,
-    ratio: f64,
+    /// What knows the friction, and the ratio r; none where the settings have no guard, and every proposal may be tried.
+    guard: Option<(GreyBox<N>, f64)>,
 }
 
 impl<const N: usize> FrictionLimit<N> {
-    /// The limit of a campaign; none where its settings have no guard.
+    /// The limit of a campaign.
     ///
     /// # Errors
     /// An estimator that cannot be had.
-    pub fn of(tune: &ValidTune<N>) -> Result<Option<Self>, StrategyError> {
-        let limit = |guard: tribo_control::GuardSettings| {
-            let (space, ratio) = (tune.space.clone(), guard.predicted_ratio);
-            Ok(Self { space, identification: GreyBox::new(tune)?, ratio })
-        };
-        tune.config.guard.map(limit).transpose()
+    pub fn of(tune: &ValidTune<N>) -> Result<Self, StrategyError> {
+        let guard = tune.config.guard.map(|guard| Ok::<_, StrategyError>((GreyBox::new(tune)?, guard.predicted_ratio)));
+        Ok(Self { space: tune.space.clone(), guard: guard.transpose()? })
     }
 
-    /// The first trial whose predecessors tell how much friction there is, at most `number`; none if not even those of `number` do.
-    /// Trials of a design that run side by side all take what that one knew.
+    /// Whether the trials before trial `number` tell enough for trials of a design to run side by side.
     ///
     /// # Errors
     /// A log that cannot be read.
-    pub fn first_known(&self, number: usize, logs: &dyn LogSource<N>) -> Result<Option<usize>, StrategyError> {
-        for known in 1..=number {
-            if self.friction_before(known, logs)?.is_some() {
-                return Ok(Some(known));
-            }
+    pub fn knows(&self, number: usize, logs: &dyn LogSource<N>) -> Result<bool, StrategyError> {
+        match &self.guard {
+            None => Ok(true),
+            Some((identification, _)) => Ok(first_known(identification, number, logs)?.is_some()),
         }
-        Ok(None)
     }
 
-    /// A proposal as it may be tried, given what the trials before trial `known` tell.
+    /// A proposal of a design as it may be tried: trials that run side by side all take what the first trials before `number` tell
+    /// that tell enough.
+    ///
+    /// # Errors
+    /// A log that cannot be read.
+    pub fn hold_back_design(
+        &self,
+        proposal: Proposal,
+        number: usize,
+        logs: &dyn LogSource<N>,
+    ) -> Result<Proposal, StrategyError> {
+        let Some((identification, _)) = &self.guard else { return Ok(proposal) };
+        let known = first_known(identification, number, logs)?.unwrap_or(number);
+        self.hold_back(proposal, known, logs)
+    }
+
+    /// A proposal as it may be tried, given what the last trials before trial `number` tell.
     ///
     /// # Errors
     /// A log that cannot be read.
     pub fn hold_back(
         &self,
         proposal: Proposal,
-        known: usize,
+        number: usize,
         logs: &dyn LogSource<N>,
     ) -> Result<Proposal, StrategyError> {
-        let fit = self.friction_before(known, logs)?;
+        let Some((identification, ratio)) = &self.guard else { return Ok(proposal) };
+        let fit = friction_before(identification, number, logs)?;
         let mut theta = proposal.theta;
         let mut held_back = false;
         for (j, law) in self.space.joint_laws(&theta).iter().enumerate() {
-            let share = fit.as_ref().map_or(0.0, |fit| self.share(law, fit, j));
+            let share = fit.as_ref().map_or(0.0, |fit| share(law, fit, j, *ratio));
             if share < 1.0 && peak_nm(law) > 0.0 {
                 self.space.scale_torques(&mut theta, j, share);
                 held_back = true;
@@ -77,25 +88,43 @@ impl<const N: usize> FrictionLimit<N> {
         }
         Ok(Proposal { theta, origin: if held_back { Origin::Guard } else { proposal.origin } })
     }
+}
 
-    fn friction_before(&self, number: usize, logs: &dyn LogSource<N>) -> Result<Option<GlsFit<N>>, StrategyError> {
-        match self.identification.identify(number, logs) {
-            // Trials that were stopped at once.
-            Err(StrategyError::Identification(GlsError::TooFewSamples { .. })) => Ok(None),
-            fit => fit,
+/// The first trial whose predecessors tell how much friction there is, at most `number`; none if not even those of `number` do.
+fn first_known<const N: usize>(
+    identification: &GreyBox<N>,
+    number: usize,
+    logs: &dyn LogSource<N>,
+) -> Result<Option<usize>, StrategyError> {
+    for known in 1..=number {
+        if friction_before(identification, known, logs)?.is_some() {
+            return Ok(Some(known));
         }
     }
+    Ok(None)
+}
 
-    /// Share of a joint's compensation that may act [-].
-    fn share(&self, law: &JointFriction, fit: &GlsFit<N>, joint: usize) -> f64 {
-        let share = |&qd: &f64| {
-            let friction_nm =
-                fit.friction.joints[joint].torque(qd, 0.0).max(0.0) + DEVIATIONS * fit.torque_sd_nm(joint, qd);
-            let (most_nm, asked_nm) = (self.ratio * friction_nm, law.torque(qd, 0.0).abs());
-            if asked_nm > most_nm { most_nm / asked_nm } else { 1.0 }
-        };
-        SPEEDS_RAD_S.iter().map(share).fold(1.0, f64::min)
+fn friction_before<const N: usize>(
+    identification: &GreyBox<N>,
+    number: usize,
+    logs: &dyn LogSource<N>,
+) -> Result<Option<GlsFit<N>>, StrategyError> {
+    match identification.identify(number, logs) {
+        // Trials that were stopped at once.
+        Err(StrategyError::Identification(GlsError::TooFewSamples { .. })) => Ok(None),
+        fit => fit,
     }
+}
+
+/// Share of a joint's compensation that may act [-].
+fn share<const N: usize>(law: &JointFriction, fit: &GlsFit<N>, joint: usize, ratio: f64) -> f64 {
+    let share = |&qd: &f64| {
+        let friction_nm =
+            fit.friction.joints[joint].torque(qd, 0.0).max(0.0) + DEVIATIONS * fit.torque_sd_nm(joint, qd);
+        let (most_nm, asked_nm) = (ratio * friction_nm, law.torque(qd, 0.0).abs());
+        if asked_nm > most_nm { most_nm / asked_nm } else { 1.0 }
+    };
+    SPEEDS_RAD_S.iter().map(share).fold(1.0, f64::min)
 }
 
 /// Largest torque of a law at the speeds compared (Nm).

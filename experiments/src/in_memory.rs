@@ -21,19 +21,14 @@ pub fn run_in_memory<const N: usize>(tune: &ValidTune<N>) -> Result<Vec<Finished
     let (mut trials, mut logs) = (Vec::new(), LogsInMemory(Vec::new()));
     for number in 0..tune.config.trials {
         let fail = |source| CampaignError::Strategy { trial: number, source };
-        let designed = strategy.design(number).map_err(fail)?;
-        let known = match &limit {
-            Some(limit) if designed.is_some() => limit.first_known(number, &logs).map_err(fail)?.unwrap_or(number),
-            _ => number,
-        };
-        let proposal = match designed {
-            Some(proposal) => proposal,
-            None => strategy.propose(number, Past { finished: &trials, running: &[] }, &logs).map_err(fail)?,
-        };
-        let proposal = match &limit {
-            Some(limit) => limit.hold_back(proposal, known, &logs).map_err(fail)?,
-            None => proposal,
-        };
+        let proposal = match strategy.design(number).map_err(fail)? {
+            Some(proposal) => limit.hold_back_design(proposal, number, &logs),
+            None => {
+                let past = Past { finished: &trials, running: &[] };
+                limit.hold_back(strategy.propose(number, past, &logs).map_err(fail)?, number, &logs)
+            }
+        }
+        .map_err(fail)?;
         let outcome = run_numbered(tune, number, &proposal.theta)?;
         trials.push(FinishedTrial {
             number,

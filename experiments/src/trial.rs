@@ -78,6 +78,26 @@ impl<const N: usize> Trial<N> {
         self
     }
 
+    /// The simulated arm at the start of the trial; `seed` feeds the sensor noise.
+    pub fn plant(&self, seed: u64) -> BoxFrictionPlant<N> {
+        BoxFrictionPlant::new(self.truth.clone(), self.sensors, self.start, seed)
+            .with_sub_steps(self.sub_steps)
+            .with_period(self.dt_s)
+            .with_pulses(self.pulses.clone())
+    }
+
+    /// The loop of the trial, whose compensator believes this friction.
+    pub fn control_loop<E: WrenchEstimator<N>>(&self, friction: &FrictionModel<N>, estimator: E) -> ControlLoop<N, E> {
+        let settings = LoopSettings {
+            impedance: self.impedance,
+            reference: self.reference,
+            compensator: Compensator::new(*friction, self.velocity).with_effects(self.effects),
+            guard: self.guard,
+            dt_s: self.dt_s,
+        };
+        ControlLoop::new(self.model.clone(), self.start, settings, estimator)
+    }
+
     /// The same trial with a controller that believes in another arm and other effects.
     pub fn believing(mut self, believed: &Believed<N>) -> Self {
         self.model = believed.arm.clone();
@@ -104,18 +124,8 @@ pub fn run_trial_observed<const N: usize, E: WrenchEstimator<N>>(
     seed: u64,
     mut observe: impl FnMut(&TickRecord<N>, &BoxFrictionPlant<N>),
 ) -> TrialOutcome<N> {
-    let mut plant = BoxFrictionPlant::new(trial.truth.clone(), trial.sensors, trial.start, seed)
-        .with_sub_steps(trial.sub_steps)
-        .with_period(trial.dt_s)
-        .with_pulses(trial.pulses.clone());
-    let settings = LoopSettings {
-        impedance: trial.impedance,
-        reference: trial.reference,
-        compensator: Compensator::new(*friction, trial.velocity).with_effects(trial.effects),
-        guard: trial.guard,
-        dt_s: trial.dt_s,
-    };
-    let mut control = ControlLoop::new(trial.model.clone(), trial.start, settings, estimator);
+    let mut plant = trial.plant(seed);
+    let mut control = trial.control_loop(friction, estimator);
     let mut monitor = TrialMonitor::new(trial.limits, trial.dt_s);
     let mut accumulator = CostAccumulator::new(trial.measure);
     let ticks = (trial.reference.total_s() / trial.dt_s).round() as u64;

@@ -1,20 +1,14 @@
 //! Faults of the arm, of what the controller believes of it, and of those who stand beside it.
 
 use tribo_control::{PAPER_PHASES_RAD, SinusoidReference};
-use tribo_experiments::{AbortReason, Trial, TuneConfig};
+use tribo_experiments::{AbortReason, Trial};
 use tribo_friction::{FrictionModel, VelocitySource};
 use tribo_robot::{Kinematics, presets};
 use tribo_runtime::TickFault;
 use tribo_sim::WrenchPulses;
 use tribo_tests::Joints;
 
-use crate::story::{AT, Ending, tell};
-
-fn trial() -> (Trial<7>, FrictionModel<7>) {
-    let trial = TuneConfig::default().validate::<7>().expect("the default").trial;
-    let friction = trial.truth.friction;
-    (trial, friction)
-}
+use crate::story::{AT, Ending, tell, trial};
 
 fn undisturbed_sensors(trial: &Trial<7>, friction: &FrictionModel<7>) -> Ending {
     let ending = tell(trial, friction, |_, frame| frame, |_| 1.0);

@@ -2,21 +2,15 @@
 
 use std::collections::VecDeque;
 
-use tribo_experiments::{AbortReason, Trial, TuneConfig};
-use tribo_friction::{FrictionModel, VelocitySource};
+use tribo_experiments::AbortReason;
+use tribo_friction::VelocitySource;
 use tribo_robot::SensorFrame;
 use tribo_runtime::TickFault;
 
-use crate::story::{AT, Ending, tell};
+use crate::story::{AT, Ending, tell, trial};
 
 /// J of the undisturbed trial is 3.0.
 const UNDISTURBED: f64 = 3.0;
-
-fn trial() -> (Trial<7>, FrictionModel<7>) {
-    let trial = TuneConfig::default().validate::<7>().expect("the default").trial;
-    let friction = trial.truth.friction;
-    (trial, friction)
-}
 
 /// The tuning trial with true compensation, frames tampered with from [`AT`] on.
 fn with(mut tamper: impl FnMut(u64, &mut SensorFrame<7>)) -> Ending {

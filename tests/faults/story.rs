@@ -1,10 +1,10 @@
 //! One trial with something broken in it.
 
 use tribo_control::TorqueLimiter;
-use tribo_experiments::{AbortReason, CostAccumulator, Trial, TrialMonitor};
-use tribo_friction::{Compensator, FrictionModel};
+use tribo_experiments::{AbortReason, CostAccumulator, Trial, TrialMonitor, TuneConfig};
+use tribo_friction::FrictionModel;
 use tribo_robot::{Plant, SensorFrame};
-use tribo_runtime::{ControlLoop, LoopSettings, TickFault};
+use tribo_runtime::TickFault;
 use tribo_sim::BoxFrictionPlant;
 use tribo_tests::{Joints, default_ekf};
 
@@ -33,6 +33,13 @@ pub struct Ending {
     pub went_on_rad: f64,
 }
 
+/// The default tuning trial, guard and all, and the true friction of its arm.
+pub fn trial() -> (Trial<7>, FrictionModel<7>) {
+    let trial = TuneConfig::default().validate::<7>().expect("the default").trial;
+    let friction = trial.truth.friction;
+    (trial, friction)
+}
+
 /// An arm whose frames are tampered with on their way to the loop, and its torques on their way back.
 struct BrokenPlant<S, P> {
     inner: BoxFrictionPlant<7>,
@@ -59,18 +66,8 @@ pub fn tell(
     tamper: impl FnMut(u64, SensorFrame<7>) -> SensorFrame<7>,
     power: impl Fn(u64) -> f64,
 ) -> Ending {
-    let plant = BoxFrictionPlant::new(trial.truth.clone(), trial.sensors, trial.start, 1)
-        .with_pulses(trial.pulses.clone())
-        .with_period(trial.dt_s);
-    let mut plant = BrokenPlant { inner: plant, tamper, power, ticks: 0 };
-    let settings = LoopSettings {
-        impedance: trial.impedance,
-        reference: trial.reference,
-        compensator: Compensator::new(*friction, trial.velocity),
-        guard: trial.guard,
-        dt_s: trial.dt_s,
-    };
-    let mut control = ControlLoop::new(trial.model.clone(), trial.start, settings, default_ekf());
+    let mut plant = BrokenPlant { inner: trial.plant(1), tamper, power, ticks: 0 };
+    let mut control = trial.control_loop(friction, default_ekf());
     let (mut monitor, mut cost) = (TrialMonitor::new(trial.limits, trial.dt_s), CostAccumulator::new(trial.measure));
     let limits = trial.model.limits;
     let ticks = (trial.reference.total_s() / trial.dt_s).round() as u64;

@@ -153,10 +153,8 @@ impl<const N: usize> UserCampaign<N> {
             Some(proposal) => proposal,
             None => strategy.propose(number, past, &logs).map_err(fail)?,
         };
-        let Proposal { theta, origin } = match FrictionLimit::of(&self.tune).map_err(fail)? {
-            Some(limit) => limit.hold_back(proposal, number, &logs).map_err(fail)?,
-            None => proposal,
-        };
+        let limit = FrictionLimit::of(&self.tune).map_err(fail)?;
+        let Proposal { theta, origin } = limit.hold_back(proposal, number, &logs).map_err(fail)?;
         if number == self.trials.len() {
             self.journal.create_trial()?;
         }

@@ -2,9 +2,8 @@
 
 use std::time::Instant;
 
-use tribo_friction::Compensator;
 use tribo_robot::Plant;
-use tribo_runtime::{ControlLoop, LatencyHistogram, LoopSettings, ProcessImage, record_ring, run_on_cores};
+use tribo_runtime::{ControlLoop, LatencyHistogram, ProcessImage, record_ring, run_on_cores};
 use tribo_sim::BoxFrictionPlant;
 
 use super::BenchError;
@@ -39,18 +38,8 @@ pub(super) fn rig<const N: usize>(
     seed: u64,
 ) -> Result<(ControlLoop<N, AnyEstimator<N>>, BoxFrictionPlant<N>), BenchError> {
     let friction = tune.oracle.friction;
-    let settings = LoopSettings {
-        impedance: trial.impedance,
-        reference: trial.reference,
-        compensator: Compensator::new(friction, trial.velocity).with_effects(trial.effects),
-        guard: trial.guard,
-        dt_s: trial.dt_s,
-    };
     let estimator = AnyEstimator::for_tuning(tune.config.residual, tune.config.ekf, &trial.model, &friction)?;
-    let plant = BoxFrictionPlant::new(trial.truth.clone(), trial.sensors, trial.start, seed)
-        .with_sub_steps(trial.sub_steps)
-        .with_period(trial.dt_s);
-    Ok((ControlLoop::new(trial.model.clone(), trial.start, settings, estimator), plant))
+    Ok((trial.control_loop(&friction, estimator), trial.plant(seed)))
 }
 
 /// Runs `ticks` ticks of the tuning trial, again from its start where it ends, with another thread on one of `reader_cores` taking

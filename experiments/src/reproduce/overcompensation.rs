@@ -3,11 +3,10 @@
 use nalgebra::{SVector, Vector3};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
-use tribo_control::{GuardSettings, GuardTrip};
+use tribo_control::GuardTrip;
 use tribo_ekf::WrenchEkf;
-use tribo_friction::{Compensator, VelocitySource};
-use tribo_runtime::{ControlLoop, LoopSettings, TickRecord};
-use tribo_sim::BoxFrictionPlant;
+use tribo_friction::VelocitySource;
+use tribo_runtime::TickRecord;
 
 use super::ExperimentError;
 use crate::files::FieldError;
@@ -50,7 +49,7 @@ pub struct ScaleRow {
     pub nullspace_damping_per_s: f64,
     /// Compensation over true friction [-].
     pub scale: f64,
-    /// Seeds in which the guard tripped, and why in the first of them.
+    /// Seeds in which the guard tripped.
     pub trips: usize,
     /// Why, in the first of them.
     pub reason: Option<GuardTrip>,
@@ -136,9 +135,10 @@ impl OverCompensation {
 
     fn watch(&self, mut row: ScaleRow, done: &impl Fn()) -> Result<ScaleRow, ExperimentError> {
         for seed in 1..=self.seeds {
-            let trial = trial_of(&row, seed)?;
-            let [free, guarded] = [None, Some(GuardSettings::default())].map(|guard| {
-                let course = course(&trial, row.scale, guard, seed);
+            let mut trial = trial_of(&row, seed)?;
+            let [free, guarded] = [None, trial.guard].map(|guard| {
+                trial.guard = guard;
+                let course = course(&trial, row.scale, seed);
                 done();
                 course
             });
@@ -172,19 +172,10 @@ fn trial_of(row: &ScaleRow, seed: u64) -> Result<Trial<7>, ExperimentError> {
 }
 
 /// The trial to its end or to the first fault, whatever its limits say.
-fn course(trial: &Trial<7>, scale: f64, guard: Option<GuardSettings>, seed: u64) -> Course {
-    let mut plant = BoxFrictionPlant::new(trial.truth.clone(), trial.sensors, trial.start, noise_seed(seed, 0))
-        .with_period(trial.dt_s);
+fn course(trial: &Trial<7>, scale: f64, seed: u64) -> Course {
+    let mut plant = trial.plant(noise_seed(seed, 0));
     let friction = trial.truth.friction.scaled(scale);
-    let settings = LoopSettings {
-        impedance: trial.impedance,
-        reference: trial.reference,
-        compensator: Compensator::new(friction, trial.velocity),
-        guard,
-        dt_s: trial.dt_s,
-    };
-    let estimator = WrenchEkf::new(TuneConfig::default().ekf);
-    let mut control = ControlLoop::new(trial.model.clone(), trial.start, settings, estimator);
+    let mut control = trial.control_loop(&friction, WrenchEkf::new(TuneConfig::default().ekf));
     let mut course = Course::default();
     let mut sight = Sight::default();
     for _ in 0..(trial.reference.total_s() / trial.dt_s).round() as u64 {

@@ -3,9 +3,7 @@
 use std::time::{Duration, Instant};
 
 use nalgebra::SVector;
-use tribo_friction::Compensator;
 use tribo_robot::{Plant, SensorFrame};
-use tribo_runtime::{ControlLoop, LoopSettings};
 use tribo_sim::BoxFrictionPlant;
 
 use crate::{AnyEstimator, EstimatorError, ValidTune};
@@ -55,20 +53,10 @@ impl<const N: usize> Plant<N> for TimedPlant<N> {
 /// Parameters that the estimator cannot work with.
 pub fn loop_times<const N: usize>(tune: &ValidTune<N>, theta: &[f64]) -> Result<LoopTimes, EstimatorError> {
     let trial = &tune.trial;
-    let settings = LoopSettings {
-        impedance: trial.impedance,
-        reference: trial.reference,
-        compensator: Compensator::new(tune.space.friction(theta), trial.velocity).with_effects(trial.effects),
-        guard: trial.guard,
-        dt_s: trial.dt_s,
-    };
     let friction = tune.space.friction(theta);
     let estimator = AnyEstimator::for_tuning(tune.config.residual, tune.config.ekf, &trial.model, &friction)?;
-    let inner = BoxFrictionPlant::new(trial.truth.clone(), trial.sensors, trial.start, tune.config.seed)
-        .with_sub_steps(trial.sub_steps)
-        .with_period(trial.dt_s);
-    let mut plant = TimedPlant { inner, spent: Duration::ZERO };
-    let mut control = ControlLoop::new(trial.model.clone(), trial.start, settings, estimator);
+    let mut plant = TimedPlant { inner: trial.plant(tune.config.seed), spent: Duration::ZERO };
+    let mut control = trial.control_loop(&friction, estimator);
     let ticks = (trial.reference.total_s() / trial.dt_s).round() as usize;
     let mut tick_us = Vec::with_capacity(ticks);
     for _ in 0..ticks {
