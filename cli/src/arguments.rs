@@ -110,8 +110,19 @@ pub enum Command {
         /// The shell.
         shell: clap_complete::Shell,
     },
-    /// Print the manual page in roff.
-    Man,
+    /// Print a manual page in roff, or write all of them.
+    Man(Man),
+}
+
+/// Options of `man`.
+#[derive(Debug, Args)]
+pub struct Man {
+    /// The command that the page is about [default: all in short].
+    #[arg(value_name = "COMMAND", conflicts_with = "out")]
+    pub page: Option<String>,
+    /// Directory for the pages of all commands (`tribo.1`, `tribo-tune.1`, …), made if it is not there; `man -M` wants them in `man1`.
+    #[arg(long, value_name = "DIR")]
+    pub out: Option<PathBuf>,
 }
 
 /// What is simulated; each flag overrides the settings file.

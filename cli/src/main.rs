@@ -38,7 +38,7 @@ fn main() -> ExitCode {
         Command::Bench(bench) => command::bench::run(&bench, &common),
         Command::Reproduce(reproduce) => command::reproduce::run(&reproduce, &common),
         Command::Completions { shell } => command::shell::completions(shell),
-        Command::Man => command::shell::man_page(),
+        Command::Man(man) => command::shell::man(&man, &common),
     };
     match result {
         Ok(()) => ExitCode::SUCCESS,

@@ -55,6 +55,19 @@ fn a_bare_call_asks_for_help() {
     }
     let page = run(at.path(), "man").ok().stdout;
     assert!(page.starts_with(".ie") && page.contains("tribo"), "{page}");
+    // Every page that the first one names is there, with the options of its command.
+    run(at.path(), "man --out pages/man1").ok();
+    let pages = at.path().join("pages/man1");
+    let read = |name: &str| std::fs::read_to_string(pages.join(name)).unwrap();
+    assert_eq!(read("tribo.1"), page);
+    for line in page.lines().filter(|line| line.starts_with("tribo\\-")) {
+        let name = line.replace('\\', "").replace("(1)", ".1");
+        assert!(read(&name).contains(".SH OPTIONS"), "{name}");
+    }
+    assert_eq!(run(at.path(), "man tune").ok().stdout, read("tribo-tune.1"));
+    assert!(read("tribo-tune.1").contains("resume"));
+    let unknown = run(at.path(), "man tnue");
+    assert!(unknown.code == Some(2) && unknown.stderr.contains("no command 'tnue'; there are tune, "), "{unknown:?}");
 }
 
 #[test]

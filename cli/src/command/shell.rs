@@ -3,8 +3,11 @@
 use std::io::Write;
 
 use clap::CommandFactory;
+use tribo_experiments::files::FileError;
+use tribo_logs::write_atomic;
 
-use crate::arguments::Arguments;
+use crate::arguments::{Arguments, Common, Man};
+use crate::failure::BadInput;
 
 /// Prints the completion script of a shell.
 pub fn completions(shell: clap_complete::Shell) -> anyhow::Result<()> {
@@ -13,11 +16,37 @@ pub fn completions(shell: clap_complete::Shell) -> anyhow::Result<()> {
     write_all(&script)
 }
 
-/// Prints the manual page.
-pub fn man_page() -> anyhow::Result<()> {
+/// Prints the manual page of one command, or writes those of all.
+pub fn man(arguments: &Man, common: &Common) -> anyhow::Result<()> {
+    let mut whole = Arguments::command().disable_help_subcommand(true);
+    whole.build();
+    let Some(directory) = &arguments.out else {
+        let page = match &arguments.page {
+            None => &whole,
+            Some(name) => whole.find_subcommand(name).ok_or_else(|| {
+                let names: Vec<&str> = whole.get_subcommands().map(clap::Command::get_name).collect();
+                BadInput(format!("no command '{name}'; there are {}", names.join(", ")))
+            })?,
+        };
+        return write_all(&roff(page.clone())?);
+    };
+    std::fs::create_dir_all(directory).map_err(FileError::io(directory))?;
+    let commands: Vec<&clap::Command> = std::iter::once(&whole).chain(whole.get_subcommands()).collect();
+    for command in &commands {
+        let path = directory.join(clap_mangen::Man::new((*command).clone()).get_filename());
+        let page = roff((*command).clone())?;
+        write_atomic(&path, |file| file.write_all(&page))?;
+    }
+    if !common.quiet {
+        eprintln!("{} pages written to {}", commands.len(), directory.display());
+    }
+    Ok(())
+}
+
+fn roff(command: clap::Command) -> std::io::Result<Vec<u8>> {
     let mut page = Vec::new();
-    clap_mangen::Man::new(Arguments::command()).render(&mut page)?;
-    write_all(&page)
+    clap_mangen::Man::new(command).render(&mut page)?;
+    Ok(page)
 }
 
 /// Writes to standard output. A reader that has gone (`tribo man | head`) is no error of ours.
