@@ -316,7 +316,7 @@ mod tests {
     use crate::files::YamlDocument;
 
     fn shipped() -> Linderoth2013 {
-        YamlDocument::embedded("config.yaml", include_str!("../../02_linderoth2013/config.yaml")).parse().unwrap()
+        YamlDocument::embedded("config.yaml", crate::reproduce::shipped::LINDEROTH2013).parse().unwrap()
     }
 
     /// One seed: the same bits twice, one value per quantity, and what the experiment is there to show.

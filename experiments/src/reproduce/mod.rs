@@ -6,6 +6,7 @@ mod overcompensation;
 mod quantity;
 mod roveda2022;
 mod seeded;
+pub mod shipped;
 mod thermal;
 pub mod uhlmann2023;
 mod wrench_pulses;

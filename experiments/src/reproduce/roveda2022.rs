@@ -251,7 +251,7 @@ mod tests {
     /// Ten seeds and three poses of three strategies, four seeds of the fourth, on three truths.
     #[test]
     fn a_strategy_may_have_fewer_seeds() {
-        let text = include_str!("../../01_roveda2022/config.yaml");
+        let text = crate::reproduce::shipped::ROVEDA2022;
         let mut shipped: Roveda2022 = YamlDocument::embedded("config.yaml", text).parse().unwrap();
         shipped.validate().unwrap();
         assert_eq!(shipped.cells(), 3 * (3 * 10 + 4) * 3);

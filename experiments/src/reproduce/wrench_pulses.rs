@@ -270,7 +270,7 @@ mod tests {
     const SMOOTH: PushCase = PushCase { friction: false, compensated: false, moving: false, payload_kg: 0.0 };
 
     fn shipped() -> PushedTool {
-        YamlDocument::embedded("config.yaml", include_str!("../../07_wrench_pulses/config.yaml")).parse().unwrap()
+        YamlDocument::embedded("config.yaml", crate::reproduce::shipped::WRENCH_PULSES).parse().unwrap()
     }
 
     /// One trial without calibration.

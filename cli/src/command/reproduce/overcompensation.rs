@@ -1,19 +1,17 @@
 //! `tribo reproduce overcompensation`.
 
-use tribo_experiments::reproduce::{OverCompensation, ScaleRow};
+use tribo_experiments::reproduce::{OverCompensation, ScaleRow, shipped};
 
 use super::rerun::{Rows, deliver, expected, settings, with_progress};
 use crate::arguments::{Common, Reproduce};
 use crate::failure::{BadInput, CheckFailed};
 use crate::output::{print, significant, table};
 
-/// The settings that ship with the experiment.
-const SETTINGS: &str = include_str!("../../../../experiments/09_overcompensation/config.yaml");
-
 /// Runs every situation at every scale and prints one row per situation.
 pub fn run(arguments: &Reproduce, common: &Common) -> anyhow::Result<()> {
     let expected = expected::<Rows<ScaleRow>>(arguments)?;
-    let config = settings(arguments, SETTINGS, OverCompensation::validate, |config| &mut config.seeds)?;
+    let config =
+        settings(arguments, shipped::OVERCOMPENSATION, OverCompensation::validate, |config| &mut config.seeds)?;
     let rows = with_progress(common, config.trials() as u64, "trials", |bar| {
         Ok(config.run(|| bar.inc(1)).map_err(|error| BadInput(error.to_string()))?)
     })?;

@@ -1,15 +1,13 @@
 //! `tribo reproduce roveda2022`.
 
 use serde::{Deserialize, Serialize};
-use tribo_experiments::reproduce::{CellResult, Roveda2022, RowSummary, summarize};
+use tribo_experiments::reproduce::{CellResult, Roveda2022, RowSummary, shipped, summarize};
 
 use super::rerun::{RESULT_SCHEMA, deliver, expected, json_lines, settings, with_progress};
 use crate::arguments::{Common, Reproduce};
 use crate::failure::CheckFailed;
 use crate::output::{print, significant, table};
 
-/// The settings that ship with the experiment.
-const SETTINGS: &str = include_str!("../../../../experiments/01_roveda2022/config.yaml");
 /// Relative difference of a mean that `--check` accepts: the costs of this many campaigns repeat to 2–3 %.
 const TOLERANCE: f64 = 0.05;
 
@@ -38,7 +36,7 @@ impl Document {
 /// Runs the campaigns of the experiment and prints one row per truth and strategy.
 pub fn run(arguments: &Reproduce, common: &Common) -> anyhow::Result<()> {
     let expected = expected::<Document>(arguments)?;
-    let config = settings(arguments, SETTINGS, Roveda2022::validate, |config| &mut config.seeds)?;
+    let config = settings(arguments, shipped::ROVEDA2022, Roveda2022::validate, |config| &mut config.seeds)?;
     let cells = with_progress(common, config.cells() as u64, "campaigns", |bar| Ok(config.run(|_| bar.inc(1))?))?;
 
     let rows = summarize(&cells);

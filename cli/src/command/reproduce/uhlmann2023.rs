@@ -1,6 +1,7 @@
 //! `tribo reproduce uhlmann2023`.
 
 use serde::{Deserialize, Serialize};
+use tribo_experiments::reproduce::shipped;
 use tribo_experiments::reproduce::uhlmann2023::{Uhlmann2023, VariantResult, VariantSummary, summarize};
 
 use super::rerun::{RESULT_SCHEMA, deliver, expected, settings, with_progress};
@@ -8,8 +9,6 @@ use crate::arguments::{Common, Reproduce};
 use crate::failure::{BadInput, CheckFailed};
 use crate::output::{print, significant, table};
 
-/// The settings that ship with the experiment.
-const UHLMANN2023: &str = include_str!("../../../../experiments/05_uhlmann2023/config.yaml");
 /// Difference of a share or a relative error of one model on one seed that `--check` accepts. One machine repeats all
 /// bits; elsewhere the last ascent of a likelihood may stop a step earlier.
 const TOLERANCE: f64 = 0.01;
@@ -26,7 +25,7 @@ struct Document {
 /// Runs every model on every seed and prints one row per model.
 pub fn run(arguments: &Reproduce, common: &Common) -> anyhow::Result<()> {
     let expected = expected::<Document>(arguments)?;
-    let config = settings(arguments, UHLMANN2023, Uhlmann2023::validate, |config| &mut config.seeds)?;
+    let config = settings(arguments, shipped::UHLMANN2023, Uhlmann2023::validate, |config| &mut config.seeds)?;
     let cells = config.seeds * config.variants.len() as u64;
     let results = with_progress(common, cells, "models", |bar| {
         Ok(config.run(|_| bar.inc(1)).map_err(|error| BadInput(error.to_string()))?)

@@ -1,21 +1,19 @@
 //! `tribo reproduce wrench_pulses`.
 
-use tribo_experiments::reproduce::{PushRow, PushedTool};
+use tribo_experiments::reproduce::{PushRow, PushedTool, shipped};
 
 use super::rerun::{Rows, deliver, expected, settings, with_progress};
 use crate::arguments::{Common, Reproduce};
 use crate::failure::{BadInput, CheckFailed};
 use crate::output::{print, significant, table};
 
-/// The settings that ship with the experiment.
-const SETTINGS: &str = include_str!("../../../../experiments/07_wrench_pulses/config.yaml");
 /// Relative difference of a figure that `--check` accepts: another platform's rounding moves a bisection by one step.
 const TOLERANCE: f64 = 0.05;
 
 /// Runs every estimator in every situation and prints one row for each.
 pub fn run(arguments: &Reproduce, common: &Common) -> anyhow::Result<()> {
     let expected = expected::<Rows<PushRow>>(arguments)?;
-    let config = settings(arguments, SETTINGS, PushedTool::validate, |config| &mut config.seeds)?;
+    let config = settings(arguments, shipped::WRENCH_PULSES, PushedTool::validate, |config| &mut config.seeds)?;
     let rows = with_progress(common, config.trials() as u64, "trials", |bar| {
         Ok(config.run(|| bar.inc(1)).map_err(|error| BadInput(error.to_string()))?)
     })?;

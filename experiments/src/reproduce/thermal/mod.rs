@@ -20,8 +20,8 @@ mod tests {
     fn shipped() -> (Simoni2017, Simoni2019) {
         let read = |text| YamlDocument::embedded("config.yaml", text);
         (
-            read(include_str!("../../../03_simoni2017/config.yaml")).parse().unwrap(),
-            read(include_str!("../../../04_simoni2019/config.yaml")).parse().unwrap(),
+            read(crate::reproduce::shipped::SIMONI2017).parse().unwrap(),
+            read(crate::reproduce::shipped::SIMONI2019).parse().unwrap(),
         )
     }
 
