@@ -23,9 +23,10 @@
 //! ```
 //!
 //! Inside the crate points live on the unit cube and targets are standardised; outside both are in real units.
-//! Leaves out: several objectives, constraints other than failure, categorical coordinates.
+//! Leaves out: several objectives, constraints other than failure and what is known to be [`Allowed`], categorical coordinates.
 
 pub mod acquisition;
+mod allowed;
 mod belief;
 pub mod design;
 mod domain;
@@ -46,6 +47,7 @@ mod suggest_sum;
 mod transform;
 mod trust_region;
 
+pub use allowed::Allowed;
 pub use belief::{Belief, Slice};
 pub use domain::Domain;
 pub use error::BayesoptError;
@@ -55,7 +57,7 @@ pub use recommend::{Recommendation, recommend};
 pub use settings::{ModelSettings, Settings};
 pub use stop::{ExpectedGain, LeastGain, StopRule};
 pub use study::Study;
-pub use suggest::{ModelEvidence, Phase, Suggestion, suggest};
+pub use suggest::{ModelEvidence, Phase, Suggestion, suggest, suggest_allowed};
 pub use suggest_sum::suggest_sum;
 pub use transform::{Bend, CostTransform, Targets};
 pub use trust_region::TrustRegion;

@@ -6,10 +6,10 @@ use crate::acquisition::{OfFinished, OneOutput, SumLogEi, Worth};
 use crate::belief::Belief;
 use crate::gp::Fit;
 use crate::kernel::KernelShape;
-use crate::search::{Bounds, Maximum, maximise_acquisition};
+use crate::search::{Bounds, Maximum, Region, maximise_acquisition};
 use crate::stop::ExpectedGain;
 use crate::trust_region::TrustRegion;
-use crate::{BayesoptError, Domain, History, ModelSettings, Settings};
+use crate::{Allowed, BayesoptError, Domain, History, ModelSettings, Settings};
 
 /// Who chose a point.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
@@ -77,13 +77,27 @@ pub fn suggest(
     history: &History,
     seed: u64,
 ) -> Result<Suggestion, BayesoptError> {
-    suggest_by::<SumLogEi>(settings, domain, history, seed, |_, _| Ok(None))
+    suggest_by::<SumLogEi>(settings, (domain, None), history, seed, |_, _| Ok(None))
+}
+
+/// [`suggest`], where the model proposes only what is allowed.
+///
+/// # Errors
+/// Those of [`suggest`].
+pub fn suggest_allowed(
+    settings: &Settings,
+    domain: &Domain,
+    allowed: &dyn Allowed,
+    history: &History,
+    seed: u64,
+) -> Result<Suggestion, BayesoptError> {
+    suggest_by::<SumLogEi>(settings, (domain, Some(allowed)), history, seed, |_, _| Ok(None))
 }
 
 /// [`suggest`] by the worth that `other` makes of the belief about the whole; where it makes none, by the belief's own.
 pub(crate) fn suggest_by<W: Worth>(
     settings: &Settings,
-    domain: &Domain,
+    (domain, allowed): (&Domain, Option<&dyn Allowed>),
     history: &History,
     seed: u64,
     other: impl FnOnce(&ModelSettings, &Belief) -> Result<Option<W>, BayesoptError>,
@@ -113,6 +127,10 @@ pub(crate) fn suggest_by<W: Worth>(
         .map(|_| TrustRegion::replay(history, settings.init_trials, dimension));
     let region =
         trust_region.map_or_else(|| Bounds::unit_cube(dimension), |tr| tr.bounds(incumbent, &fit.hyper.lengthscales));
+    let region = match allowed {
+        None => Region::of(region),
+        Some(allowed) => Region::within(region, domain, allowed),
+    };
 
     // The most promising point of the region, away from where trials are being run.
     let pending: Vec<Vec<f64>> =

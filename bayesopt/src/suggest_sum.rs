@@ -2,11 +2,11 @@
 
 use crate::acquisition::{Part, SumLogEi};
 use crate::belief::Belief;
-use crate::{BayesoptError, Domain, History, ModelSettings, Observation, Outcome, Settings, Suggestion};
+use crate::{Allowed, BayesoptError, Domain, History, ModelSettings, Observation, Outcome, Settings, Suggestion};
 
 /// [`suggest()`](crate::suggest()) for `y = Σ_k c_k`, all c_k >= 0: one Gaussian process per part and Monte-Carlo LogEI of the sum
 /// ([`SumLogEi`]) in the trust region of the whole. `parts` has the parts of every trial of the history that did not fail, and
-/// nothing for the others; the evidence is that of the whole.
+/// nothing for the others; the evidence is that of the whole. Only what is `allowed` is proposed by the model.
 ///
 /// # Errors
 /// Those of [`suggest()`](crate::suggest()); `DimensionMismatch` where a trial has other parts than the first, or `parts` another length than
@@ -14,6 +14,7 @@ use crate::{BayesoptError, Domain, History, ModelSettings, Observation, Outcome,
 pub fn suggest_sum(
     settings: &Settings,
     domain: &Domain,
+    allowed: Option<&dyn Allowed>,
     history: &History,
     parts: &[Vec<f64>],
     seed: u64,
@@ -37,7 +38,7 @@ pub fn suggest_sum(
         });
         Ok(History { trials: trials.collect::<Result<_, _>>()? })
     };
-    crate::suggest::suggest_by(settings, domain, history, seed, |model, whole| {
+    crate::suggest::suggest_by(settings, (domain, allowed), history, seed, |model, whole| {
         // Where trials fail is the whole's to know.
         let model = &ModelSettings { feasibility: false, ..model.clone() };
         let mut believed = Vec::with_capacity(count);
@@ -69,7 +70,7 @@ mod tests {
             let (mut history, mut known) = (History::new(), Vec::new());
             for _ in 0..25 {
                 let suggestion = if by_parts {
-                    suggest_sum(&settings, &domain, &history, &known, seed)
+                    suggest_sum(&settings, &domain, None, &history, &known, seed)
                 } else {
                     crate::suggest(&settings, &domain, &history, seed)
                 };
@@ -93,12 +94,12 @@ mod tests {
         for k in 0..4 {
             history.push(settings.design_point(&domain, k, 1).unwrap(), Outcome::Value(1.0 + k as f64));
         }
-        assert!(suggest_sum(&settings, &domain, &history, &[], 1).is_err());
+        assert!(suggest_sum(&settings, &domain, None, &history, &[], 1).is_err());
         let uneven = [vec![1.0, 2.0], vec![1.0], vec![1.0, 2.0], vec![1.0, 2.0]];
-        assert!(suggest_sum(&settings, &domain, &history, &uneven, 1).is_err());
+        assert!(suggest_sum(&settings, &domain, None, &history, &uneven, 1).is_err());
         history.push(vec![0.1, 0.9], Outcome::FAILED);
         let even: Vec<Vec<f64>> = (0..5).map(|k| if k == 4 { vec![] } else { vec![0.5, 0.5 + k as f64] }).collect();
-        let suggestion = suggest_sum(&settings, &domain, &history, &even, 1).unwrap();
+        let suggestion = suggest_sum(&settings, &domain, None, &history, &even, 1).unwrap();
         assert!(suggestion.point.iter().all(|u| (0.0..=1.0).contains(u)) && suggestion.evidence.is_some());
     }
 }

@@ -3,7 +3,9 @@
 mod common;
 
 use common::{PROBLEMS, given_history};
-use tribo_bayesopt::{BayesoptError, Domain, History, Outcome, Phase, Settings, Study, suggest};
+use tribo_bayesopt::{
+    Allowed, BayesoptError, Domain, History, Outcome, Phase, Settings, Study, suggest, suggest_allowed,
+};
 
 fn presets(dimension: usize) -> Vec<Settings> {
     vec![Settings::paper(), Settings::bo(vec![0.0; dimension]), Settings::random(), Settings::sobol()]
@@ -177,4 +179,45 @@ fn a_history_that_does_not_fit_is_refused() {
     history.trials[0].point = vec![0.5, f64::NAN];
     let nan = Study::resume(Settings::random(), domain, 1, history);
     assert!(matches!(nan, Err(BayesoptError::NonFiniteCoordinate { index: 1, .. })));
+}
+
+/// The first coordinate at most 0.2, all together at most 0.5, by scaling them.
+#[derive(Debug)]
+struct Budget(Vec<f64>);
+
+impl Allowed for Budget {
+    fn highest(&self) -> &[f64] {
+        &self.0
+    }
+
+    fn hold_back(&self, point: &mut [f64]) {
+        point[0] = point[0].min(0.2);
+        let sum: f64 = point.iter().sum();
+        if sum > 0.5 {
+            point.iter_mut().for_each(|x| *x *= 0.5 / sum);
+        }
+    }
+}
+
+#[test]
+fn the_model_proposes_only_what_is_allowed() {
+    for dimension in [2, 25] {
+        let domain = Domain::unit_cube(dimension).unwrap();
+        let mut history = History::new();
+        let settings = Settings::bo(vec![0.0; dimension]);
+        for i in 0..settings.init_trials + 3 {
+            let point = settings.design_point(&domain, i, 7).unwrap();
+            // The further from zero, the better.
+            let cost = 1.0 + point.iter().map(|x| (x - 0.9).powi(2)).sum::<f64>();
+            history.push(point, Outcome::Value(cost));
+        }
+        let free = suggest(&settings, &domain, &history, 7).unwrap().point;
+        assert!(free.iter().sum::<f64>() > 0.6, "{free:?}");
+        let mut highest = vec![0.5; dimension];
+        highest[0] = 0.2;
+        let kept = suggest_allowed(&settings, &domain, &Budget(highest), &history, 7).unwrap().point;
+        assert!(kept[0] <= 0.2 + 1e-12 && kept.iter().sum::<f64>() <= 0.5 + 1e-12, "{kept:?}");
+        // It goes to the limit, as what it was told asks for.
+        assert!(kept.iter().sum::<f64>() > 0.4, "{kept:?}");
+    }
 }

@@ -1,7 +1,7 @@
 //! A tuning campaign: trials, journal, result.
 
 use std::path::{Path, PathBuf};
-use std::sync::Mutex;
+use std::sync::{Arc, Mutex};
 
 use rayon::prelude::*;
 use tribo_logs::write_atomic;
@@ -9,10 +9,10 @@ use tribo_logs::write_atomic;
 use crate::campaign_directory::{RunBy, create, open};
 use crate::config::ConfigError;
 use crate::files::{FileError, TunedFile, to_yaml};
-use crate::friction_limit::FrictionLimit;
+use crate::friction_limit::{Allowance, FrictionLimit};
 use crate::journal::{Clock, Journal, JournalTrial, TrialState, attributes, finished_trial};
 use crate::stored_logs::StoredLogs;
-use crate::strategy::{FinishedTrial, LawCheck, Past, Proposal, Strategy, StrategyError};
+use crate::strategy::{FinishedTrial, Identification, LawCheck, Past, Proposal, Strategy, StrategyError};
 use crate::trial_store::{trial_log_path, write_trial_log};
 use crate::{EarlyStop, EstimatorError, ParameterSpace, References, TuneConfig, ValidTune, references, run_numbered};
 
@@ -135,14 +135,11 @@ impl<const N: usize> Campaign<N> {
         let references = references(&self.tune)?;
         references.write(&self.directory)?;
         observer.references(&references);
-        let strategy = self
-            .tune
-            .config
-            .strategy
-            .build(&self.tune)
-            .map_err(|source| CampaignError::Strategy { trial: 0, source })?;
+        let fail = |source| CampaignError::Strategy { trial: 0, source };
+        let identification = Arc::new(Identification::new(&self.tune).map_err(fail)?);
+        let strategy = self.tune.config.strategy.build(&self.tune, &identification).map_err(fail)?;
         let logs = StoredLogs::new(self.directory.clone());
-        let limit = FrictionLimit::of(&self.tune).map_err(|source| CampaignError::Strategy { trial: 0, source })?;
+        let limit = FrictionLimit::of(&self.tune, &identification);
 
         let mut early_stop = None;
         while let Some(next) = self.trials.iter().position(Option::is_none) {
@@ -150,7 +147,7 @@ impl<const N: usize> Campaign<N> {
                 return Err(CampaignError::Stopped { finished: self.finished() });
             }
             if let Some(stop_below) = self.tune.config.stop_below {
-                early_stop = EarlyStop::before(next, stop_below, strategy.as_ref(), &self.trials)
+                early_stop = EarlyStop::before(next, stop_below, strategy.as_ref(), &self.trials, (&limit, &logs))
                     .map_err(|source| CampaignError::Strategy { trial: next, source })?;
                 if let Some(stop) = early_stop {
                     stop.write(&self.directory)?;
@@ -161,9 +158,7 @@ impl<const N: usize> Campaign<N> {
             self.run_batch(&batch, &logs, observer)?;
         }
 
-        let law_check = strategy
-            .law_check(self.trials.len(), &logs)
-            .map_err(|source| CampaignError::Strategy { trial: 0, source })?;
+        let law_check = strategy.law_check(self.trials.len(), &logs).map_err(fail)?;
         let trials: Vec<FinishedTrial> = self.trials.into_iter().flatten().collect();
         let best = best_trial(&trials);
         let (config, space) = (self.tune.config.clone(), self.tune.space.clone());
@@ -194,7 +189,8 @@ impl<const N: usize> Campaign<N> {
         }
         if batch.is_empty() {
             let finished: Vec<FinishedTrial> = self.trials[..next].iter().flatten().cloned().collect();
-            let past = Past { finished: &finished, running: &[] };
+            let allowed = limit.before(next, logs).map_err(fail(next))?;
+            let past = Past { finished: &finished, running: &[], allowed: allowed.as_ref().map(Allowance::as_dyn) };
             let proposal = strategy.propose(next, past, logs).map_err(fail(next))?;
             batch.push((next, limit.hold_back(proposal, next, logs).map_err(fail(next))?));
         }

@@ -8,7 +8,8 @@ use tribo_bayesopt::{LeastGain, StopRule};
 use tribo_logs::write_atomic;
 
 use crate::files::{FileError, YamlDocument, to_yaml};
-use crate::strategy::{FinishedTrial, Past, Strategy, StrategyError};
+use crate::friction_limit::{Allowance, FrictionLimit};
+use crate::strategy::{FinishedTrial, LogSource, Past, Strategy, StrategyError};
 
 /// Why a campaign ended before its last trial: `early_stop.yaml` in its directory.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -39,10 +40,18 @@ impl EarlyStop {
         stop_below: f64,
         strategy: &dyn Strategy<N>,
         trials: &[Option<FinishedTrial>],
+        (limit, logs): (&FrictionLimit<N>, &dyn LogSource<N>),
     ) -> Result<Option<Self>, StrategyError> {
         let rule = StopRule { gain_below: LeastGain::Share(stop_below), consecutive: CONSECUTIVE };
         let finished: Vec<FinishedTrial> = trials[..next].iter().flatten().cloned().collect();
-        let promise = |number: usize| strategy.expected_gain(Past { finished: &finished[..number], running: &[] });
+        let promise = |number: usize| {
+            let allowed = limit.before(number, logs)?;
+            strategy.expected_gain(Past {
+                finished: &finished[..number],
+                running: &[],
+                allowed: allowed.as_ref().map(Allowance::as_dyn),
+            })
+        };
         let ended = rule.ends_before(next, promise)?;
         Ok(ended.map(|at| Self {
             trials: next,

@@ -1,15 +1,19 @@
 //! What may be tried on a robot: never much more compensation than it has friction.
 
-use tribo_friction::JointFriction;
+use std::sync::Arc;
+
+use tribo_bayesopt::Allowed;
 use tribo_friction::identify::{GlsError, GlsFit};
 
-use crate::strategy::{GreyBox, LogSource, Origin, Proposal, StrategyError};
+use crate::strategy::{Identification, LogSource, Origin, Proposal, StrategyError};
 use crate::{ParameterSpace, ValidTune};
 
 /// Speeds at which compensation and friction are compared [rad/s].
 const SPEEDS_RAD_S: [f64; 7] = [0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 1.0];
 /// Standard deviations of the identified friction that are allowed for.
 const DEVIATIONS: f64 = 2.0;
+/// Relative difference of two torques that are the same.
+const ROUNDING: f64 = 1e-9;
 
 /// Holds proposals back to what the logs of the campaign vouch for:
 ///
@@ -17,7 +21,7 @@ const DEVIATIONS: f64 = 2.0;
 /// tau_c(qd) ≤ r (tau_f(qd) + 2 σ(qd))      for every joint and |qd| of 0.01 to 1 rad/s
 /// ```
 ///
-/// tau_f is the friction that least squares finds in the last logs ([`GreyBox::identify`]), σ its standard deviation, r
+/// tau_f is the friction that least squares finds in the last logs ([`Identification::before`]), σ its standard deviation, r
 /// `guard.predicted_ratio`. A joint that asks for more gets all its torques scaled down; speeds and shapes stay. Before a log tells
 /// anything there is no compensation at all.
 ///
@@ -25,17 +29,24 @@ const DEVIATIONS: f64 = 2.0;
 pub struct FrictionLimit<const N: usize> {
     space: ParameterSpace,
     /// What knows the friction, and the ratio r; none where the settings have no guard, and every proposal may be tried.
-    guard: Option<(GreyBox<N>, f64)>,
+    guard: Option<(Arc<Identification<N>>, f64)>,
 }
 
 impl<const N: usize> FrictionLimit<N> {
-    /// The limit of a campaign.
+    /// The limit of a campaign, with the identification of the same settings.
+    pub fn of(tune: &ValidTune<N>, identification: &Arc<Identification<N>>) -> Self {
+        let guard = tune.config.guard.map(|guard| (Arc::clone(identification), guard.predicted_ratio));
+        Self { space: tune.space.clone(), guard }
+    }
+
+    /// What the last trials before trial `number` let pass; none without a guard.
     ///
     /// # Errors
-    /// An estimator that cannot be had.
-    pub fn of(tune: &ValidTune<N>) -> Result<Self, StrategyError> {
-        let guard = tune.config.guard.map(|guard| Ok::<_, StrategyError>((GreyBox::new(tune)?, guard.predicted_ratio)));
-        Ok(Self { space: tune.space.clone(), guard: guard.transpose()? })
+    /// A log that cannot be read.
+    pub fn before(&self, number: usize, logs: &dyn LogSource<N>) -> Result<Option<Allowance<'_>>, StrategyError> {
+        let Some((identification, ratio)) = &self.guard else { return Ok(None) };
+        let fit = friction_before(identification, number, logs)?;
+        Ok(Some(Allowance::of(&self.space, fit.as_ref(), *ratio)))
     }
 
     /// Whether the trials before trial `number` tell enough for trials of a design to run side by side.
@@ -75,24 +86,80 @@ impl<const N: usize> FrictionLimit<N> {
         number: usize,
         logs: &dyn LogSource<N>,
     ) -> Result<Proposal, StrategyError> {
-        let Some((identification, ratio)) = &self.guard else { return Ok(proposal) };
-        let fit = friction_before(identification, number, logs)?;
-        let mut theta = proposal.theta;
-        let mut held_back = false;
-        for (j, law) in self.space.joint_laws(&theta).iter().enumerate() {
-            let share = fit.as_ref().map_or(0.0, |fit| share(law, fit, j, *ratio));
-            if share < 1.0 && peak_nm(law) > 0.0 {
-                self.space.scale_torques(&mut theta, j, share);
-                held_back = true;
+        let Some(allowed) = self.before(number, logs)? else { return Ok(proposal) };
+        let Proposal { mut theta, origin } = proposal;
+        let held_back = allowed.cut(&mut theta);
+        Ok(Proposal { theta, origin: if held_back { Origin::Guard } else { origin } })
+    }
+}
+
+/// What the logs before one trial let pass.
+#[derive(Clone, Debug)]
+pub struct Allowance<'a> {
+    space: &'a ParameterSpace,
+    /// Most torque of each joint at each of the speeds compared (Nm).
+    most_nm: Vec<[f64; SPEEDS_RAD_S.len()]>,
+    /// Largest value of each parameter, the others at zero.
+    highest: Vec<f64>,
+}
+
+impl<'a> Allowance<'a> {
+    fn of<const N: usize>(space: &'a ParameterSpace, fit: Option<&GlsFit<N>>, ratio: f64) -> Self {
+        let most_nm = (0..space.joints()).map(|joint| {
+            SPEEDS_RAD_S.map(|qd| {
+                let friction_nm = |fit: &GlsFit<N>| {
+                    let expected_nm = fit.friction.joints[joint].torque(qd, 0.0).max(0.0);
+                    expected_nm + DEVIATIONS * fit.torque_sd_nm(joint, qd)
+                };
+                ratio * fit.map_or(0.0, friction_nm)
+            })
+        });
+        let mut allowed = Self { space, most_nm: most_nm.collect(), highest: Vec::new() };
+        let alone = |(k, (_, _, high)): (usize, &(&str, f64, f64))| {
+            let mut theta = space.zero();
+            theta[k] = *high;
+            allowed.cut(&mut theta);
+            theta[k]
+        };
+        allowed.highest = space.entries().iter().enumerate().map(alone).collect();
+        allowed
+    }
+
+    /// As strategies take it.
+    pub fn as_dyn(&self) -> &dyn Allowed {
+        self
+    }
+
+    /// Scales the torques of every joint down to what is allowed; whether there was something to scale.
+    fn cut(&self, theta: &mut [f64]) -> bool {
+        let mut cut = false;
+        for (joint, (law, most_nm)) in self.space.joint_laws(theta).iter().zip(&self.most_nm).enumerate() {
+            let asked_nm = SPEEDS_RAD_S.map(|qd| law.torque(qd, 0.0).abs());
+            let over = |(asked_nm, most_nm): (&f64, &f64)| if asked_nm > most_nm { most_nm / asked_nm } else { 1.0 };
+            let share = asked_nm.iter().zip(most_nm).map(over).fold(1.0, f64::min);
+            // What was cut before is past the limit by its rounding.
+            if share < 1.0 - ROUNDING {
+                self.space.scale_torques(theta, joint, share);
+                cut = true;
             }
         }
-        Ok(Proposal { theta, origin: if held_back { Origin::Guard } else { proposal.origin } })
+        cut
+    }
+}
+
+impl Allowed for Allowance<'_> {
+    fn highest(&self) -> &[f64] {
+        &self.highest
+    }
+
+    fn hold_back(&self, theta: &mut [f64]) {
+        self.cut(theta);
     }
 }
 
 /// The first trial whose predecessors tell how much friction there is, at most `number`; none if not even those of `number` do.
 fn first_known<const N: usize>(
-    identification: &GreyBox<N>,
+    identification: &Identification<N>,
     number: usize,
     logs: &dyn LogSource<N>,
 ) -> Result<Option<usize>, StrategyError> {
@@ -105,29 +172,13 @@ fn first_known<const N: usize>(
 }
 
 fn friction_before<const N: usize>(
-    identification: &GreyBox<N>,
+    identification: &Identification<N>,
     number: usize,
     logs: &dyn LogSource<N>,
 ) -> Result<Option<GlsFit<N>>, StrategyError> {
-    match identification.identify(number, logs) {
+    match identification.before(number, logs) {
         // Trials that were stopped at once.
         Err(StrategyError::Identification(GlsError::TooFewSamples { .. })) => Ok(None),
         fit => fit,
     }
-}
-
-/// Share of a joint's compensation that may act [-].
-fn share<const N: usize>(law: &JointFriction, fit: &GlsFit<N>, joint: usize, ratio: f64) -> f64 {
-    let share = |&qd: &f64| {
-        let friction_nm =
-            fit.friction.joints[joint].torque(qd, 0.0).max(0.0) + DEVIATIONS * fit.torque_sd_nm(joint, qd);
-        let (most_nm, asked_nm) = (ratio * friction_nm, law.torque(qd, 0.0).abs());
-        if asked_nm > most_nm { most_nm / asked_nm } else { 1.0 }
-    };
-    SPEEDS_RAD_S.iter().map(share).fold(1.0, f64::min)
-}
-
-/// Largest torque of a law at the speeds compared (Nm).
-fn peak_nm(law: &JointFriction) -> f64 {
-    SPEEDS_RAD_S.iter().map(|&qd| law.torque(qd, 0.0).abs()).fold(0.0, f64::max)
 }

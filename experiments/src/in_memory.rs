@@ -1,8 +1,10 @@
 //! A campaign that never touches the disk.
 
+use std::sync::Arc;
+
 use crate::files::FileError;
-use crate::friction_limit::FrictionLimit;
-use crate::strategy::{FinishedTrial, LogSource, Past};
+use crate::friction_limit::{Allowance, FrictionLimit};
+use crate::strategy::{FinishedTrial, Identification, LogSource, Past};
 use crate::{CampaignError, TrialLog, ValidTune, run_numbered};
 
 /// Logs of a campaign that never touches the disk.
@@ -16,15 +18,18 @@ impl<const N: usize> LogSource<N> for LogsInMemory<N> {
 
 /// Runs all trials of a campaign one after the other, without directory, journal or reference costs.
 pub fn run_in_memory<const N: usize>(tune: &ValidTune<N>) -> Result<Vec<FinishedTrial>, CampaignError> {
-    let strategy = tune.config.strategy.build(tune).map_err(|source| CampaignError::Strategy { trial: 0, source })?;
-    let limit = FrictionLimit::of(tune).map_err(|source| CampaignError::Strategy { trial: 0, source })?;
+    let fail = |source| CampaignError::Strategy { trial: 0, source };
+    let identification = Arc::new(Identification::new(tune).map_err(fail)?);
+    let strategy = tune.config.strategy.build(tune, &identification).map_err(fail)?;
+    let limit = FrictionLimit::of(tune, &identification);
     let (mut trials, mut logs) = (Vec::new(), LogsInMemory(Vec::new()));
     for number in 0..tune.config.trials {
         let fail = |source| CampaignError::Strategy { trial: number, source };
         let proposal = match strategy.design(number).map_err(fail)? {
             Some(proposal) => limit.hold_back_design(proposal, number, &logs),
             None => {
-                let past = Past { finished: &trials, running: &[] };
+                let allowed = limit.before(number, &logs).map_err(fail)?;
+                let past = Past { finished: &trials, running: &[], allowed: allowed.as_ref().map(Allowance::as_dyn) };
                 limit.hold_back(strategy.propose(number, past, &logs).map_err(fail)?, number, &logs)
             }
         }

@@ -73,7 +73,7 @@ pub use cost::{Cost, CostAccumulator, CostMeasure, CostName};
 pub use early_stop::EarlyStop;
 pub use estimator::{AnyEstimator, EstimatorError, EstimatorName, VELOCITY_SD_RAD_S, believed_band};
 pub use follow::{Followed, follow};
-pub use friction_limit::FrictionLimit;
+pub use friction_limit::{Allowance, FrictionLimit};
 pub use in_memory::run_in_memory;
 pub use log_wrench::{LogWrench, ReferenceErrors, WrenchSummary, without_effects, wrench_on_log};
 pub use monitor::{AbortReason, PenaltyLimits, TrialMonitor};

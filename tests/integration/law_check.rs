@@ -5,7 +5,7 @@
 
 use tribo_experiments::files::FileError;
 use tribo_experiments::scenario::TruthName;
-use tribo_experiments::strategy::{GreyBox, LawCheck, LogSource, Strategy};
+use tribo_experiments::strategy::{Identification, LawCheck, LogSource};
 use tribo_experiments::{TrialLog, TuneConfig, run_numbered};
 use tribo_sim::Effect;
 
@@ -22,8 +22,8 @@ fn check(truth: TruthName, pose: usize, effects: Vec<Effect>) -> LawCheck {
     let mut tune = config.validate::<7>().expect("valid settings");
     tune.trial.truth.effects.extend(effects);
     let outcome = run_numbered(&tune, 0, &tune.space.zero()).expect("a trial");
-    let grey_box = GreyBox::new(&tune).expect("a strategy");
-    grey_box.law_check(1, &FirstTrial(outcome.log)).expect("a check").expect("a log long enough")
+    let identification = Identification::new(&tune).expect("an estimator");
+    identification.law_check(1, &FirstTrial(outcome.log)).expect("a check").expect("a log long enough")
 }
 
 #[test]

@@ -4,6 +4,7 @@ use rand::RngExt;
 use rand_distr::{Distribution, StandardNormal};
 use serde::{Deserialize, Serialize};
 
+use super::Region;
 use super::projected_lbfgs::{Bounds, Descent, minimise};
 use crate::acquisition::Worth;
 use crate::design::scrambled_sobol;
@@ -43,19 +44,24 @@ pub struct Maximum {
 const PERTURBATION_SD: [f64; 2] = [1e-3, 0.2];
 /// Expected number of coordinates moved by a perturbation, as in TuRBO (Eriksson et al. 2019).
 const MOVED_COORDINATES: f64 = 20.0;
+/// Descents from one start; each but the first below what the limit cut off the one before.
+const DESCENTS: usize = 4;
 /// A point this close to a known one, in every coordinate, would teach nothing new.
 const SAME_POINT: f64 = 1e-7;
 /// A second robot sent this close to where one already is would waste its trial.
 const SAME_PENDING: f64 = 1e-2;
 
-/// `argmax a(x)` over the box `region`: Sobol candidates, perturbations of `incumbent`,
-/// then projected L-BFGS from the best of both. Deterministic in (seed, trial).
+/// `argmax a(x)` over `region`: Sobol candidates, perturbations of `incumbent`, then projected L-BFGS from the best of both.
+/// Deterministic in (seed, trial).
+///
+/// Where the region has a limit inside its box, candidates are held back to it, and so is the end of a descent, which then goes on
+/// below what was cut.
 ///
 /// Points that coincide with one of `known`, or lie within 1 % of the box of one of `pending`, are passed over; a point of
 /// the region is returned in any case.
 pub fn maximise_acquisition(
     worth: &dyn Worth,
-    region: &Bounds,
+    region: &Region<'_>,
     incumbent: Option<&[f64]>,
     known: &[Vec<f64>],
     pending: &[Vec<f64>],
@@ -88,10 +94,23 @@ pub fn maximise_acquisition(
     };
     let from_local = if local.is_empty() { 0 } else { settings.refined / 2 };
     let starts = global.iter().take(settings.refined - from_local).chain(local.iter().take(from_local));
-    let mut refined: Vec<Maximum> = starts
-        .map(|start| minimise(&mut objective, &start.point, region, &descent))
-        .map(|found| Maximum { point: found.point, value: -found.value })
-        .collect();
+    let mut refined = Vec::new();
+    for start in starts {
+        let (mut from, mut bounds) = (start.point.clone(), region.bounds().clone());
+        for _ in 0..DESCENTS {
+            let found = minimise(&mut objective, &from, &bounds, &descent);
+            let mut point = found.point.clone();
+            if !region.project(&mut point) {
+                refined.push(Maximum { point: found.point, value: -found.value });
+                break;
+            }
+            refined.push(Maximum { value: worth.values(std::slice::from_ref(&point))[0], point: point.clone() });
+            for (i, upper) in bounds.upper.iter_mut().enumerate().filter(|(i, _)| point[*i] < found.point[*i]) {
+                *upper = point[i].max(bounds.lower[i]);
+            }
+            from = point;
+        }
+    }
 
     // Best first; a known point is passed over.
     let fallback = global[0].clone();
@@ -103,14 +122,18 @@ pub fn maximise_acquisition(
     refined.into_iter().find(is_new).unwrap_or(fallback)
 }
 
-fn sobol_candidates(region: &Bounds, count: usize, seed: u64, trial: usize) -> Vec<Vec<f64>> {
+fn sobol_candidates(region: &Region<'_>, count: usize, seed: u64, trial: usize) -> Vec<Vec<f64>> {
     let key = scramble_key(seed, trial, Purpose::Candidates);
-    let (lower, upper) = (&region.lower, &region.upper);
-    let place = |u: Vec<f64>| (0..u.len()).map(|i| lower[i] + u[i] * (upper[i] - lower[i])).collect();
+    let Bounds { lower, upper } = region.bounds();
+    let place = |u: Vec<f64>| {
+        let mut x: Vec<f64> = (0..u.len()).map(|i| lower[i] + u[i] * (upper[i] - lower[i])).collect();
+        region.project(&mut x);
+        x
+    };
     (0..count).map(|k| place(scrambled_sobol(lower.len(), k, key))).collect()
 }
 
-fn perturbations(incumbent: &[f64], region: &Bounds, count: usize, seed: u64, trial: usize) -> Vec<Vec<f64>> {
+fn perturbations(incumbent: &[f64], region: &Region<'_>, count: usize, seed: u64, trial: usize) -> Vec<Vec<f64>> {
     let mut rng = stream(seed, trial, Purpose::Perturbations);
     let dimension = incumbent.len();
     let share = (MOVED_COORDINATES / dimension as f64).min(1.0);
@@ -142,6 +165,7 @@ mod tests {
     use crate::acquisition::{Acquisition, Criterion, OneOutput};
     use crate::gp::{Gp, HyperParameters};
     use crate::kernel::KernelFamily;
+    use crate::{Allowed, Domain};
 
     fn gp() -> Gp {
         let hyper =
@@ -154,7 +178,7 @@ mod tests {
     fn no_point_of_a_fine_grid_is_better() {
         let gp = gp();
         for acquisition in [Acquisition::Ei, Acquisition::LogEi] {
-            let region = Bounds::unit_cube(2);
+            let region = Region::of(Bounds::unit_cube(2));
             let incumbent = [0.9, 0.2];
             let found = maximise_acquisition(
                 &OneOutput { gp: &gp, criterion: &Criterion { acquisition, best: -0.5, sd_factor: 1.0 } },
@@ -180,7 +204,7 @@ mod tests {
     #[test]
     fn known_points_are_passed_over_and_the_region_is_kept() {
         let gp = gp();
-        let region = Bounds { lower: vec![0.8, 0.1], upper: vec![1.0, 0.3] };
+        let region = Region::of(Bounds { lower: vec![0.8, 0.1], upper: vec![1.0, 0.3] });
         let settings = SearchSettings::default();
         let criterion = Criterion { acquisition: Acquisition::LogEi, best: -0.5, sd_factor: 1.0 };
         let ask = |known: &[Vec<f64>], pending: &[Vec<f64>]| {
@@ -195,5 +219,41 @@ mod tests {
         for found in [first, second, third] {
             assert!((0.8..=1.0).contains(&found.point[0]) && (0.1..=0.3).contains(&found.point[1]));
         }
+    }
+
+    /// x₀ + x₁ ≤ 0.8, by scaling both.
+    #[derive(Debug)]
+    struct Budget;
+
+    impl Allowed for Budget {
+        fn highest(&self) -> &[f64] {
+            &[0.8, 0.8]
+        }
+
+        fn hold_back(&self, point: &mut [f64]) {
+            let sum: f64 = point.iter().sum();
+            if sum > 0.8 {
+                point.iter_mut().for_each(|x| *x *= 0.8 / sum);
+            }
+        }
+    }
+
+    #[test]
+    fn no_allowed_point_of_a_fine_grid_is_better() {
+        let (gp, domain) = (gp(), Domain::unit_cube(2).unwrap());
+        let region = Region::within(Bounds::unit_cube(2), &domain, &Budget);
+        let criterion = Criterion { acquisition: Acquisition::LogEi, best: -0.5, sd_factor: 1.0 };
+        let worth = OneOutput { gp: &gp, criterion: &criterion };
+        let incumbent = [0.6, 0.1];
+        let found = maximise_acquisition(&worth, &region, Some(&incumbent), &[], &[], &SearchSettings::default(), 1, 3);
+        assert!(found.point.iter().sum::<f64>() <= 0.8 + 1e-12, "{found:?}");
+        let grid: Vec<Vec<f64>> =
+            (0..=80).flat_map(|i| (0..=80 - i).map(move |j| vec![0.01 * f64::from(i), 0.01 * f64::from(j)])).collect();
+        let best = worth.values(&grid).into_iter().fold(f64::NEG_INFINITY, f64::max);
+        // Unlimited, it is beyond the limit.
+        let free = Region::of(Bounds::unit_cube(2));
+        let free = maximise_acquisition(&worth, &free, Some(&incumbent), &[], &[], &SearchSettings::default(), 1, 3);
+        assert!(free.point.iter().sum::<f64>() > 0.85, "{free:?}");
+        assert!(found.value >= best - 0.02 * best.abs(), "{found:?} {best}");
     }
 }

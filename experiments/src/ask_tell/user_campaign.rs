@@ -1,6 +1,7 @@
 //! A campaign whose trials the user runs.
 
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 use serde_json::{Value, json};
 
@@ -8,10 +9,10 @@ use super::{JudgedLog, UserTrials};
 use crate::campaign::{best_trial, write_tuned};
 use crate::campaign_directory::{RunBy, create, open, write_settings};
 use crate::files::{FileError, TunedFile};
-use crate::friction_limit::FrictionLimit;
+use crate::friction_limit::{Allowance, FrictionLimit};
 use crate::journal::{Clock, Journal, JournalTrial, REPORTED, TrialState, attributes, finished_trial};
 use crate::stored_logs::StoredLogs;
-use crate::strategy::{FinishedTrial, LogSource, Origin, Past, Proposal, RunningTrial};
+use crate::strategy::{FinishedTrial, Identification, LogSource, Origin, Past, Proposal, RunningTrial};
 use crate::{AbortReason, CampaignError, Cost, CostAccumulator, TrialLog, ValidTune, trial_log_path, write_trial_log};
 
 /// A trial that has been asked for.
@@ -146,14 +147,15 @@ impl<const N: usize> UserCampaign<N> {
         }
         let number = self.trials.iter().position(|entry| matches!(entry, Entry::Torn)).unwrap_or(self.trials.len());
         let fail = |source| CampaignError::Strategy { trial: number, source };
-        let strategy = self.tune.config.strategy.build(&self.tune).map_err(fail)?;
-        let past = Past { finished: &finished, running: &running };
-        let logs = self.logs();
+        let identification = Arc::new(Identification::new(&self.tune).map_err(fail)?);
+        let strategy = self.tune.config.strategy.build(&self.tune, &identification).map_err(fail)?;
+        let (limit, logs) = (FrictionLimit::of(&self.tune, &identification), self.logs());
+        let allowed = limit.before(number, &logs).map_err(fail)?;
+        let past = Past { finished: &finished, running: &running, allowed: allowed.as_ref().map(Allowance::as_dyn) };
         let proposal = match strategy.design(number).map_err(fail)? {
             Some(proposal) => proposal,
             None => strategy.propose(number, past, &logs).map_err(fail)?,
         };
-        let limit = FrictionLimit::of(&self.tune).map_err(fail)?;
         let Proposal { theta, origin } = limit.hold_back(proposal, number, &logs).map_err(fail)?;
         if number == self.trials.len() {
             self.journal.create_trial()?;

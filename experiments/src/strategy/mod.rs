@@ -4,18 +4,21 @@ mod baseline;
 mod bayes;
 mod cma_es;
 mod grey_box;
+mod identification;
 mod iterative_learning;
 mod law_check;
 
 use std::fmt;
+use std::sync::Arc;
 
 use serde::{Deserialize, Serialize};
-use tribo_bayesopt::{BayesoptError, ExpectedGain};
+use tribo_bayesopt::{Allowed, BayesoptError, ExpectedGain};
 use tribo_friction::identify::GlsError;
 
 pub(crate) use baseline::published_gaz;
 pub(crate) use bayes::observations;
-pub use grey_box::{GreyBox, identification_samples};
+pub use grey_box::GreyBox;
+pub use identification::{Identification, identification_samples};
 pub use law_check::LawCheck;
 
 use crate::files::FileError;
@@ -103,13 +106,15 @@ pub struct RunningTrial {
     pub theta: Vec<f64>,
 }
 
-/// The trials before the one to be chosen, each kind by number.
+/// What is known before a trial is chosen: the trials before it, each kind by number, and what may be tried.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Past<'a> {
     /// Those that have ended.
     pub finished: &'a [FinishedTrial],
     /// Those that run elsewhere at this moment.
     pub running: &'a [RunningTrial],
+    /// What the guard lets pass; none without a guard.
+    pub allowed: Option<&'a dyn Allowed>,
 }
 
 /// A parameter vector to try, and who chose it.
@@ -179,8 +184,15 @@ impl StrategyName {
         matches!(self, Self::Paper | Self::Bo | Self::Composite)
     }
 
-    /// The strategy for these settings.
-    pub fn build<const N: usize>(self, tune: &ValidTune<N>) -> Result<Box<dyn Strategy<N>>, StrategyError> {
+    /// The strategy for these settings, with the identification of the same settings where it looks at logs.
+    ///
+    /// # Errors
+    /// A strategy that has no answer for this robot.
+    pub fn build<const N: usize>(
+        self,
+        tune: &ValidTune<N>,
+        identification: &Arc<Identification<N>>,
+    ) -> Result<Box<dyn Strategy<N>>, StrategyError> {
         let (space, seed) = (&tune.space, tune.config.seed);
         Ok(match self {
             Self::Zero => Box::new(baseline::Constant(space.zero())),
@@ -192,7 +204,7 @@ impl StrategyName {
             Self::Composite => Box::new(bayes::Search::composite(space, seed, tune.config.init)?),
             Self::CmaEs => Box::new(cma_es::CmaEs::new(space, seed)?),
             Self::IterativeLearning => Box::new(iterative_learning::IterativeLearning::new(space.clone())),
-            Self::GreyBox => Box::new(GreyBox::new(tune)?),
+            Self::GreyBox => Box::new(GreyBox::new(tune, Arc::clone(identification))?),
         })
     }
 }
