@@ -63,7 +63,11 @@ pub struct PushRow {
     pub rmse_moment_nm: f64,
     /// Both, of each pose [N, Nm].
     pub rmse_by_pose: Vec<[f64; 2]>,
-    /// Largest mean force reported on an axis in a pose while nobody pushes (N).
+    /// Largest mean force reported on an axis in a pose before anybody has touched the arm (N).
+    pub untouched_force_n: f64,
+    /// The same of the moment (Nm).
+    pub untouched_moment_nm: f64,
+    /// Largest mean force reported on an axis in a pose while nobody pushes, most of it after pushes (N).
     pub bias_force_n: f64,
     /// The same of the moment (Nm).
     pub bias_moment_nm: f64,
@@ -209,25 +213,29 @@ const FREE_SEED: u64 = 1_000_003;
 
 fn row(case: PushCase, estimator: EstimatorName, poses: &[PoseRun]) -> PushRow {
     let n = poses.iter().map(|run| run.logs.len()).sum::<usize>().max(1) as f64;
-    let (mut mean_square, mut coverage, mut half_width, mut bias) = ([0.0; 6], [0.0; 6], [0.0; 6], [0.0_f64; 6]);
+    let (mut mean_square, mut coverage, mut half_width) = ([0.0; 6], [0.0; 6], [0.0; 6]);
+    let (mut bias, mut untouched) = ([0.0_f64; 6], [0.0_f64; 6]);
     let (mut delay_s, mut noise_factor, mut rmse_by_pose) = (0.0, 0.0, Vec::new());
     let root_of_mean = |x: &[f64]| (x.iter().sum::<f64>() / 3.0).sqrt();
     for run in poses {
-        let (mut free, mut own_square) = ([0.0; 6], [0.0; 6]);
+        let (mut free, mut first, mut own_square) = ([0.0; 6], [0.0; 6], [0.0; 6]);
         for log in &run.logs {
             let summary = log.summary();
             let errors = summary.against_reference.unwrap_or_default();
             delay_s += errors.delay_s.unwrap_or(0.0) / n;
-            let own = free_mean(log);
+            let own = free_mean(log, f64::INFINITY);
+            let own_first = free_mean(log, PUSH[2]);
             for i in 0..6 {
                 mean_square[i] += errors.rmse[i].powi(2) / n;
                 coverage[i] += errors.coverage95[i] / n;
                 half_width[i] += summary.half_width95[i] / n;
                 free[i] += own[i] / run.logs.len() as f64;
+                first[i] += own_first[i] / run.logs.len() as f64;
                 own_square[i] += errors.rmse[i].powi(2) / run.logs.len() as f64;
             }
         }
         bias = std::array::from_fn(|i| bias[i].max(free[i].abs()));
+        untouched = std::array::from_fn(|i| untouched[i].max(first[i].abs()));
         rmse_by_pose.push([root_of_mean(&own_square[..3]), root_of_mean(&own_square[3..])]);
         noise_factor += run.calibration.noise_factor / poses.len() as f64;
     }
@@ -240,6 +248,8 @@ fn row(case: PushCase, estimator: EstimatorName, poses: &[PoseRun]) -> PushRow {
         rmse_force_n: root_of_mean(&mean_square[..3]),
         rmse_moment_nm: root_of_mean(&mean_square[3..]),
         rmse_by_pose,
+        untouched_force_n: largest(&untouched[..3]),
+        untouched_moment_nm: largest(&untouched[3..]),
         bias_force_n: largest(&bias[..3]),
         bias_moment_nm: largest(&bias[3..]),
         delay_ms: 1e3 * delay_s,
@@ -250,15 +260,16 @@ fn row(case: PushCase, estimator: EstimatorName, poses: &[PoseRun]) -> PushRow {
     }
 }
 
-/// Mean wrench while nobody pushes.
-fn free_mean(log: &LogWrench) -> [f64; 6] {
+/// Mean wrench while nobody pushes, before a time (s).
+fn free_mean(log: &LogWrench, before_s: f64) -> [f64; 6] {
     let Some(reference) = &log.reference else { return [0.0; 6] };
     let [.., start_s, width_s, pause_s] = PUSH;
     let near = |time_s: f64| {
         let since = time_s - start_s;
         since >= 0.0 && since.rem_euclid(width_s + pause_s) <= width_s + NEAR_PUSH_S
     };
-    let free: Vec<usize> = (0..reference.len()).filter(|&k| reference[k] == [0.0; 6] && !near(log.time_s[k])).collect();
+    let is_free = |k: usize| reference[k] == [0.0; 6] && !near(log.time_s[k]) && log.time_s[k] < before_s;
+    let free: Vec<usize> = (0..reference.len()).filter(|&k| is_free(k)).collect();
     std::array::from_fn(|i| free.iter().map(|&k| log.wrench[k][i]).sum::<f64>() / free.len().max(1) as f64)
 }
 
@@ -285,7 +296,7 @@ mod tests {
         let ekf = judged(SMOOTH, EstimatorName::Ekf);
         assert_eq!(ekf, judged(SMOOTH, EstimatorName::Ekf));
         assert!(ekf.rmse_force_n < 0.25 && ekf.rmse_moment_nm < 0.05, "{ekf:?}");
-        assert!(ekf.bias_force_n < 0.01 && ekf.coverage95_worst > 0.95, "{ekf:?}");
+        assert!(ekf.untouched_force_n < 0.01 && ekf.bias_force_n < 0.01 && ekf.coverage95_worst > 0.95, "{ekf:?}");
         assert!((5.0..30.0).contains(&ekf.delay_ms), "{ekf:?}");
     }
 
@@ -313,8 +324,16 @@ mod tests {
             reference.push(pulses.at(time_s).to_force_moment());
         }
         log.reference = Some(reference);
-        let free = free_mean(&log);
+        let free = free_mean(&log, f64::INFINITY);
         assert!((0..6).all(|i| (free[i] - bias[i]).abs() < 1e-12), "{free:?}");
+        // Nobody has touched the arm before the first push, whatever is left of it afterwards.
+        log.wrench
+            .iter_mut()
+            .zip(&log.time_s)
+            .filter(|(_, at)| **at >= start_s)
+            .for_each(|(wrench, _)| wrench[0] += 2.0);
+        let untouched = free_mean(&log, start_s);
+        assert!((0..6).all(|i| (untouched[i] - bias[i]).abs() < 1e-12), "{untouched:?}");
     }
 
     #[test]
