@@ -3,7 +3,8 @@
 use std::io::Write;
 
 use comfy_table::{CellAlignment, Table, presets};
-use serde_json::Value;
+use serde_json::{Value, json};
+use tribo_logs::LogSummary;
 
 /// A plain table; all columns but the first are right-aligned.
 pub fn table(header: &[&str]) -> Table {
@@ -35,6 +36,11 @@ pub fn significant(value: f64, digits: usize) -> String {
     let magnitude = value.abs().log10().floor() as i64;
     let decimals = (digits as i64 - 1 - magnitude).clamp(0, 9) as usize;
     format!("{value:.decimals$}")
+}
+
+/// What to know about the log.
+pub fn log_json(log: &LogSummary) -> Value {
+    json!({"rows": log.rows, "duration_s": log.duration_s, "rate_hz": log.rate_hz, "dropped_repeats": log.dropped_repeats})
 }
 
 #[cfg(test)]

@@ -4,61 +4,17 @@ use std::path::PathBuf;
 use std::time::Duration;
 
 use egui::{CentralPanel, Context, Key, Panel, RichText, Theme, Ui};
-use serde::{Deserialize, Serialize};
 use tribo_experiments::journal::Clock;
 
 use crate::export;
+use crate::export_request;
 use crate::help;
 use crate::layout::Layout;
 use crate::log_snapshot::LogSource;
 use crate::source::{Needs, Source};
 use crate::theme;
+use crate::view::View;
 use crate::views::{ArmView, CampaignView, CompareView, DiagnosisView, LogView, StartView, TrialView};
-
-/// The views.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum View {
-    /// Cost, parameters and belief over the trials.
-    #[default]
-    Campaign,
-    /// One trial.
-    Trial,
-    /// The arm in motion.
-    Arm,
-    /// Channels and wrench of a log.
-    Log,
-    /// What the model gets wrong about the log.
-    Diagnosis,
-    /// Two campaigns side by side.
-    Compare,
-}
-
-impl View {
-    /// All views, in the order of their tabs and keys.
-    pub const ALL: [Self; 6] = [Self::Campaign, Self::Trial, Self::Arm, Self::Log, Self::Diagnosis, Self::Compare];
-
-    /// Name on the tab.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Campaign => "Campaign",
-            Self::Trial => "Trial",
-            Self::Arm => "Arm",
-            Self::Log => "Log",
-            Self::Diagnosis => "Diagnosis",
-            Self::Compare => "Compare",
-        }
-    }
-
-    /// What has to be worked out for it.
-    fn needs(self) -> Needs {
-        Needs {
-            surrogate: self == Self::Campaign,
-            trial: matches!(self, Self::Trial | Self::Arm),
-            uncompensated: self == Self::Trial,
-        }
-    }
-}
 
 /// Time between two frames that nobody but a running campaign asks for: where a processor has to draw them (OpenGL in
 /// software takes 50 ms and more), the campaign does not feel it.
@@ -172,7 +128,7 @@ impl Dashboard {
         if self.help {
             help::show(&ctx, &mut self.help);
         }
-        for request in export::take_requests(&ctx) {
+        for request in export_request::take_requests(&ctx) {
             let dark = ctx.theme() == Theme::Dark;
             self.source.message = match export::write(&self.options.exports, &request, dark) {
                 Ok(path) => format!("written {}", path.display()),

@@ -5,7 +5,7 @@ use std::path::Path;
 use serde::{Deserialize, Serialize};
 use tribo_experiments::EstimatorName;
 
-use crate::app::View;
+use crate::view::View;
 
 /// How the user left the window.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]

@@ -12,6 +12,7 @@
 mod app;
 mod diagnosis_snapshot;
 mod export;
+mod export_request;
 mod help;
 mod jobs;
 mod layout;
@@ -25,10 +26,11 @@ mod shell;
 mod snapshot;
 mod source;
 mod theme;
+mod view;
 mod views;
 mod wrench_snapshot;
 
-pub use app::{Dashboard, Options, View};
+pub use app::{Dashboard, Options};
 pub use diagnosis_snapshot::DiagnosisSnapshot;
 pub use layout::Layout;
 pub use log_snapshot::{LogSnapshot, LogSource};
@@ -37,5 +39,6 @@ pub use screenshot::screenshot;
 pub use shell::{NoWindow, run};
 pub use snapshot::Snapshot;
 pub use source::Source;
+pub use view::View;
 pub use views::channels;
 pub use wrench_snapshot::WrenchSnapshot;

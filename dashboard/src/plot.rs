@@ -8,7 +8,7 @@ use egui_plot::{
 use tribo_figure::number::significant;
 use tribo_figure::{Figure, Layer, Mark, Symbol};
 
-use crate::export::{Format, request};
+use crate::export_request::{Format, request};
 use crate::theme::{self, GAP, NARROWEST, ink};
 
 /// How a figure is shown.

@@ -2,8 +2,9 @@
 
 use std::path::Path;
 
-use crate::app::{Dashboard, Options, View};
+use crate::app::{Dashboard, Options};
 use crate::picture::{PictureError, picture, write_png};
+use crate::view::View;
 
 /// Draws a view of `options.open` and writes it as PNG. All work is done at once, so the same input gives the same pixels.
 ///

@@ -3,10 +3,10 @@
 use tribo_logs::RobotLog;
 use tribo_sim::Effect;
 
+use crate::DiagnoseError;
 use crate::confusable::same_by_physics;
 use crate::deflection::DeflectionFinding;
 use crate::diagnosis::{CauseLabel, Diagnosis, Finding, JointMisfit, Location, Verdict};
-use crate::engine::DiagnoseError;
 use crate::evidence::joint_fit;
 use crate::finding::{Fitted, deflection_finding, describe, finding_of, ripple_finding, squares};
 use crate::held_out::{HeldOut, gain_of_pairs, gain_with_interval, plain_squares};

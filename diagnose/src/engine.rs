@@ -16,7 +16,7 @@ use crate::scene::{Column, Scene, subtracted};
 use crate::search::Search;
 use crate::significance::Chance;
 use crate::system::{EvaluatedColumns, System};
-use crate::{Nominal, ResidualError};
+use crate::{DiagnoseError, Nominal};
 
 /// What the caller chooses.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -25,38 +25,6 @@ pub struct DiagnoseSettings {
     pub seed: u64,
     /// Band of the residual (Hz); `None` chooses it from the noise of the log.
     pub band_hz: Option<f64>,
-}
-
-/// Why there is no diagnosis.
-#[derive(Debug, thiserror::Error)]
-pub enum DiagnoseError {
-    /// No log was given.
-    #[error("no log to diagnose")]
-    NoLog,
-    /// A log does not fit the arm.
-    #[error("log {log} has {got} joints, the model {expected}")]
-    JointCount {
-        /// Index of the log.
-        log: usize,
-        /// Its joints.
-        got: usize,
-        /// Joints of the model.
-        expected: usize,
-    },
-    /// The signal chain refused a log.
-    #[error(transparent)]
-    Residual(#[from] ResidualError),
-    /// Too little is left after filtering.
-    #[error("{got} samples are left after filtering, a diagnosis needs {need}: the log is too short for its band")]
-    TooShort {
-        /// Samples left.
-        got: usize,
-        /// Samples needed.
-        need: usize,
-    },
-    /// The caller stopped it.
-    #[error("stopped")]
-    Cancelled,
 }
 
 /// Fewest samples per joint after averaging.

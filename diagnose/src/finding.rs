@@ -1,9 +1,10 @@
 //! Findings with their parameters, intervals, gains and plots.
 
+use crate::DiagnoseError;
 use crate::conclusion::Evaluated;
 use crate::deflection::DeflectionFinding;
 use crate::diagnosis::{Alternative, CauseLabel, Finding, Location, Parameter};
-use crate::engine::{DiagnoseError, ripple_effect};
+use crate::engine::ripple_effect;
 use crate::evidence::joint_fit;
 use crate::held_out::{
     BlockGram, BlockSquares, HeldOut, TimeBlocks, gain_of_pairs, gain_with_interval, interval, plain_squares, resampled,

@@ -36,6 +36,7 @@ mod contact_window;
 mod deflection;
 mod diagnosis;
 mod engine;
+mod error;
 mod evidence;
 pub mod filter;
 mod finding;
@@ -66,7 +67,8 @@ pub use diagnosis::{
     Alternative, CauseLabel, CrossJointPattern, Diagnosis, Finding, JointMisfit, Location, Parameter, Plot, Rejected,
     Series, Validation, Verdict,
 };
-pub use engine::{DiagnoseError, DiagnoseSettings, diagnose};
+pub use engine::{DiagnoseSettings, diagnose};
+pub use error::DiagnoseError;
 pub use friction_report::{FrictionReport, FrictionSettings, HeldOut, HeldOutError, JointFitError, JointReport};
 pub use next_experiment::NextExperiment;
 pub use noise_level::white_noise_sd;

@@ -3,9 +3,9 @@
 use tribo_logs::RobotLog;
 use tribo_sim::Effect;
 
+use crate::DiagnoseError;
 use crate::Nominal;
 use crate::diagnosis::Validation;
-use crate::engine::DiagnoseError;
 use crate::held_out::gain_of_pairs;
 use crate::noise_level::rms;
 use crate::scene::Scene;

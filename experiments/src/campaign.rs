@@ -7,42 +7,13 @@ use rayon::prelude::*;
 use tribo_logs::write_atomic;
 
 use crate::campaign_directory::{RunBy, create, open};
-use crate::config::ConfigError;
 use crate::files::{FileError, TunedFile, to_yaml};
 use crate::friction_limit::{Allowance, FrictionLimit};
 use crate::journal::{Clock, Journal, JournalTrial, TrialState, attributes, finished_trial};
 use crate::stored_logs::StoredLogs;
 use crate::strategy::{FinishedTrial, Identification, LawCheck, Past, Proposal, Strategy, StrategyError};
 use crate::trial_store::{trial_log_path, write_trial_log};
-use crate::{EarlyStop, EstimatorError, ParameterSpace, References, TuneConfig, ValidTune, references, run_numbered};
-
-/// Why a campaign cannot go on.
-#[derive(Debug, thiserror::Error)]
-pub enum CampaignError {
-    /// Settings out of range.
-    #[error(transparent)]
-    Config(#[from] ConfigError),
-    /// A file is missing, damaged or cannot be written.
-    #[error(transparent)]
-    File(#[from] FileError),
-    /// The strategy has no answer.
-    #[error("trial {trial}: {source}")]
-    Strategy {
-        /// The trial that was to be chosen.
-        trial: usize,
-        /// Why it could not be.
-        source: StrategyError,
-    },
-    /// The estimator cannot work with the parameters of a trial.
-    #[error(transparent)]
-    Estimator(#[from] EstimatorError),
-    /// Somebody asked to stop; finished trials are safe.
-    #[error("stopped after {finished} finished trials")]
-    Stopped {
-        /// Trials finished so far.
-        finished: usize,
-    },
-}
+use crate::{CampaignError, EarlyStop, ParameterSpace, References, TuneConfig, ValidTune, references, run_numbered};
 
 /// Somebody who watches a campaign; called in the order in which trials finish.
 pub trait CampaignObserver: Send {

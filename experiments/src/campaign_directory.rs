@@ -4,7 +4,7 @@ use std::path::Path;
 
 use tribo_logs::write_atomic;
 
-use crate::campaign::CampaignError;
+use crate::CampaignError;
 use crate::config::ConfigError;
 use crate::files::{FileError, YamlDocument, to_yaml};
 use crate::journal::{Clock, Journal, JournalTrial};

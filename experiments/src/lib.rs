@@ -27,6 +27,7 @@ mod by_joints;
 mod calibration;
 mod campaign;
 mod campaign_directory;
+mod campaign_error;
 mod closed_loop_gain;
 mod config;
 mod cost;
@@ -66,7 +67,8 @@ pub use ask_tell::{Asked, JudgeError, JudgedLog, SentTorque, Told, UserCampaign,
 pub use believed::{Believed, NotCancelled, joint_effects};
 pub use by_joints::ByJoints;
 pub use calibration::Calibration;
-pub use campaign::{Campaign, CampaignError, CampaignObserver, CampaignResult};
+pub use campaign::{Campaign, CampaignObserver, CampaignResult};
+pub use campaign_error::CampaignError;
 pub use closed_loop_gain::{ClosedLoopGain, closed_loop_gain};
 pub use config::{AnyTune, ConfigError, Phases, TuneConfig, ValidTune};
 pub use cost::{Cost, CostAccumulator, CostMeasure, CostName};

@@ -20,7 +20,7 @@ use tribo_sim::panda_gaz_joints;
 use super::{check_joints, named, transmission, warn_not_cancelled};
 use crate::arguments::{Common, Estimate};
 use crate::failure::BadInput;
-use crate::output::{print, print_json, significant, table};
+use crate::output::{log_json, print, print_json, significant, table};
 
 /// Names of the wrench components in file order.
 const AXES: [&str; 6] = ["Fx [N]", "Fy [N]", "Fz [N]", "Mx [Nm]", "My [Nm]", "Mz [Nm]"];
@@ -337,11 +337,6 @@ fn document(log: &LogSummary, torque: Option<&FrictionReport>, wrenches: &[Estim
         "estimators": estimators,
         "torque_residual": torque.map(torque_json),
     })
-}
-
-/// What to know about the log.
-pub fn log_json(log: &LogSummary) -> Value {
-    json!({"rows": log.rows, "duration_s": log.duration_s, "rate_hz": log.rate_hz, "dropped_repeats": log.dropped_repeats})
 }
 
 fn torque_json(report: &FrictionReport) -> Value {

@@ -5,14 +5,14 @@ use tribo_experiments::TransmissionFriction;
 use tribo_logs::LogSummary;
 
 use crate::arguments::Common;
-use crate::output::{print, print_json, significant, table};
+use crate::output::{log_json, print, print_json, significant, table};
 
 /// The table of a log that nobody gave a model for.
 pub fn show_alone(gears: &TransmissionFriction, summary: &LogSummary, common: &Common) {
     if common.json {
         print_json(&json!({
             "schema": "tribo.estimate/1",
-            "log": super::estimate::log_json(summary),
+            "log": log_json(summary),
             "estimators": {},
             "torque_residual": null,
             "transmission": json(gears),

@@ -5,7 +5,7 @@ use egui_plot::{FilledArea, HoverPosition, Line, Plot, PlotPoint, PlotPoints, Pl
 use tribo_figure::number::significant;
 use tribo_figure::{Columns, Figure, Layer, Scale, Signals};
 
-use crate::export::{Format, request};
+use crate::export_request::{Format, request};
 use crate::plot::{legend, marks, tick};
 use crate::theme::{self, GAP, NARROWEST, ink};
 

@@ -4,6 +4,7 @@ use tribo_figure::escape::{escape, escape_sentence};
 use tribo_figure::number::significant;
 use tribo_figure::page;
 
+use super::closed_loop::ClosedLoop;
 use super::section;
 use super::sentence::verdict_sentence;
 use crate::{Diagnosis, Verdict};
@@ -19,15 +20,6 @@ pub struct ReportContext {
     pub program: String,
     /// What the findings are worth in the loop, where it was simulated.
     pub closed_loop: Option<ClosedLoop>,
-}
-
-/// A closed loop on a plant that obeys the extended model; the controller believes the nominal, then the extended one.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct ClosedLoop {
-    /// Cost J before and after [N + Nm].
-    pub cost: [f64; 2],
-    /// RMS position error before and after (mm).
-    pub tracking_rms_mm: [f64; 2],
 }
 
 /// The whole file.

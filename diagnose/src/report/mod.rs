@@ -9,6 +9,7 @@
 //! Everything that is not ours (file names, reasons, signatures) is escaped. It shows and does not compute: every
 //! number is one of the [`Diagnosis`](crate::Diagnosis).
 
+mod closed_loop;
 mod html;
 mod pictures;
 #[cfg(test)]
@@ -16,7 +17,8 @@ mod sample;
 mod section;
 mod sentence;
 
-pub use html::{ClosedLoop, ReportContext, html};
+pub use closed_loop::ClosedLoop;
+pub use html::{ReportContext, html};
 pub use pictures::{held_out_bars, via_points};
 pub use sentence::{cause_at, cause_name, description, finding_sentence, verdict_sentence};
 pub use tribo_figure::number;

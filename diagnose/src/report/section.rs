@@ -7,7 +7,7 @@ use tribo_figure::number::{
 use tribo_figure::page::{raw_table, section, table};
 use tribo_figure::{Figure, page};
 
-use super::html::ClosedLoop;
+use super::closed_loop::ClosedLoop;
 use super::pictures::{held_out_bars, via_points};
 use super::sentence::{cause_at, finding_sentence};
 use crate::{Diagnosis, Finding, Plot};
