@@ -77,21 +77,21 @@ pub fn suggest(
     history: &History,
     seed: u64,
 ) -> Result<Suggestion, BayesoptError> {
-    suggest_by::<SumLogEi>(settings, (domain, None), history, seed, |_, _| Ok(None))
+    suggest_allowed(settings, domain, None, history, seed)
 }
 
-/// [`suggest`], where the model proposes only what is allowed.
+/// [`suggest`], where the model proposes only what is `allowed`.
 ///
 /// # Errors
 /// Those of [`suggest`].
 pub fn suggest_allowed(
     settings: &Settings,
     domain: &Domain,
-    allowed: &dyn Allowed,
+    allowed: Option<&dyn Allowed>,
     history: &History,
     seed: u64,
 ) -> Result<Suggestion, BayesoptError> {
-    suggest_by::<SumLogEi>(settings, (domain, Some(allowed)), history, seed, |_, _| Ok(None))
+    suggest_by::<SumLogEi>(settings, (domain, allowed), history, seed, |_, _| Ok(None))
 }
 
 /// [`suggest`] by the worth that `other` makes of the belief about the whole; where it makes none, by the belief's own.

@@ -215,7 +215,7 @@ fn the_model_proposes_only_what_is_allowed() {
         assert!(free.iter().sum::<f64>() > 0.6, "{free:?}");
         let mut highest = vec![0.5; dimension];
         highest[0] = 0.2;
-        let kept = suggest_allowed(&settings, &domain, &Budget(highest), &history, 7).unwrap().point;
+        let kept = suggest_allowed(&settings, &domain, Some(&Budget(highest)), &history, 7).unwrap().point;
         assert!(kept[0] <= 0.2 + 1e-12 && kept.iter().sum::<f64>() <= 0.5 + 1e-12, "{kept:?}");
         // It goes to the limit, as what it was told asks for.
         assert!(kept.iter().sum::<f64>() > 0.4, "{kept:?}");

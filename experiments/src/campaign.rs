@@ -8,7 +8,7 @@ use tribo_logs::write_atomic;
 
 use crate::campaign_directory::{RunBy, create, open};
 use crate::files::{FileError, TunedFile, to_yaml};
-use crate::friction_limit::{Allowance, FrictionLimit};
+use crate::friction_limit::FrictionLimit;
 use crate::journal::{Clock, Journal, JournalTrial, TrialState, attributes, finished_trial};
 use crate::stored_logs::StoredLogs;
 use crate::strategy::{FinishedTrial, Identification, LawCheck, Past, Proposal, Strategy, StrategyError};
@@ -160,10 +160,8 @@ impl<const N: usize> Campaign<N> {
         }
         if batch.is_empty() {
             let finished: Vec<FinishedTrial> = self.trials[..next].iter().flatten().cloned().collect();
-            let allowed = limit.before(next, logs).map_err(fail(next))?;
-            let past = Past { finished: &finished, running: &[], allowed: allowed.as_ref().map(Allowance::as_dyn) };
-            let proposal = strategy.propose(next, past, logs).map_err(fail(next))?;
-            batch.push((next, limit.hold_back(proposal, next, logs).map_err(fail(next))?));
+            let past = Past { finished: &finished, ..Past::default() };
+            batch.push((next, limit.proposal(strategy, next, past, logs).map_err(fail(next))?));
         }
         Ok(batch)
     }

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use tribo_bayesopt::Allowed;
 use tribo_friction::identify::{GlsError, GlsFit};
 
-use crate::strategy::{Identification, LogSource, Origin, Proposal, StrategyError};
+use crate::strategy::{Identification, LogSource, Origin, Past, Proposal, Strategy, StrategyError};
 use crate::{ParameterSpace, ValidTune};
 
 /// Speeds at which compensation and friction are compared [rad/s].
@@ -86,11 +86,31 @@ impl<const N: usize> FrictionLimit<N> {
         number: usize,
         logs: &dyn LogSource<N>,
     ) -> Result<Proposal, StrategyError> {
-        let Some(allowed) = self.before(number, logs)? else { return Ok(proposal) };
-        let Proposal { mut theta, origin } = proposal;
-        let held_back = allowed.cut(&mut theta);
-        Ok(Proposal { theta, origin: if held_back { Origin::Guard } else { origin } })
+        Ok(held_back(proposal, self.before(number, logs)?.as_ref()))
     }
+
+    /// What a strategy proposes for trial `number`, which knows the limit if it likes, as it may be tried.
+    ///
+    /// # Errors
+    /// A log that cannot be read; a strategy without an answer.
+    pub fn proposal(
+        &self,
+        strategy: &dyn Strategy<N>,
+        number: usize,
+        past: Past<'_>,
+        logs: &dyn LogSource<N>,
+    ) -> Result<Proposal, StrategyError> {
+        let allowed = self.before(number, logs)?;
+        let past = Past { allowed: allowed.as_ref().map(Allowance::as_dyn), ..past };
+        Ok(held_back(strategy.propose(number, past, logs)?, allowed.as_ref()))
+    }
+}
+
+fn held_back(mut proposal: Proposal, allowed: Option<&Allowance<'_>>) -> Proposal {
+    if allowed.is_some_and(|allowed| allowed.cut(&mut proposal.theta)) {
+        proposal.origin = Origin::Guard;
+    }
+    proposal
 }
 
 /// What the logs before one trial let pass.

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use crate::files::FileError;
-use crate::friction_limit::{Allowance, FrictionLimit};
+use crate::friction_limit::FrictionLimit;
 use crate::strategy::{FinishedTrial, Identification, LogSource, Past};
 use crate::{CampaignError, TrialLog, ValidTune, run_numbered};
 
@@ -28,9 +28,8 @@ pub fn run_in_memory<const N: usize>(tune: &ValidTune<N>) -> Result<Vec<Finished
         let proposal = match strategy.design(number).map_err(fail)? {
             Some(proposal) => limit.hold_back_design(proposal, number, &logs),
             None => {
-                let allowed = limit.before(number, &logs).map_err(fail)?;
-                let past = Past { finished: &trials, running: &[], allowed: allowed.as_ref().map(Allowance::as_dyn) };
-                limit.hold_back(strategy.propose(number, past, &logs).map_err(fail)?, number, &logs)
+                let past = Past { finished: &trials, ..Past::default() };
+                limit.proposal(strategy.as_ref(), number, past, &logs)
             }
         }
         .map_err(fail)?;

@@ -9,7 +9,7 @@ use super::{JudgedLog, UserTrials};
 use crate::campaign::{best_trial, write_tuned};
 use crate::campaign_directory::{RunBy, create, open, write_settings};
 use crate::files::{FileError, TunedFile};
-use crate::friction_limit::{Allowance, FrictionLimit};
+use crate::friction_limit::FrictionLimit;
 use crate::journal::{Clock, Journal, JournalTrial, REPORTED, TrialState, attributes, finished_trial};
 use crate::stored_logs::StoredLogs;
 use crate::strategy::{FinishedTrial, Identification, LogSource, Origin, Past, Proposal, RunningTrial};
@@ -150,13 +150,12 @@ impl<const N: usize> UserCampaign<N> {
         let identification = Arc::new(Identification::new(&self.tune).map_err(fail)?);
         let strategy = self.tune.config.strategy.build(&self.tune, &identification).map_err(fail)?;
         let (limit, logs) = (FrictionLimit::of(&self.tune, &identification), self.logs());
-        let allowed = limit.before(number, &logs).map_err(fail)?;
-        let past = Past { finished: &finished, running: &running, allowed: allowed.as_ref().map(Allowance::as_dyn) };
+        let past = Past { finished: &finished, running: &running, allowed: None };
         let proposal = match strategy.design(number).map_err(fail)? {
-            Some(proposal) => proposal,
-            None => strategy.propose(number, past, &logs).map_err(fail)?,
+            Some(proposal) => limit.hold_back(proposal, number, &logs),
+            None => limit.proposal(strategy.as_ref(), number, past, &logs),
         };
-        let Proposal { theta, origin } = limit.hold_back(proposal, number, &logs).map_err(fail)?;
+        let Proposal { theta, origin } = proposal.map_err(fail)?;
         if number == self.trials.len() {
             self.journal.create_trial()?;
         }

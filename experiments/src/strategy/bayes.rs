@@ -1,8 +1,7 @@
 //! Strategies that only look at the cost, or at its parts.
 
 use tribo_bayesopt::{
-    Domain, ExpectedGain, History, Observation, Outcome, Phase, Settings, Suggestion, suggest, suggest_allowed,
-    suggest_sum,
+    Domain, ExpectedGain, History, Observation, Outcome, Phase, Settings, Suggestion, suggest_allowed, suggest_sum,
 };
 
 use super::{FinishedTrial, LogSource, Origin, Past, Proposal, RunningTrial, Strategy, StrategyError};
@@ -45,10 +44,10 @@ impl Search {
     fn suggestion(&self, past: Past<'_>) -> Result<Suggestion, StrategyError> {
         let (history, parts) = observations_with_parts(past.finished, past.running);
         let Self { settings, domain, seed, .. } = self;
-        Ok(match past.allowed {
-            allowed if self.by_parts => suggest_sum(settings, domain, allowed, &history, &parts, *seed)?,
-            Some(allowed) => suggest_allowed(settings, domain, allowed, &history, *seed)?,
-            None => suggest(settings, domain, &history, *seed)?,
+        Ok(if self.by_parts {
+            suggest_sum(settings, domain, past.allowed, &history, &parts, *seed)?
+        } else {
+            suggest_allowed(settings, domain, past.allowed, &history, *seed)?
         })
     }
 }
