@@ -198,6 +198,9 @@ pub struct CampaignSettings {
     /// Trials of the initial design.
     #[arg(long, allow_negative_numbers = true)]
     pub init: Option<usize>,
+    /// Trials that are chosen together and run side by side, as on so many robots: faster, and each knows less [default: 1].
+    #[arg(long, value_name = "Q", allow_negative_numbers = true)]
+    pub batch: Option<usize>,
     /// End the campaign once three trials in a row promise less than this share of the best J (paper, bo, composite).
     #[arg(long, value_name = "SHARE", allow_negative_numbers = true)]
     pub stop_below: Option<f64>,

@@ -116,6 +116,11 @@ fn grey_box_survives_kills() {
 }
 
 #[test]
+fn trials_side_by_side_survive_kills() {
+    survives_kills("--trials 9 --batch 3 --strategy grey_box --seed 14 --threads 2", 4);
+}
+
+#[test]
 fn the_papers_search_on_two_threads_survives_kills() {
     survives_kills("--trials 8 --init 4 --strategy paper --seed 13 --threads 2", 3);
 }

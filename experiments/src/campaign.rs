@@ -11,7 +11,7 @@ use crate::files::{FileError, TunedFile, to_yaml};
 use crate::friction_limit::FrictionLimit;
 use crate::journal::{Clock, Journal, JournalTrial, TrialState, attributes, finished_trial};
 use crate::stored_logs::StoredLogs;
-use crate::strategy::{FinishedTrial, Identification, LawCheck, Past, Proposal, Strategy, StrategyError};
+use crate::strategy::{FinishedTrial, Identification, LawCheck, Past, Proposal, RunningTrial, Strategy, StrategyError};
 use crate::trial_store::{trial_log_path, write_trial_log};
 use crate::{CampaignError, EarlyStop, ParameterSpace, References, TuneConfig, ValidTune, references, run_numbered};
 
@@ -117,7 +117,8 @@ impl<const N: usize> Campaign<N> {
             if observer.stop_requested() {
                 return Err(CampaignError::Stopped { finished: self.finished() });
             }
-            if let Some(stop_below) = self.tune.config.stop_below {
+            let begins_batch = self.tune.config.batches().of(next).start == next;
+            if let Some(stop_below) = self.tune.config.stop_below.filter(|_| begins_batch) {
                 early_stop = EarlyStop::before(next, stop_below, strategy.as_ref(), &self.trials, (&limit, &logs))
                     .map_err(|source| CampaignError::Strategy { trial: next, source })?;
                 if let Some(stop) = early_stop {
@@ -138,7 +139,7 @@ impl<const N: usize> Campaign<N> {
         Ok(result)
     }
 
-    /// The trials to run next: as many as depend on no other, or the one the strategy proposes.
+    /// The trials to run next: as many as depend on no other, or those of one batch that the strategy proposes.
     fn next_batch(
         &self,
         next: usize,
@@ -159,9 +160,21 @@ impl<const N: usize> Campaign<N> {
             }
         }
         if batch.is_empty() {
-            let finished: Vec<FinishedTrial> = self.trials[..next].iter().flatten().cloned().collect();
-            let past = Past { finished: &finished, ..Past::default() };
-            batch.push((next, limit.proposal(strategy, next, past, logs).map_err(fail(next))?));
+            let together = self.tune.config.batches().of(next);
+            let (before, within) = self.trials.split_at(together.start);
+            let finished: Vec<FinishedTrial> = before.iter().flatten().cloned().collect();
+            let mut running: Vec<RunningTrial> = Vec::new();
+            for (number, trial) in together.zip(within) {
+                // A campaign that was killed has finished some of them; each is chosen as it would have been then.
+                if let Some(trial) = trial {
+                    running.push(trial.into());
+                    continue;
+                }
+                let past = Past { finished: &finished, running: &running, ..Past::default() };
+                let proposal = limit.proposal(strategy, number, past, logs).map_err(fail(number))?;
+                running.push(RunningTrial { number, theta: proposal.theta.clone() });
+                batch.push((number, proposal));
+            }
         }
         Ok(batch)
     }

@@ -15,8 +15,8 @@ use crate::robot::{POSES, joints_of_preset};
 use crate::scenario::{LoadedTruth, ModelError, TruthName, freeze, random_phases, within};
 use crate::strategy::StrategyName;
 use crate::{
-    Believed, Bounds, ByJoints, CostMeasure, CostName, EstimatorName, ParameterSpace, PenaltyLimits, Robot, Trial,
-    TunedLaw, UserTrials,
+    Batches, Believed, Bounds, ByJoints, CostMeasure, CostName, EstimatorName, ParameterSpace, PenaltyLimits, Robot,
+    Trial, TunedLaw, UserTrials,
 };
 
 /// Schema name of campaign settings.
@@ -67,6 +67,8 @@ pub struct TuneConfig {
     pub trials: usize,
     /// Trials of the initial design, where the strategy has one.
     pub init: usize,
+    /// Trials that are chosen together and run side by side, as on so many robots (batch size q).
+    pub batch: usize,
     /// Ends the campaign before its last trial, once the expected improvement of three trials in a row was below this share of the best
     /// J; none runs all trials. For strategies with a model of J, where Tribo runs the trials.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -124,6 +126,7 @@ impl Default for TuneConfig {
             // The paper's budget: 10 random trials and 40 chosen ones.
             trials: 50,
             init: 10,
+            batch: 1,
             stop_below: None,
             truth: TruthName::CoulombViscous,
             truth_content: None,
@@ -230,6 +233,11 @@ impl TuneConfig {
         Ok(Robot::preset(name).ok_or_else(wrong)?)
     }
 
+    /// Which trials are chosen together.
+    pub fn batches(&self) -> Batches {
+        Batches { size: self.batch }
+    }
+
     /// Checks every field against its range and loads the truth; the robot must have N joints.
     ///
     /// # Errors
@@ -247,6 +255,7 @@ impl TuneConfig {
         };
         count("trials", self.trials, 1, 10_000)?;
         count("init", self.init, 1, 1000)?;
+        count("batch", self.batch, 1, 1000)?;
         count("sub_steps", self.sub_steps, 1, 1000)?;
         count("pose", self.pose, 0, POSES - 1)?;
         let positive = |field: &str, value: f64, high: f64| {
@@ -317,6 +326,10 @@ impl TuneConfig {
 
         if let Some(user_trials) = &self.user_trials {
             user_trials.check()?;
+            if self.batch > 1 {
+                let allowed = "1 in campaigns whose trials run elsewhere: ask once for every robot";
+                return Err(FieldError::new("batch", self.batch, allowed).into());
+            }
             if self.ekf.known_input == KnownInput::CommandedAcceleration {
                 let allowed = "applied_torque: logs do not hold the acceleration that was asked for";
                 return Err(FieldError::new("ekf.known_input", "commanded_acceleration", allowed).into());

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use crate::files::FileError;
 use crate::friction_limit::FrictionLimit;
-use crate::strategy::{FinishedTrial, Identification, LogSource, Past};
+use crate::strategy::{FinishedTrial, Identification, LogSource, Past, RunningTrial};
 use crate::{CampaignError, TrialLog, ValidTune, run_numbered};
 
 /// Logs of a campaign that never touches the disk.
@@ -22,13 +22,15 @@ pub fn run_in_memory<const N: usize>(tune: &ValidTune<N>) -> Result<Vec<Finished
     let identification = Arc::new(Identification::new(tune).map_err(fail)?);
     let strategy = tune.config.strategy.build(tune, &identification).map_err(fail)?;
     let limit = FrictionLimit::of(tune, &identification);
-    let (mut trials, mut logs) = (Vec::new(), LogsInMemory(Vec::new()));
+    let (mut trials, mut logs): (Vec<FinishedTrial>, _) = (Vec::new(), LogsInMemory(Vec::new()));
     for number in 0..tune.config.trials {
         let fail = |source| CampaignError::Strategy { trial: number, source };
         let proposal = match strategy.design(number).map_err(fail)? {
             Some(proposal) => limit.hold_back_design(proposal, number, &logs),
             None => {
-                let past = Past { finished: &trials, ..Past::default() };
+                let (finished, batch) = trials.split_at(tune.config.batches().of(number).start);
+                let running: Vec<RunningTrial> = batch.iter().map(RunningTrial::from).collect();
+                let past = Past { finished, running: &running, ..Past::default() };
                 limit.proposal(strategy.as_ref(), number, past, &logs)
             }
         }

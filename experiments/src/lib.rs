@@ -21,6 +21,7 @@
 mod against_ekf;
 mod any_tune;
 mod ask_tell;
+mod batches;
 mod believed;
 pub mod bench;
 mod by_joints;
@@ -64,6 +65,7 @@ pub mod watch;
 
 pub use against_ekf::{AgainstEkf, against_ekf};
 pub use ask_tell::{Asked, JudgeError, JudgedLog, SentTorque, Told, UserCampaign, UserTrials, judge_log};
+pub use batches::Batches;
 pub use believed::{Believed, NotCancelled, joint_effects};
 pub use by_joints::ByJoints;
 pub use calibration::Calibration;

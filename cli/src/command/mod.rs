@@ -84,6 +84,7 @@ impl CampaignSettings {
         set(&mut config.phases, self.phases.as_ref())?;
         config.trials = self.trials.unwrap_or(config.trials);
         config.init = self.init.unwrap_or(config.init);
+        config.batch = self.batch.unwrap_or(config.batch);
         config.stop_below = self.stop_below.or(config.stop_below);
         self.scenario.apply(config)
     }

@@ -144,6 +144,7 @@ fn resumed(arguments: &Tune) -> anyhow::Result<PathBuf> {
         ("--stop-below", settings.stop_below.is_some()),
         ("--strategy", settings.strategy.is_some()),
         ("--init", settings.init.is_some()),
+        ("--batch", settings.batch.is_some()),
         ("--truth", settings.scenario.truth.is_some()),
         ("--pose", settings.scenario.pose.is_some()),
         ("--velocity", settings.scenario.velocity.is_some()),

@@ -105,7 +105,8 @@ impl<const N: usize> Strategy<N> for GreyBox<N> {
         else {
             return Ok(Proposal { theta: self.space.zero(), origin: Origin::Constant });
         };
-        let law_holds = self.identification.law_check(number, logs)?.is_none_or(|check| check.passed());
+        let known = self.identification.known_before(number);
+        let law_holds = self.identification.law_check(known, logs)?.is_none_or(|check| check.passed());
         let refits = if law_holds { REFITS } else { REFITS_OF_A_WRONG_LAW };
         let theta = self.space.theta(&fit.friction);
         // A fit that was never seen to its end is not tried yet.

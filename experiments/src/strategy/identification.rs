@@ -9,7 +9,7 @@ use tribo_friction::law::CoulombViscous;
 use tribo_robot::{Arm, ControlTerms, WrenchEstimator};
 
 use super::{LawCheck, LogSource, StrategyError};
-use crate::{AnyEstimator, TrialLog, TunedLaw, ValidTune};
+use crate::{AnyEstimator, Batches, TrialLog, TunedLaw, ValidTune};
 
 /// Logs that the fit looks back on: two track a robot that warms up, and lose nothing on one that does not.
 const LOGS: usize = 2;
@@ -22,9 +22,10 @@ pub struct Identification<const N: usize> {
     model: Arm<N>,
     estimator: AnyEstimator<N>,
     gls: GlsSettings,
+    batches: Batches,
     /// Samples of the last trials asked for: the log of a finished trial never changes.
     samples: Mutex<BTreeMap<usize, Arc<LogSamples<N>>>>,
-    /// Fits by trial number: each is a pure function of the logs before it, so remembering them changes nothing.
+    /// Fits by the first trial of a batch: each is a pure function of the logs before it, so remembering them changes nothing.
     fits: Mutex<BTreeMap<usize, GlsFit<N>>>,
     /// Checks of the law by the number of the trial whose log they are of.
     checks: Mutex<BTreeMap<usize, LawCheck>>,
@@ -66,19 +67,21 @@ impl<const N: usize> Identification<N> {
             model: model.clone(),
             estimator: AnyEstimator::for_tuning(config.residual, config.ekf, model, &friction)?,
             gls,
+            batches: config.batches(),
             samples: Mutex::new(BTreeMap::new()),
             fits: Mutex::new(BTreeMap::new()),
             checks: Mutex::new(BTreeMap::new()),
         })
     }
 
-    /// Friction identified from the last logs before trial `number`; none without a log. A joint that stuck all the time tells
+    /// Friction identified from the last logs before trial `number` and those chosen with it; none without a log. A joint that stuck all the time tells
     /// least squares nothing; its dry friction is at least the largest torque that did not move it, and compensated by that
     /// it will move.
     ///
     /// # Errors
     /// A log that cannot be read, or that is too short for a fit.
     pub fn before(&self, number: usize, logs: &dyn LogSource<N>) -> Result<Option<GlsFit<N>>, StrategyError> {
+        let number = self.batches.of(number).start;
         let mut fits = self.fits.lock().unwrap_or_else(PoisonError::into_inner);
         if let Some(fit) = fits.get(&number) {
             return Ok(Some(fit.clone()));
@@ -118,6 +121,11 @@ impl<const N: usize> Identification<N> {
             }
         }
         Ok(None)
+    }
+
+    /// The first trial of the batch of trial `number`, which is chosen by the trials before that one.
+    pub fn known_before(&self, number: usize) -> usize {
+        self.batches.of(number).start
     }
 
     /// What the first log before trial `number` that is long enough says of the friction law; none without one.

@@ -106,6 +106,13 @@ pub struct RunningTrial {
     pub theta: Vec<f64>,
 }
 
+impl From<&FinishedTrial> for RunningTrial {
+    /// A trial as it was before it ended.
+    fn from(trial: &FinishedTrial) -> Self {
+        Self { number: trial.number, theta: trial.theta.clone() }
+    }
+}
+
 /// What is known before a trial is chosen: the trials before it, each kind by number, and what may be tried.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Past<'a> {
