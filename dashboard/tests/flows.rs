@@ -5,12 +5,13 @@
 mod common;
 
 use std::io::Write;
+use std::path::Path;
 
 use common::{FRAME_S, Window, campaign, options, settings, strict};
 use egui_kittest::kittest::{NodeT, Queryable};
-use tribo_dashboard::View;
+use tribo_dashboard::{Options, View};
 use tribo_ekf::{WrenchEkf, WrenchEkfSettings};
-use tribo_experiments::simulate_log;
+use tribo_experiments::{TuneConfig, TunedLaw, simulate_log};
 use tribo_logs::write_parquet;
 
 /// Start → pause → go on → finish → save a figure in every format.
@@ -196,6 +197,38 @@ fn wrong_directories() {
     std::fs::write(broken.join("journal.log"), "nonsense\n").unwrap();
     let window = Window::open(options(dir.path(), Some(&broken), View::Campaign));
     window.must_show("corrupt journal");
+}
+
+/// Two campaigns beside each other: curves, facts, parameters; of another friction law there are none to compare.
+#[test]
+fn two_campaigns_side_by_side() {
+    let dir = tempfile::tempdir().unwrap();
+    let one = campaign(&dir.path().join("one"), settings(2));
+    let two = campaign(&dir.path().join("two"), TuneConfig { seed: 2, ..strict(1) });
+    let stribeck = TuneConfig { friction: TunedLaw::Stribeck, ..settings(1) };
+    let stribeck = campaign(&dir.path().join("stribeck"), stribeck);
+    let against = |other: &Path| {
+        let options = Options { compare: Some(other.to_owned()), ..options(dir.path(), Some(&one), View::Compare) };
+        Window::open(options)
+    };
+
+    let window = against(&two);
+    window.must_show("2 of 2, 0 failed");
+    window.must_show("1 of 1, 1 failed");
+    // None of the other's trials came to its end: there is no best one.
+    assert!(!window.shows("Best parameters"));
+
+    let mut window = against(&stribeck);
+    window.must_show("parameters cannot be compared");
+    window.click("Compare both");
+    window.must_show("parameters cannot be compared");
+
+    let window = against(&one);
+    window.must_show("Best parameters");
+    window.must_show("J / J with the true friction");
+    let window = against(&dir.path().join("nowhere"));
+    window.must_show("nowhere");
+    window.must_show("One campaign so far");
 }
 
 /// Keys change the view, the theme and the help.
