@@ -65,7 +65,7 @@ fn stop_and_resume() {
     window.click("Resume");
     window.wait_for("8 of 8 trials");
     window.wait_for("the campaign has finished");
-    let tuned = |directory: &std::path::Path| std::fs::read_to_string(directory.join("tuned.yaml")).unwrap();
+    let tuned = |directory: &Path| std::fs::read_to_string(directory.join("tuned.yaml")).unwrap();
     assert_eq!(tuned(&whole), tuned(&dir.path().join("campaigns/0001")));
 }
 
