@@ -322,6 +322,11 @@ pub struct Estimate {
     /// [default: the band of the model's friction, the noise of a Panda, no tare].
     #[arg(long, value_name = "LOG")]
     pub free: Option<PathBuf>,
+    /// Share of the samples in which a component of the wrench is expected to be touched, above 0: what its interval does not
+    /// tell from nothing, stiction of a standing arm above all, is then reported as next to nothing [default: the wrench as
+    /// the estimator has it].
+    #[arg(long, value_name = "SHARE", allow_negative_numbers = true, requires = "free")]
+    pub touched: Option<f64>,
     /// Band of the torque residual (Hz).
     #[arg(long, default_value_t = 10.0, value_name = "HZ", allow_negative_numbers = true)]
     pub band_hz: f64,

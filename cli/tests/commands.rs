@@ -290,6 +290,33 @@ fn a_free_log_calibrates_the_estimators() {
     }
 }
 
+/// An arm that stands and is not compensated reads its stiction after a push; where nobody touches most of the time, that is next
+/// to nothing, and the push stays.
+#[test]
+fn a_rare_contact_takes_stiction_for_nothing() {
+    let at = scratch();
+    let friction = [(0.6, 1.0), (0.9, 1.4), (0.55, 0.8), (0.8, 1.1), (0.4, 0.5), (0.3, 0.4), (0.35, 0.3)];
+    let joint = |(fc, fv)| format!("  - {{coulomb_nm: {fc}, viscous_nm_s_per_rad: {fv}}}\n");
+    let joints: String = friction.into_iter().map(joint).collect();
+    let model = format!("schema: tribo.model/1\nrobot: panda\nfriction:\n  law: coulomb_viscous\n  joints:\n{joints}");
+    std::fs::write(at.path().join("panda.yaml"), model).unwrap();
+    run(at.path(), "simulate --log free.csv.gz --seed 44 --json").ok();
+    run(at.path(), "simulate --fixed --pulse-force 15 --pulse-moment 2.5 --log pushed.csv.gz --seed 45 --json").ok();
+    let call = "estimate pushed.csv.gz --model panda.yaml --free free.csv.gz --residual ekf --json";
+    let rmse = |touched: &str| {
+        let document = run(at.path(), &format!("{call}{touched}")).ok().json();
+        number(&document["estimators"]["ekf"]["rmse_force_n"])
+    };
+    let [raw, always, rarely] = [rmse(""), rmse(" --touched 1"), rmse(" --touched 0.1")];
+    assert!((always / raw - 1.0).abs() < 0.02 && rarely < 0.5 * raw, "{raw} {always} {rarely}");
+    for (touched, part) in [(" --touched 0", "above 0, at most 1"), (" --touched nan", "above 0, at most 1")] {
+        let refused = run(at.path(), &format!("{call}{touched}"));
+        assert!(refused.code == Some(2) && refused.stderr.contains(part), "{refused:?}");
+    }
+    let alone = run(at.path(), "estimate pushed.csv.gz --model panda.yaml --touched 0.1");
+    assert!(alone.code == Some(2) && alone.stderr.contains("--free"), "{alone:?}");
+}
+
 /// What `simulate` writes, `estimate` reads: free motion, seen from both sides of the gears.
 #[test]
 fn only_motors_feel_the_friction() {

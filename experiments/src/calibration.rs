@@ -9,7 +9,7 @@ pub struct Calibration {
     pub tare: [f64; 6],
     /// Factor on the stated noise with which the 95 % intervals hold what was reported, all axes together.
     pub noise_factor: f64,
-    /// Factor on the interval of each axis with which it does so on its own, force then moment.
+    /// Further factor on the interval of each axis, half way to that with which it does so on its own; force then moment.
     pub axis_factor: [f64; 6],
 }
 
@@ -34,9 +34,10 @@ impl Calibration {
     ///
     /// The tare is the mean wrench. The noise factor is that of the narrowest 95 % intervals which hold 95 % of what is left, and
     /// moves only what is noise in them: the doubt about friction at rest stays. What one factor leaves uneven between the
-    /// axes, the axis factors even out: each is a quantile of error over half-width as of a split-conformal interval,
-    /// 0.95 (1 + 1/n) for n samples that know nothing of each other. Friction forgets in half a second, so n is twice
-    /// the seconds of the stretch.
+    /// axes is a quantile of error over half-width as of a split-conformal interval, 0.95 (1 + 1/n) for n samples that know
+    /// nothing of each other. Friction forgets in half a second, so n is twice the seconds of the stretch. One motion does not
+    /// load the axes as the next one does, and a standstill not at all as a motion: axis by axis, the factor is the geometric
+    /// mean of the quantile and of 1, what all axes share.
     ///
     /// The arm must move in it: what a standing joint shows is one value of its stiction.
     ///
@@ -51,7 +52,8 @@ impl Calibration {
         };
         let done = |noise_factor: f64, log: &LogWrench| {
             let share = (COVERAGE * (1.0 + INDEPENDENT_EVERY_S / log.duration_s())).min(1.0);
-            let axis_factor = log.half_widths_from_zero(share).map(|factor| factor.clamp(FACTORS[0], FACTORS[1]));
+            let own = log.half_widths_from_zero(share).map(|factor| factor.clamp(FACTORS[0], FACTORS[1]));
+            let axis_factor = own.map(f64::sqrt);
             Self { tare, noise_factor, axis_factor }
         };
         let holds = |log: &LogWrench| log.share_inside(&[0.0; 6]) >= COVERAGE;

@@ -160,6 +160,17 @@ impl<const N: usize> AnyEstimator<N> {
         })
     }
 
+    /// The same for an arm whose controller tells what it adds for friction (`tau_friction` of the input is that, not merely
+    /// believed): `qp` then narrows the band of joints that came to rest without friction in hand. The others take it for
+    /// granted.
+    #[must_use]
+    pub fn told_the_compensation(self) -> Self {
+        match self {
+            Self::Qp(qp) => Self::Qp(Box::new(QpEstimator::new(QpSettings { remembers_rest: true, ..*qp.settings() }))),
+            other => other,
+        }
+    }
+
     fn thermal(friction: &FrictionModel<N>, noise_factor: f64) -> Result<Self, EstimatorError> {
         let mut settings = ThermalSettings::without_temperature(friction)?;
         settings.torque_sd_nm *= noise_factor;

@@ -83,6 +83,22 @@ impl JointRest {
         let apart = mean - sliding_nm;
         [sliding_nm + doubt * apart, doubt * variance + doubt * (1.0 - doubt) * apart * apart]
     }
+
+    /// Part of its dry friction w (Nm) that a standing joint is expected to use, for estimators that know bounds and no moments;
+    /// m (Nm) is what is left of the middle now:
+    ///
+    /// ```text
+    /// 1/3 + 2/3 (u² + m²)/w²     at most 1, and 1 for a joint that was not seen to slide
+    /// ```
+    ///
+    /// It is E² + var of the law above, over what that is for a joint which came to rest with all its friction in hand and without
+    /// compensation: such a joint fills its band. One that is turned round by its compensator may do so too: m is large there.
+    #[inline]
+    pub fn part_of_band(&self, middle_nm: f64, dry_nm: f64) -> f64 {
+        let part = |u: f64| (1.0 + 2.0 * (u * u + middle_nm * middle_nm) / (dry_nm * dry_nm)) / 3.0;
+        // NaN for a joint without dry friction, or with an unlimited one of unlimited memory: the whole band.
+        self.slid_nm.map(part).filter(|part| *part < 1.0).unwrap_or(1.0)
+    }
 }
 
 /// [`JointRest`] of every joint in a [`FrictionBand`], whose noise e is part of the variance.
@@ -127,6 +143,28 @@ impl<const N: usize> RestMemory<N> {
                 if bounded { variance + joint.noise_sd_nm(qd[j]).powi(2) } else { UNBOUNDED_NM2 };
         }
         remaining
+    }
+
+    /// Least and largest friction torque (Nm) expected of every joint at qd (rad/s) with the belief (Nm) of now: the band about
+    /// its middle, where a joint stands only [`JointRest::part_of_band`] of it.
+    #[inline]
+    pub fn limits_nm(
+        &self,
+        band: &FrictionBand<N>,
+        qd: &SVector<f64, N>,
+        belief_nm: &SVector<f64, N>,
+    ) -> [SVector<f64, N>; 2] {
+        let [mut lower, mut upper] = band.limits_nm(qd);
+        for (j, joint) in band.joints().iter().enumerate() {
+            let dry_nm = 0.5 * (joint.coulomb_max_nm - joint.coulomb_min_nm);
+            let [middle, half_width] = middle_and_half_width(joint, qd[j]);
+            let part = self.joints[j].part_of_band(middle - belief_nm[j], dry_nm);
+            if part < 1.0 && dry_nm.is_finite() {
+                let half_width = half_width * (1.0 - joint.doubt(qd[j]) * (1.0 - part));
+                (lower[j], upper[j]) = (middle - half_width, middle + half_width);
+            }
+        }
+        [lower, upper]
     }
 }
 
@@ -213,6 +251,28 @@ mod tests {
         close(joint.remaining(0.5, sliding, 0.0, 0.6), [mean, square - mean * mean], 1e-12);
     }
 
+    /// Witness: the second moments of [`RestMemory::remaining`], about the middle.
+    #[test]
+    fn the_band_of_a_standing_joint_goes_with_what_it_came_to_rest_with() {
+        let square = |belief_nm: f64| {
+            let [mean, variance] = after_a_slide(belief_nm, 0.0, 0.0);
+            mean * mean + variance
+        };
+        for belief in [0.0, -0.2, -0.4, -COULOMB_NM] {
+            let mut memory = RestMemory::default();
+            memory.note(&band(), &of(-0.2), &of(belief), 1e-3);
+            let [lower, upper] = memory.limits_nm(&band(), &of(0.0), &of(0.0));
+            let part = square(belief) / square(0.0);
+            assert!((upper[0] - part * COULOMB_NM).abs() < 1e-4 && lower[0] == -upper[0], "{belief}: {lower} {upper}");
+            // At speed the band is what it was.
+            assert_eq!(memory.limits_nm(&band(), &of(0.5), &of(0.0)), band().limits_nm(&of(0.5)));
+            // Friction must hold what a compensator adds to a standing joint.
+            assert_eq!(memory.limits_nm(&band(), &of(0.0), &of(COULOMB_NM)), band().limits_nm(&of(0.0)));
+        }
+        let never = RestMemory::default();
+        assert_eq!(never.limits_nm(&band(), &of(0.0), &of(0.0)), band().limits_nm(&of(0.0)));
+    }
+
     #[test]
     fn a_joint_that_was_not_seen_to_slide_has_the_arcsine_law() {
         let remaining = RestMemory::default().remaining(&band(), &of(0.0), &of(0.2));
@@ -225,7 +285,10 @@ mod tests {
         let (least, most) = (f64::NEG_INFINITY, f64::INFINITY);
         let joint = JointBand { coulomb_min_nm: least, coulomb_max_nm: most, ..band().joints()[0] };
         let band = FrictionBand::new([joint]).expect("a band");
-        let remaining = RestMemory::default().remaining(&band, &of(0.0), &of(0.0));
+        let mut memory = RestMemory::default();
+        memory.note(&band, &of(0.5), &of(0.0), 1e-3);
+        let remaining = memory.remaining(&band, &of(0.0), &of(0.0));
         assert_eq!([remaining.mean_nm[0], remaining.variance_nm2[0]], [0.0, UNBOUNDED_NM2]);
+        assert_eq!(memory.limits_nm(&band, &of(0.0), &of(0.0)).map(|limit| limit[0]), [least, most]);
     }
 }

@@ -9,8 +9,8 @@ use tribo_diagnose::{
 use tribo_ekf::WrenchEkfSettings;
 use tribo_experiments::files::{AnyModel, Model, ModelChoice, SIGN_SMOOTHING_RAD_S};
 use tribo_experiments::{
-    AnyEstimator, Believed, Calibration, EstimatorError, EstimatorName, LogWrench, TransmissionFriction, WrenchSummary,
-    believed_band, without_effects, wrench_on_log,
+    AnyEstimator, Believed, Calibration, ContactPrior, EstimatorError, EstimatorName, LogWrench, TransmissionFriction,
+    WrenchSummary, believed_band, without_effects, wrench_on_log,
 };
 use tribo_friction::{FrictionBand, FrictionModel, JointFriction};
 use tribo_logs::{LogSummary, RobotLog, Table, read_log, write_table};
@@ -107,6 +107,8 @@ fn estimate<const N: usize>(
         Some(message) if !common.quiet => eprintln!("tribo: {message}; it is left out"),
         _ => {}
     }
+    let contact =
+        arguments.touched.map(ContactPrior::rarely).transpose().map_err(|error| BadInput(error.to_string()))?;
     let band = free.as_ref().map_or_else(|| believed_band(&believed.friction), |free| free.band);
     let watch = |name: EstimatorName, noise_factor: f64, log: &RobotLog| {
         let settings = WrenchEkfSettings::default();
@@ -126,6 +128,9 @@ fn estimate<const N: usize>(
             let used = calibration.unwrap_or_default();
             let mut wrench = watch(name, used.noise_factor, log)?;
             used.apply(&mut wrench);
+            if let Some(prior) = &contact {
+                prior.apply(&mut wrench);
+            }
             Ok(Estimated { name, calibration, summary: wrench.summary(), wrench })
         })
         .collect::<Result<Vec<Estimated>, EstimatorError>>()?;

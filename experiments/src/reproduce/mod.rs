@@ -18,4 +18,4 @@ pub use quantity::{Quantity, QuantitySummary, SeedRun, summarize_quantities};
 pub use roveda2022::{CaseConfig, CellResult, Roveda2022, RowSummary, StrategyConfig, summarize};
 pub use seeded::SeededExperiment;
 pub use thermal::{DutyCycleStudy, ObserverTrace, PolishingTrace, Simoni2017, Simoni2019, Simoni2019Trace, Table4Row};
-pub use wrench_pulses::{PushCase, PushRow, PushedTool};
+pub use wrench_pulses::{PushCase, PushRow, PushedTool, Reading};

@@ -11,8 +11,8 @@ use super::ExperimentError;
 use crate::files::FieldError;
 use crate::scenario::{ModelError, POSES};
 use crate::{
-    AnyEstimator, Calibration, EstimatorName, LogWrench, Phases, Trial, TuneConfig, believed_band, noise_seed,
-    run_trial_observed,
+    AnyEstimator, Calibration, ContactPrior, EstimatorName, LogWrench, Phases, Trial, TuneConfig, believed_band,
+    noise_seed, run_trial_observed,
 };
 
 /// Push on each axis in turn: 15 N or 2.5 Nm for 2.5 s, 1.5 s apart, from 5 s on.
@@ -57,6 +57,24 @@ pub struct PushRow {
     pub estimator: EstimatorName,
     /// Noise of the band after calibration, as a part of the assumed one; mean over poses.
     pub noise_factor: f64,
+    /// What it reads.
+    #[serde(flatten)]
+    pub reading: Reading,
+    /// What it most likely means where a component is touched in one sample of ten ([`ContactPrior`]).
+    pub rarely_touched: Reading,
+    /// Share of samples and axes in the 95 % interval.
+    pub coverage95: f64,
+    /// The same of the axis where it is least.
+    pub coverage95_worst: f64,
+    /// Mean half-width of the interval, force (N).
+    pub half_width_force_n: f64,
+    /// The same of the moment (Nm).
+    pub half_width_moment_nm: f64,
+}
+
+/// How far off the wrenches of all poses and seeds are.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Reading {
     /// RMS error of the force, mean over axes (N).
     pub rmse_force_n: f64,
     /// The same of the moment (Nm).
@@ -73,14 +91,6 @@ pub struct PushRow {
     pub bias_moment_nm: f64,
     /// Delay at which the estimate fits best (ms), mean over seeds.
     pub delay_ms: f64,
-    /// Share of samples and axes in the 95 % interval.
-    pub coverage95: f64,
-    /// The same of the axis where it is least.
-    pub coverage95_worst: f64,
-    /// Mean half-width of the interval, force (N).
-    pub half_width_force_n: f64,
-    /// The same of the moment (Nm).
-    pub half_width_moment_nm: f64,
 }
 
 impl PushedTool {
@@ -116,7 +126,7 @@ impl PushedTool {
         keys.into_par_iter()
             .map(|(case, estimator)| {
                 let poses = self.poses.par_iter().map(|&pose| self.watch(case, estimator, pose, &done));
-                Ok(row(case, estimator, &poses.collect::<Result<Vec<PoseRun>, ExperimentError>>()?))
+                Ok(row(case, estimator, poses.collect::<Result<Vec<PoseRun>, ExperimentError>>()?))
             })
             .collect()
     }
@@ -193,7 +203,8 @@ impl Stretch {
         let compensated = if self.case.compensated { known } else { FrictionModel::none() };
         let band = believed_band(&known);
         let settings = WrenchEkfSettings::default();
-        let estimator = AnyEstimator::with_confidence(estimator, settings, &trial.model, &known, &band, noise_factor)?;
+        let estimator = AnyEstimator::with_confidence(estimator, settings, &trial.model, &known, &band, noise_factor)?
+            .told_the_compensation();
         let mut log = LogWrench { stated_delay_s: estimator.delay_s(), ..LogWrench::default() };
         let mut reference = Vec::new();
         run_trial_observed(trial, &compensated, estimator, noise_seed(self.seed, 0), |record, _| {
@@ -211,52 +222,71 @@ impl Stretch {
 /// Seed of the stretch that calibrates, no trial's.
 const FREE_SEED: u64 = 1_000_003;
 
-fn row(case: PushCase, estimator: EstimatorName, poses: &[PoseRun]) -> PushRow {
+fn row(case: PushCase, estimator: EstimatorName, poses: Vec<PoseRun>) -> PushRow {
     let n = poses.iter().map(|run| run.logs.len()).sum::<usize>().max(1) as f64;
-    let (mut mean_square, mut coverage, mut half_width) = ([0.0; 6], [0.0; 6], [0.0; 6]);
-    let (mut bias, mut untouched) = ([0.0_f64; 6], [0.0_f64; 6]);
-    let (mut delay_s, mut noise_factor, mut rmse_by_pose) = (0.0, 0.0, Vec::new());
-    let root_of_mean = |x: &[f64]| (x.iter().sum::<f64>() / 3.0).sqrt();
-    for run in poses {
-        let (mut free, mut first, mut own_square) = ([0.0; 6], [0.0; 6], [0.0; 6]);
-        for log in &run.logs {
-            let summary = log.summary();
-            let errors = summary.against_reference.unwrap_or_default();
-            delay_s += errors.delay_s.unwrap_or(0.0) / n;
-            let own = free_mean(log, f64::INFINITY);
-            let own_first = free_mean(log, PUSH[2]);
-            for i in 0..6 {
-                mean_square[i] += errors.rmse[i].powi(2) / n;
-                coverage[i] += errors.coverage95[i] / n;
-                half_width[i] += summary.half_width95[i] / n;
-                free[i] += own[i] / run.logs.len() as f64;
-                first[i] += own_first[i] / run.logs.len() as f64;
-                own_square[i] += errors.rmse[i].powi(2) / run.logs.len() as f64;
-            }
+    let (mut coverage, mut half_width) = ([0.0; 6], [0.0; 6]);
+    for log in poses.iter().flat_map(|run| &run.logs) {
+        let summary = log.summary();
+        let errors = summary.against_reference.unwrap_or_default();
+        for i in 0..6 {
+            coverage[i] += errors.coverage95[i] / n;
+            half_width[i] += summary.half_width95[i] / n;
         }
-        bias = std::array::from_fn(|i| bias[i].max(free[i].abs()));
-        untouched = std::array::from_fn(|i| untouched[i].max(first[i].abs()));
-        rmse_by_pose.push([root_of_mean(&own_square[..3]), root_of_mean(&own_square[3..])]);
-        noise_factor += run.calibration.noise_factor / poses.len() as f64;
     }
+    let noise_factor = poses.iter().map(|run| run.calibration.noise_factor).sum::<f64>() / poses.len() as f64;
+    let mut logs: Vec<Vec<LogWrench>> = poses.into_iter().map(|run| run.logs).collect();
+    let reading = Reading::of(&logs);
+    logs.iter_mut().flatten().for_each(|log| ContactPrior::default().apply(log));
     let mean = |x: &[f64]| x.iter().sum::<f64>() / x.len() as f64;
-    let largest = |x: &[f64]| x.iter().copied().fold(0.0, f64::max);
     PushRow {
         case,
         estimator,
         noise_factor,
-        rmse_force_n: root_of_mean(&mean_square[..3]),
-        rmse_moment_nm: root_of_mean(&mean_square[3..]),
-        rmse_by_pose,
-        untouched_force_n: largest(&untouched[..3]),
-        untouched_moment_nm: largest(&untouched[3..]),
-        bias_force_n: largest(&bias[..3]),
-        bias_moment_nm: largest(&bias[3..]),
-        delay_ms: 1e3 * delay_s,
+        reading,
+        rarely_touched: Reading::of(&logs),
         coverage95: mean(&coverage),
         coverage95_worst: coverage.iter().copied().fold(1.0, f64::min),
         half_width_force_n: mean(&half_width[..3]),
         half_width_moment_nm: mean(&half_width[3..]),
+    }
+}
+
+impl Reading {
+    /// Of the logs of every pose.
+    fn of(poses: &[Vec<LogWrench>]) -> Self {
+        let n = poses.iter().map(Vec::len).sum::<usize>().max(1) as f64;
+        let (mut mean_square, mut bias, mut untouched) = ([0.0; 6], [0.0_f64; 6], [0.0_f64; 6]);
+        let (mut delay_s, mut rmse_by_pose) = (0.0, Vec::new());
+        let root_of_mean = |x: &[f64]| (x.iter().sum::<f64>() / 3.0).sqrt();
+        for logs in poses {
+            let (mut free, mut first, mut own_square) = ([0.0; 6], [0.0; 6], [0.0; 6]);
+            for log in logs {
+                let errors = log.summary().against_reference.unwrap_or_default();
+                delay_s += errors.delay_s.unwrap_or(0.0) / n;
+                let own = free_mean(log, f64::INFINITY);
+                let own_first = free_mean(log, PUSH[2]);
+                for i in 0..6 {
+                    mean_square[i] += errors.rmse[i].powi(2) / n;
+                    free[i] += own[i] / logs.len() as f64;
+                    first[i] += own_first[i] / logs.len() as f64;
+                    own_square[i] += errors.rmse[i].powi(2) / logs.len() as f64;
+                }
+            }
+            bias = std::array::from_fn(|i| bias[i].max(free[i].abs()));
+            untouched = std::array::from_fn(|i| untouched[i].max(first[i].abs()));
+            rmse_by_pose.push([root_of_mean(&own_square[..3]), root_of_mean(&own_square[3..])]);
+        }
+        let largest = |x: &[f64]| x.iter().copied().fold(0.0, f64::max);
+        Self {
+            rmse_force_n: root_of_mean(&mean_square[..3]),
+            rmse_moment_nm: root_of_mean(&mean_square[3..]),
+            rmse_by_pose,
+            untouched_force_n: largest(&untouched[..3]),
+            untouched_moment_nm: largest(&untouched[3..]),
+            bias_force_n: largest(&bias[..3]),
+            bias_moment_nm: largest(&bias[3..]),
+            delay_ms: 1e3 * delay_s,
+        }
     }
 }
 
@@ -288,23 +318,27 @@ mod tests {
     fn judged(case: PushCase, estimator: EstimatorName) -> PushRow {
         let stretch = Stretch { case, seed: 1, pushed: true };
         let log = stretch.watch(&stretch.trial(0, estimator).unwrap(), estimator, 1.0).unwrap();
-        row(case, estimator, &[PoseRun { calibration: Calibration::default(), logs: vec![log] }])
+        row(case, estimator, vec![PoseRun { calibration: Calibration::default(), logs: vec![log] }])
     }
 
     #[test]
     fn the_filter_sees_pushes_on_a_smooth_arm() {
         let ekf = judged(SMOOTH, EstimatorName::Ekf);
         assert_eq!(ekf, judged(SMOOTH, EstimatorName::Ekf));
-        assert!(ekf.rmse_force_n < 0.25 && ekf.rmse_moment_nm < 0.05, "{ekf:?}");
-        assert!(ekf.untouched_force_n < 0.01 && ekf.bias_force_n < 0.01 && ekf.coverage95_worst > 0.95, "{ekf:?}");
-        assert!((5.0..30.0).contains(&ekf.delay_ms), "{ekf:?}");
+        assert!(ekf.reading.rmse_force_n < 0.25 && ekf.reading.rmse_moment_nm < 0.05, "{ekf:?}");
+        assert!(
+            ekf.reading.untouched_force_n < 0.01 && ekf.reading.bias_force_n < 0.01 && ekf.coverage95_worst > 0.95,
+            "{ekf:?}"
+        );
+        assert!((5.0..30.0).contains(&ekf.reading.delay_ms), "{ekf:?}");
     }
 
     /// What lies between the two encoders does not contain the friction of the motors; the filter sees all of it.
     #[test]
     fn two_encoders_do_not_see_friction() {
         let rough = PushCase { friction: true, ..SMOOTH };
-        let ratio = |estimator| judged(rough, estimator).rmse_force_n / judged(SMOOTH, estimator).rmse_force_n;
+        let ratio =
+            |estimator| judged(rough, estimator).reading.rmse_force_n / judged(SMOOTH, estimator).reading.rmse_force_n;
         let [gears, motors] = [EstimatorName::DoubleEncoder, EstimatorName::Ekf].map(ratio);
         assert!((gears - 1.0).abs() < 0.02 && motors > 5.0, "{gears} {motors}");
     }

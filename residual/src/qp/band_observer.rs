@@ -1,7 +1,7 @@
 //! Residual and friction bounds of one arm, ready for the programme.
 
 use nalgebra::{SMatrix, SVector};
-use tribo_friction::FrictionBand;
+use tribo_friction::{FrictionBand, RestMemory};
 use tribo_robot::{ControlTerms, EstimatorInput, SensorFrame};
 
 use super::ForceProblem;
@@ -22,6 +22,8 @@ pub struct BandObserver<const N: usize> {
     torque_sd_nm: SVector<f64, N>,
     velocity_sd_rad_s: SVector<f64, N>,
     covariance: SMatrix<f64, N, N>,
+    /// How the joints came to rest, where that is to narrow the band.
+    rest: Option<RestMemory<N>>,
 }
 
 impl<const N: usize> BandObserver<N> {
@@ -37,6 +39,7 @@ impl<const N: usize> BandObserver<N> {
             torque_sd_nm: zero,
             velocity_sd_rad_s: zero,
             covariance: SMatrix::identity(),
+            rest: None,
         }
     }
 
@@ -48,9 +51,18 @@ impl<const N: usize> BandObserver<N> {
         self
     }
 
+    /// The same with the band of a standing joint narrowed to what it came to rest with ([`RestMemory::limits_nm`]), as far as
+    /// `tau_friction` of the input is what was compensated; for a band about the whole friction.
+    #[must_use]
+    pub fn with_rest_memory(mut self) -> Self {
+        self.rest = Some(RestMemory::default());
+        self
+    }
+
     /// Starts at a sample.
     pub fn start(&mut self, frame: &SensorFrame<N>, terms: &ControlTerms<N>) {
         self.observer.start(frame, terms);
+        self.rest = self.rest.map(|_| RestMemory::default());
         [self.lower, self.upper] = self.bounds(&frame.qd, &SVector::zeros());
         self.covariance = SMatrix::from_diagonal(&self.band.noise_variance_nm2(&frame.qd));
     }
@@ -65,6 +77,9 @@ impl<const N: usize> BandObserver<N> {
         };
         self.observer.step(input.frame, input.terms, &torque, input.dt_s);
         let share = self.observer.share(input.dt_s);
+        if let Some(rest) = &mut self.rest {
+            rest.note(&self.band, qd, input.tau_friction, input.dt_s);
+        }
         let [lower, upper] = self.bounds(qd, input.tau_friction);
         for j in 0..N {
             self.lower[j] = lagged(self.lower[j], lower[j], share);
@@ -96,9 +111,10 @@ impl<const N: usize> BandObserver<N> {
     /// Bounds of the friction that is looked for (Nm).
     #[inline]
     fn bounds(&self, qd: &SVector<f64, N>, belief: &SVector<f64, N>) -> [SVector<f64, N>; 2] {
-        match self.band_of {
-            BandOf::Friction => self.band.limits_nm(qd),
-            BandOf::Remainder => self.band_of.left_nm(&self.band, qd, belief),
+        match (self.band_of, &self.rest) {
+            (BandOf::Friction, None) => self.band.limits_nm(qd),
+            (BandOf::Friction, Some(rest)) => rest.limits_nm(&self.band, qd, belief),
+            (BandOf::Remainder, _) => self.band_of.left_nm(&self.band, qd, belief),
         }
     }
 }

@@ -28,11 +28,14 @@ pub struct QpSettings<const N: usize> {
     pub velocity_sd_rad_s: SVector<f64, N>,
     /// Whether every estimate has its twelve 95 % limits; without them its interval is that of the covariance.
     pub limits: bool,
+    /// Whether a standing joint has only the part of its band that fits how it came to rest ([`BandObserver::with_rest_memory`]):
+    /// right where `tau_friction` of the input is what the controller added, too narrow for a log of which nobody knows that.
+    pub remembers_rest: bool,
 }
 
 impl<const N: usize> QpSettings<N> {
     /// A hand's contact as the prior (30 N, 3 Nm), K = 50 rad/s and the sensors of a Panda as the momentum estimator, the
-    /// band for the whole friction, limits on.
+    /// band for the whole friction, limits on, all of the band at rest.
     pub fn new(band: FrictionBand<N>) -> Self {
         Self {
             band,
@@ -42,6 +45,7 @@ impl<const N: usize> QpSettings<N> {
             torque_sd_nm: SVector::repeat(PANDA_TORQUE_SD_NM),
             velocity_sd_rad_s: SVector::repeat(PANDA_VELOCITY_SD_RAD_S),
             limits: true,
+            remembers_rest: false,
         }
     }
 }
@@ -79,10 +83,11 @@ pub struct QpEstimator<const N: usize> {
 impl<const N: usize> QpEstimator<N> {
     /// An estimator that knows nothing yet; [`WrenchEstimator::reset`] places it.
     pub fn new(settings: QpSettings<N>) -> Self {
+        let observer = BandObserver::new(settings.band, settings.band_of, settings.gain_rad_s)
+            .with_sensor_noise(settings.torque_sd_nm, settings.velocity_sd_rad_s);
         Self {
             settings,
-            observer: BandObserver::new(settings.band, settings.band_of, settings.gain_rad_s)
-                .with_sensor_noise(settings.torque_sd_nm, settings.velocity_sd_rad_s),
+            observer: if settings.remembers_rest { observer.with_rest_memory() } else { observer },
             solver: ForceSolver::new(settings.prior),
             estimate: WrenchEstimate::none_yet(),
         }

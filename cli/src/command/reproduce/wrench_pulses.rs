@@ -35,8 +35,9 @@ fn check(ours: &Rows<PushRow>, expected: &Rows<PushRow>) -> anyhow::Result<()> {
             return Err(CheckFailed(format!("{name} has no counterpart in the expected result")).into());
         };
         let pairs = [
-            ("force", row.rmse_force_n, want.rmse_force_n),
-            ("moment", row.rmse_moment_nm, want.rmse_moment_nm),
+            ("force", row.reading.rmse_force_n, want.reading.rmse_force_n),
+            ("moment", row.reading.rmse_moment_nm, want.reading.rmse_moment_nm),
+            ("force with prior", row.rarely_touched.rmse_force_n, want.rarely_touched.rmse_force_n),
             ("coverage", row.coverage95, want.coverage95),
             ("half-width", row.half_width_force_n, want.half_width_force_n),
         ];
@@ -78,25 +79,34 @@ fn show(rows: &[PushRow]) {
         "± [N]",
         "± [Nm]",
         "noise ×",
+        "prior: RMSE [N]",
+        "[Nm]",
+        "bias [N]",
+        "[Nm]",
     ]);
     let mut last = String::new();
     for row in rows {
         let name = situation(row);
+        let (read, likely) = (&row.reading, &row.rarely_touched);
         shown.add_row([
             if name == last { String::new() } else { name.clone() },
             row.estimator.as_str().to_owned(),
-            significant(row.rmse_force_n, 3),
-            significant(row.rmse_moment_nm, 3),
-            significant(row.untouched_force_n, 2),
-            significant(row.untouched_moment_nm, 2),
-            significant(row.bias_force_n, 2),
-            significant(row.bias_moment_nm, 2),
-            significant(row.delay_ms, 2),
+            significant(read.rmse_force_n, 3),
+            significant(read.rmse_moment_nm, 3),
+            significant(read.untouched_force_n, 2),
+            significant(read.untouched_moment_nm, 2),
+            significant(read.bias_force_n, 2),
+            significant(read.bias_moment_nm, 2),
+            significant(read.delay_ms, 2),
             format!("{:.1} %", 100.0 * row.coverage95),
             format!("{:.1} %", 100.0 * row.coverage95_worst),
             significant(row.half_width_force_n, 3),
             significant(row.half_width_moment_nm, 3),
             significant(row.noise_factor, 2),
+            significant(likely.rmse_force_n, 3),
+            significant(likely.rmse_moment_nm, 3),
+            significant(likely.bias_force_n, 2),
+            significant(likely.bias_moment_nm, 2),
         ]);
         last = name;
     }
