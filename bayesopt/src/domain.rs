@@ -43,6 +43,9 @@ impl From<Domain> for RawDomain {
     }
 }
 
+/// Part of a coordinate's width that is worth a search.
+const LEAST_WIDTH: f64 = 1e-6;
+
 impl Domain {
     /// The box `[lower, upper]`, validated.
     ///
@@ -95,6 +98,18 @@ impl Domain {
     /// Upper bounds, real units.
     pub fn upper(&self) -> &[f64] {
         &self.upper
+    }
+
+    /// The box up to `highest`; a coordinate that would be left without width keeps its own.
+    #[must_use]
+    pub fn up_to(&self, highest: &[f64]) -> Self {
+        let mut part = self.clone();
+        for (i, most) in highest.iter().enumerate().take(self.dimension()) {
+            if *most < self.upper[i] && *most - self.lower[i] > LEAST_WIDTH * (self.upper[i] - self.lower[i]) {
+                part.upper[i] = *most;
+            }
+        }
+        part
     }
 
     /// `u = (x − lower)/(upper − lower)`, not clamped: a point told from outside the box stays outside.
@@ -164,5 +179,18 @@ mod tests {
         let domain = Domain::unit_cube(2).unwrap();
         assert_eq!(domain.to_unit(&[0.0]), Err(BayesoptError::DimensionMismatch { need: 2, got: 1 }));
         assert!(matches!(domain.from_unit(&[0.0, f64::NAN]), Err(BayesoptError::NonFiniteCoordinate { index: 1, .. })));
+    }
+
+    /// A coordinate that may go to a third of its box is searched as a whole box; one that may not move keeps its own.
+    #[test]
+    fn a_part_of_the_box_is_a_box() {
+        let domain =
+            Domain::new(vec!["a".into(), "b".into(), "c".into()], vec![1.0, 0.0, 0.0], vec![4.0, 2.0, 1.0]).unwrap();
+        let part = domain.up_to(&[2.0, 0.0, 7.0]);
+        assert_eq!((part.lower(), part.upper()), ([1.0, 0.0, 0.0].as_slice(), [2.0, 2.0, 1.0].as_slice()));
+        assert_eq!(part.to_unit(&[1.5, 1.0, 0.5]).unwrap(), [0.5, 0.5, 0.5]);
+        // A trial from beyond it stays where it was.
+        assert_eq!(part.to_unit(&[4.0, 1.0, 0.5]).unwrap()[0], 3.0);
+        assert_eq!(domain.up_to(domain.upper()), domain);
     }
 }

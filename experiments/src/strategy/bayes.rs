@@ -43,7 +43,9 @@ impl Search {
 
     fn suggestion(&self, past: Past<'_>) -> Result<Suggestion, StrategyError> {
         let (history, parts) = observations_with_parts(past.finished, past.running);
-        let Self { settings, domain, seed, .. } = self;
+        let Self { settings, seed, .. } = self;
+        // Length-scales and the trust region are shares of what can be searched.
+        let domain = &past.allowed.map_or_else(|| self.domain.clone(), |allowed| self.domain.up_to(allowed.highest()));
         Ok(if self.by_parts {
             suggest_sum(settings, domain, past.allowed, &history, &parts, *seed)?
         } else {
