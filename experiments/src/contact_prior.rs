@@ -62,7 +62,7 @@ impl ContactPrior {
         let (contact, noise) = (contact_sd * contact_sd, sd * sd);
         let kept = contact / (contact + noise);
         let log_odds_of_none = ((1.0 - self.touched) / self.touched).ln()
-            - 0.5 * (1.0 - kept).ln()
+            - 0.5 * (noise / (contact + noise)).ln()
             - 0.5 * estimate * estimate * kept / noise;
         let expected = estimate * kept / (1.0 + log_odds_of_none.exp());
         // An estimate without noise is the wrench.
@@ -115,6 +115,7 @@ mod tests {
     fn far_out_nothing_changes_and_the_estimate_stays_inside() {
         let prior = ContactPrior::rarely(0.1).unwrap();
         assert!((prior.expected(1e9, 30.0, 1.0) / 1e9 - 900.0 / 901.0).abs() < 1e-12);
+        assert_eq!(prior.expected(2.0, 30.0, 1e-9), 2.0);
         assert_eq!(prior.expected(2.0, 30.0, 0.0), 2.0);
         assert_eq!(prior.expected(0.0, 30.0, 0.0), 0.0);
         assert!(prior.expected(f64::NAN, 30.0, 1.0).is_nan());
