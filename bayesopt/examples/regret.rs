@@ -2,6 +2,7 @@
 //!
 //! `cargo run --release -p tribo-bayesopt --example regret -- [seeds|FROM..TO] [paper|bo] [problem…]`
 //!
+//! Where problems are named, the regret of every seed follows, in order: the same ten points as `benches/peers/botorch_regret.py` begins with.
 //! Milliseconds are processor time of a thread per suggestion, fit and search together. Seeds 20 to 39 served to choose
 //! the settings of `bo`; seeds 0 to 19, the default, are the ones to report.
 
@@ -25,7 +26,8 @@ fn main() -> Result<(), BayesoptError> {
     let asked = |p: &&Problem| chosen.is_empty() || chosen.iter().any(|name| name == p.name);
     for problem in PROBLEMS.iter().chain(&VARIANTS).filter(asked) {
         let settings = if paper { Settings::paper() } else { Settings::bo(vec![0.0; problem.dimension]) };
-        let (mut regrets, ms) = regrets(problem, &settings, seeds.clone())?;
+        let (by_seed, ms) = regrets(problem, &settings, seeds.clone())?;
+        let mut regrets = by_seed.clone();
         regrets.sort_by(f64::total_cmp);
         let count = regrets.len();
         println!(
@@ -37,11 +39,15 @@ fn main() -> Result<(), BayesoptError> {
             regrets[count - 1],
             median(seeds.clone().map(|s| random_regret(problem, s, 50)).collect()),
         );
+        if !chosen.is_empty() {
+            let list: Vec<String> = by_seed.iter().map(|regret| format!("{regret:.4e}")).collect();
+            println!("{}", list.join(" "));
+        }
     }
     Ok(())
 }
 
-/// Regret of each seed, and the milliseconds of a suggestion; seeds are shared among the processors.
+/// Regret of each seed, in order, and the milliseconds of a suggestion; seeds are shared among the processors.
 fn regrets(problem: &Problem, settings: &Settings, seeds: Range<u64>) -> Result<(Vec<f64>, f64), BayesoptError> {
     let next = AtomicU64::new(seeds.start);
     let found = Mutex::new((vec![], 0.0));
@@ -55,7 +61,7 @@ fn regrets(problem: &Problem, settings: &Settings, seeds: Range<u64>) -> Result<
             let begin = thread_seconds();
             let regret = simple_regret(problem, settings, seed, 50)?;
             let mut found = found.lock().unwrap_or_else(PoisonError::into_inner);
-            found.0.push(regret);
+            found.0.push((seed, regret));
             found.1 += thread_seconds() - begin;
         }
     };
@@ -63,9 +69,10 @@ fn regrets(problem: &Problem, settings: &Settings, seeds: Range<u64>) -> Result<
         let workers: Vec<_> = (0..threads).map(|_| scope.spawn(work)).collect();
         workers.into_iter().try_for_each(|worker| worker.join().unwrap_or(Ok(())))
     })?;
-    let (regrets, seconds) = found.into_inner().unwrap_or_else(PoisonError::into_inner);
+    let (mut regrets, seconds) = found.into_inner().unwrap_or_else(PoisonError::into_inner);
     let asks = 40.0 * regrets.len() as f64;
-    Ok((regrets, 1e3 * seconds / asks))
+    regrets.sort_by_key(|(seed, _)| *seed);
+    Ok((regrets.into_iter().map(|(_, regret)| regret).collect(), 1e3 * seconds / asks))
 }
 
 /// Processor time of this thread where the system tells (Linux), else the time of the day [s].
