@@ -46,11 +46,8 @@ impl EarlyStop {
         let finished: Vec<FinishedTrial> = trials[..next].iter().flatten().cloned().collect();
         let promise = |number: usize| {
             let allowed = limit.before(number, logs)?;
-            strategy.expected_gain(Past {
-                finished: &finished[..number],
-                running: &[],
-                allowed: allowed.as_ref().map(Allowance::as_dyn),
-            })
+            let allowed = allowed.as_ref().map(Allowance::as_dyn);
+            strategy.expected_gain(Past { finished: &finished[..number], running: &[], allowed }, logs)
         };
         let ended = rule.ends_before(next, promise)?;
         Ok(ended.map(|at| Self {

@@ -4,8 +4,9 @@ use tribo_bayesopt::{
     Domain, ExpectedGain, History, Observation, Outcome, Phase, Settings, Suggestion, suggest_allowed, suggest_sum,
 };
 
+use super::completion::{Completion, TELLING_PART};
 use super::{FinishedTrial, LogSource, Origin, Past, Proposal, RunningTrial, Strategy, StrategyError};
-use crate::{AbortReason, ParameterSpace};
+use crate::{AbortReason, ValidTune};
 
 /// A search by the optimiser's ask and tell on the cost alone.
 pub(super) struct Search {
@@ -14,35 +15,38 @@ pub(super) struct Search {
     seed: u64,
     /// Whether every part of the cost has a model of its own.
     by_parts: bool,
+    completion: Completion,
 }
 
 impl Search {
-    pub(super) fn random(space: &ParameterSpace, seed: u64) -> Result<Self, StrategyError> {
-        Self::of(space, seed, Settings::random())
+    pub(super) fn random<const N: usize>(tune: &ValidTune<N>) -> Result<Self, StrategyError> {
+        Self::of(tune, Settings::random())
     }
 
-    pub(super) fn sobol(space: &ParameterSpace, seed: u64) -> Result<Self, StrategyError> {
-        Self::of(space, seed, Settings::sobol())
+    pub(super) fn sobol<const N: usize>(tune: &ValidTune<N>) -> Result<Self, StrategyError> {
+        Self::of(tune, Settings::sobol())
     }
 
-    pub(super) fn paper(space: &ParameterSpace, seed: u64, init: usize) -> Result<Self, StrategyError> {
-        Self::of(space, seed, Settings { init_trials: init, ..Settings::paper() })
+    pub(super) fn paper<const N: usize>(tune: &ValidTune<N>) -> Result<Self, StrategyError> {
+        Self::of(tune, Settings { init_trials: tune.config.init, ..Settings::paper() })
     }
 
-    pub(super) fn bo(space: &ParameterSpace, seed: u64, init: usize) -> Result<Self, StrategyError> {
-        Self::of(space, seed, Settings { init_trials: init, ..Settings::bo(space.zero()) })
+    pub(super) fn bo<const N: usize>(tune: &ValidTune<N>) -> Result<Self, StrategyError> {
+        Self::of(tune, Settings { init_trials: tune.config.init, ..Settings::bo(tune.space.zero()) })
     }
 
-    pub(super) fn composite(space: &ParameterSpace, seed: u64, init: usize) -> Result<Self, StrategyError> {
-        Ok(Self { by_parts: true, ..Self::bo(space, seed, init)? })
+    pub(super) fn composite<const N: usize>(tune: &ValidTune<N>) -> Result<Self, StrategyError> {
+        Ok(Self { by_parts: true, ..Self::bo(tune)? })
     }
 
-    fn of(space: &ParameterSpace, seed: u64, settings: Settings) -> Result<Self, StrategyError> {
-        Ok(Self { settings, domain: space.domain()?, seed, by_parts: false })
+    fn of<const N: usize>(tune: &ValidTune<N>, settings: Settings) -> Result<Self, StrategyError> {
+        let (domain, seed, completion) = (tune.space.domain()?, tune.config.seed, Completion::new(tune.trial.measure));
+        Ok(Self { settings, domain, seed, by_parts: false, completion })
     }
 
-    fn suggestion(&self, past: Past<'_>) -> Result<Suggestion, StrategyError> {
-        let (history, parts) = observations_with_parts(past.finished, past.running);
+    fn suggestion<const N: usize>(&self, past: Past<'_>, logs: &dyn LogSource<N>) -> Result<Suggestion, StrategyError> {
+        let finished = self.completion.completed(past.finished, logs)?;
+        let (history, parts) = observations_with_parts(&finished, past.running);
         let Self { settings, seed, .. } = self;
         // Length-scales and the trust region are shares of what can be searched.
         let domain = &past.allowed.map_or_else(|| self.domain.clone(), |allowed| self.domain.up_to(allowed.highest()));
@@ -63,8 +67,8 @@ impl<const N: usize> Strategy<N> for Search {
         Ok(Some(Proposal { theta, origin: Origin::Design }))
     }
 
-    fn propose(&self, _number: usize, past: Past<'_>, _logs: &dyn LogSource<N>) -> Result<Proposal, StrategyError> {
-        let suggestion = self.suggestion(past)?;
+    fn propose(&self, _number: usize, past: Past<'_>, logs: &dyn LogSource<N>) -> Result<Proposal, StrategyError> {
+        let suggestion = self.suggestion(past, logs)?;
         let origin = match suggestion.phase {
             Phase::Design => Origin::Design,
             Phase::Model | Phase::Repeat => Origin::Model,
@@ -72,17 +76,14 @@ impl<const N: usize> Strategy<N> for Search {
         Ok(Proposal { theta: suggestion.point, origin })
     }
 
-    fn expected_gain(&self, past: Past<'_>) -> Result<Option<ExpectedGain>, StrategyError> {
-        Ok(self.suggestion(past)?.evidence.map(|evidence| evidence.expected_gain))
+    fn expected_gain(&self, past: Past<'_>, logs: &dyn LogSource<N>) -> Result<Option<ExpectedGain>, StrategyError> {
+        Ok(self.suggestion(past, logs)?.evidence.map(|evidence| evidence.expected_gain))
     }
 }
 
-/// Part of a trial that tells its cost well enough: its mean is known, and its maxima have most likely been met.
-const TELLING_PART: f64 = 0.3;
-
 /// Trials as the optimiser takes them, by number: an aborted one has failed, its penalised cost beside it. One that was stopped
-/// for reasons of its own says nothing against its parameters: what was seen of it counts without penalty, and a glimpse
-/// counts for nothing.
+/// for reasons of its own says nothing against its parameters: what it cost (completed, see [`Completion`]) counts without penalty, and a
+/// glimpse counts for nothing.
 pub(crate) fn observations(finished: &[FinishedTrial], running: &[RunningTrial]) -> History {
     observations_with_parts(finished, running).0
 }

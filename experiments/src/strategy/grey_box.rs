@@ -6,6 +6,7 @@ use tribo_bayesopt::{Domain, Settings, suggest};
 use tribo_friction::identify::GlsFit;
 
 use super::bayes::observations;
+use super::completion::Completion;
 use super::identification::{Identification, basis_column};
 use super::{FinishedTrial, LawCheck, LogSource, Origin, Past, Proposal, RunningTrial, Strategy, StrategyError};
 use crate::{AbortReason, ParameterSpace, ValidTune};
@@ -41,6 +42,7 @@ pub struct GreyBox<const N: usize> {
     space: ParameterSpace,
     domain: Domain,
     identification: Arc<Identification<N>>,
+    completion: Completion,
     seed: u64,
 }
 
@@ -48,7 +50,8 @@ impl<const N: usize> GreyBox<N> {
     /// The strategy for these settings, with the identification of the same settings.
     pub fn new(tune: &ValidTune<N>, identification: Arc<Identification<N>>) -> Result<Self, StrategyError> {
         let space = tune.space.clone();
-        Ok(Self { domain: space.domain()?, space, identification, seed: tune.config.seed })
+        let completion = Completion::new(tune.trial.measure);
+        Ok(Self { domain: space.domain()?, space, identification, completion, seed: tune.config.seed })
     }
 
     /// Scale S of the correction: the standard deviation of each parameter in the first fit, or [`WIDE`] where the law is
@@ -120,9 +123,9 @@ impl<const N: usize> Strategy<N> for GreyBox<N> {
         let box_of_corrections = Domain::new(names, vec![-1.0; free.len()], vec![1.0; free.len()])?;
 
         let (mut tried, mut running) = (Vec::new(), Vec::new());
-        for trial in past.finished {
+        for trial in self.completion.completed(past.finished, logs)? {
             if let Some(theta) = self.correction((trial.number, &trial.theta), (&scales, &free), logs)? {
-                tried.push(FinishedTrial { theta, ..trial.clone() });
+                tried.push(FinishedTrial { theta, ..trial });
             }
         }
         for trial in past.running {

@@ -3,6 +3,7 @@
 mod baseline;
 mod bayes;
 mod cma_es;
+mod completion;
 mod grey_box;
 mod identification;
 mod iterative_learning;
@@ -179,8 +180,8 @@ pub trait Strategy<const N: usize>: Send + Sync {
     }
 
     /// What the trial proposed after these promises; none where a design chooses it, or the strategy has no model of the cost.
-    fn expected_gain(&self, past: Past<'_>) -> Result<Option<ExpectedGain>, StrategyError> {
-        let _ = past;
+    fn expected_gain(&self, past: Past<'_>, logs: &dyn LogSource<N>) -> Result<Option<ExpectedGain>, StrategyError> {
+        let _ = (past, logs);
         Ok(None)
     }
 }
@@ -204,11 +205,11 @@ impl StrategyName {
         Ok(match self {
             Self::Zero => Box::new(baseline::Constant(space.zero())),
             Self::Gaz => Box::new(baseline::Constant(space.theta(&published_gaz::<N>()?))),
-            Self::Random => Box::new(bayes::Search::random(space, seed)?),
-            Self::Sobol => Box::new(bayes::Search::sobol(space, seed)?),
-            Self::Paper => Box::new(bayes::Search::paper(space, seed, tune.config.init)?),
-            Self::Bo => Box::new(bayes::Search::bo(space, seed, tune.config.init)?),
-            Self::Composite => Box::new(bayes::Search::composite(space, seed, tune.config.init)?),
+            Self::Random => Box::new(bayes::Search::random(tune)?),
+            Self::Sobol => Box::new(bayes::Search::sobol(tune)?),
+            Self::Paper => Box::new(bayes::Search::paper(tune)?),
+            Self::Bo => Box::new(bayes::Search::bo(tune)?),
+            Self::Composite => Box::new(bayes::Search::composite(tune)?),
             Self::CmaEs => Box::new(cma_es::CmaEs::new(space, seed)?),
             Self::IterativeLearning => Box::new(iterative_learning::IterativeLearning::new(space.clone())),
             Self::GreyBox => Box::new(GreyBox::new(tune, Arc::clone(identification))?),
