@@ -20,15 +20,15 @@ pub struct AugmentedCovariance {
     pub hh: Matrix6<f64>,
 }
 
-/// `X = P Cᵀ L⁻ᵀ` of a pose measurement with `C P Cᵀ + R = S = L D Lᵀ`, by block of the state; the gain is `K = X D⁻¹ L⁻¹`.
+/// `X = P Cᵀ L⁻ᵀ` and `X D⁻¹` of a pose measurement with `C P Cᵀ + R = S = L D Lᵀ`, by block of the state; the gain is `K = X D⁻¹ L⁻¹`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PoseGain {
-    /// Rows of the twist.
-    pub v: Matrix6<f64>,
-    /// Rows of the pose.
-    pub x: Matrix6<f64>,
-    /// Rows of the wrench.
-    pub h: Matrix6<f64>,
+    /// Rows of the twist, of both.
+    pub v: (Matrix6<f64>, Matrix6<f64>),
+    /// Rows of the pose, of both.
+    pub x: (Matrix6<f64>, Matrix6<f64>),
+    /// Rows of the wrench, of both.
+    pub h: (Matrix6<f64>, Matrix6<f64>),
 }
 
 impl AugmentedCovariance {
@@ -89,14 +89,14 @@ impl AugmentedCovariance {
     /// Joseph's guards against a loss of symmetry, which is here by construction, and against a gain spoilt by rounding, which takes
     /// an R below rounding beside P: an encoder's is not. Six products of blocks instead of eighteen.
     #[inline]
-    pub fn update(&mut self, gain: &PoseGain, s: &SpdFactor<6>) {
-        let (v, x, h) = (s.scaled(&gain.v), s.scaled(&gain.x), s.scaled(&gain.h));
-        subtract_product_transposed(&mut self.vv, &v, &gain.v);
-        subtract_product_transposed(&mut self.vx, &v, &gain.x);
-        subtract_product_transposed(&mut self.vh, &v, &gain.h);
-        subtract_product_transposed(&mut self.xx, &x, &gain.x);
-        subtract_product_transposed(&mut self.xh, &x, &gain.h);
-        subtract_product_transposed(&mut self.hh, &h, &gain.h);
+    pub fn update(&mut self, gain: &PoseGain) {
+        let PoseGain { v: (v, scaled_v), x: (x, scaled_x), h: (h, scaled_h) } = gain;
+        subtract_product_transposed(&mut self.vv, scaled_v, v);
+        subtract_product_transposed(&mut self.vx, scaled_v, x);
+        subtract_product_transposed(&mut self.vh, scaled_v, h);
+        subtract_product_transposed(&mut self.xx, scaled_x, x);
+        subtract_product_transposed(&mut self.xh, scaled_x, h);
+        subtract_product_transposed(&mut self.hh, scaled_h, h);
         // Up to rounding, which must not add up.
         for block in [&mut self.vv, &mut self.xx, &mut self.hh] {
             *block = (*block + block.transpose()) * 0.5;
@@ -176,14 +176,14 @@ mod tests {
         let expected = keep * p.to_dense() * keep.transpose() + k * r * k.transpose();
         let factor = SpdFactor::of(&s).unwrap();
         let gain = p.pose_gain(&factor);
-        p.update(&gain, &factor);
+        p.update(&gain);
         assert!((p.to_dense() - expected).amax() < 1e-11 * expected.amax());
         // And the gain on a measurement is K.
         let nu = Vector6::new(0.3, -0.1, 0.7, 0.2, -0.5, 0.4);
         let y = factor.half(&nu).component_mul(factor.reciprocal_pivots());
         let moved = k * nu;
         for (block, row) in [(gain.v, 0), (gain.x, 6), (gain.h, 12)] {
-            assert!((block * y - moved.fixed_rows::<6>(row)).amax() < 1e-11);
+            assert!((block.0 * y - moved.fixed_rows::<6>(row)).amax() < 1e-11);
         }
     }
 
@@ -196,7 +196,7 @@ mod tests {
             p.propagate(&lambda_inverse, 1e-3, &Vector6::repeat(1e-6), &Vector6::repeat(1e-2));
             let factor = SpdFactor::of(&(p.xx + r)).unwrap();
             let gain = p.pose_gain(&factor);
-            p.update(&gain, &factor);
+            p.update(&gain);
         }
         let dense = p.to_dense();
         let scale = dense.diagonal().map(|variance| 1.0 / variance.sqrt());

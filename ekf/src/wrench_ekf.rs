@@ -115,13 +115,13 @@ impl WrenchEkf {
             return false;
         }
         let gain = self.covariance.pose_gain(&factor);
-        self.twist += product(&gain.v, &y);
-        self.wrench += product(&gain.h, &y);
-        let correction = product(&gain.x, &y);
+        self.twist += product(&gain.v.0, &y);
+        self.wrench += product(&gain.h.0, &y);
+        let correction = product(&gain.x.0, &y);
         let turn: Vector3<f64> = correction.fixed_rows::<3>(0).into_owned();
         self.rotation = so3::exp(&turn) * self.rotation;
         self.position += correction.fixed_rows::<3>(3);
-        self.covariance.update(&gain, &factor);
+        self.covariance.update(&gain);
         self.innovation = Some(Innovation { innovation, covariance: s, nis });
         true
     }
@@ -189,8 +189,8 @@ impl<const N: usize> WrenchEstimator<N> for WrenchEkf {
             return self.estimate().held(EstimateFault::NotPositiveDefinite);
         };
         // J B⁻¹ x = half D⁻¹ (L⁻¹ x)
-        let half = mass.right_half(jacobian);
-        let lambda_inverse = product_transposed(&mass.scaled(&half), &half);
+        let (half, scaled) = mass.right_half(jacobian);
+        let lambda_inverse = product_transposed(&scaled, &half);
         let u = match self.settings.known_input {
             KnownInput::AppliedTorque => {
                 let net = input.tau_motor - input.tau_friction - terms.bias_nm();

@@ -62,36 +62,34 @@ impl<const N: usize> ControlTerms<N> {
         motion.move_to(&kinematics.flange_origin);
         let LinkMotion { dw, a, .. } = motion;
 
-        let mut mass_matrix = SMatrix::<f64, N, N>::zeros();
-        let (mut coriolis_nm, mut gravity_nm) = (SVector::zeros(), SVector::zeros());
-        let mut jacobian = SMatrix::<f64, 6, N>::zeros();
+        let mut terms = Self {
+            base_from_flange: kinematics.base_from_flange(),
+            jacobian: SMatrix::zeros(),
+            jdot_qd: Vector6::new(dw.x, dw.y, dw.z, a.x, a.y, a.z),
+            mass_matrix: SMatrix::zeros(),
+            coriolis_nm: SVector::zeros(),
+            gravity_nm: SVector::zeros(),
+        };
         let moments: [Vector3<f64>; N] = std::array::from_fn(|k| kinematics.origins[k].cross(&kinematics.axis(k)));
         let mut outboard = Body::default();
         for k in (0..N).rev() {
             outboard.weld(&bodies[k]);
             let (origin, z, l) = (&kinematics.origins[k], kinematics.axis(k), &moments[k]);
-            coriolis_nm[k] = z.dot(&outboard.moment) + l.dot(&outboard.force);
+            terms.coriolis_nm[k] = z.dot(&outboard.moment) + l.dot(&outboard.force);
             let lever = outboard.first_moment - origin * outboard.mass_kg;
-            gravity_nm[k] = -z.dot(&lever.cross(&arm.gravity_m_s2));
+            terms.gravity_nm[k] = -z.dot(&lever.cross(&arm.gravity_m_s2));
             let moment = outboard.inertia * z + outboard.first_moment.cross(l);
             let force = l * outboard.mass_kg + z.cross(&outboard.first_moment);
             for i in 0..=k {
                 let m = kinematics.axis(i).dot(&moment) + moments[i].dot(&force);
-                mass_matrix[(i, k)] = m;
-                mass_matrix[(k, i)] = m;
+                terms.mass_matrix[(i, k)] = m;
+                terms.mass_matrix[(k, i)] = m;
             }
-            mass_matrix[(k, k)] += arm.rotor_inertia_kg_m2[k];
+            terms.mass_matrix[(k, k)] += arm.rotor_inertia_kg_m2[k];
             let linear = l + z.cross(&kinematics.flange_origin);
-            jacobian.set_column(k, &Vector6::new(z.x, z.y, z.z, linear.x, linear.y, linear.z));
+            terms.jacobian.set_column(k, &Vector6::new(z.x, z.y, z.z, linear.x, linear.y, linear.z));
         }
-        Self {
-            base_from_flange: kinematics.base_from_flange(),
-            jacobian,
-            jdot_qd: Vector6::new(dw.x, dw.y, dw.z, a.x, a.y, a.z),
-            mass_matrix,
-            coriolis_nm,
-            gravity_nm,
-        }
+        terms
     }
 
     /// Bias torque C qd + g (Nm).

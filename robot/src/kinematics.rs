@@ -22,22 +22,19 @@ impl<const N: usize> Kinematics<N> {
     /// Forward kinematics: `base_from_k = base_from_{k−1} · placement_k · RotZ(q_k)`. q (rad).
     #[inline]
     pub fn at(arm: &Arm<N>, q: &SVector<f64, N>) -> Self {
-        let mut rotations = [Matrix3::identity(); N];
-        let mut origins = [Vector3::zeros(); N];
         let (mut r, mut o) = (Matrix3::identity(), Vector3::zeros());
+        // Filled where it is returned: copies are what a tick has too many of.
+        let mut kinematics = Self { rotations: [r; N], origins: [o; N], flange_rotation: r, flange_origin: o };
         for k in 0..N {
             let placement = &arm.placements[k];
             o += r * placement.translation;
             r *= placement.parent_from_link(q[k]);
-            rotations[k] = r;
-            origins[k] = o;
+            kinematics.rotations[k] = r;
+            kinematics.origins[k] = o;
         }
-        Self {
-            rotations,
-            origins,
-            flange_rotation: r * arm.link_from_flange_rotation,
-            flange_origin: o + r * arm.link_from_flange_translation,
-        }
+        kinematics.flange_rotation = r * arm.link_from_flange_rotation;
+        kinematics.flange_origin = o + r * arm.link_from_flange_translation;
+        kinematics
     }
 
     /// `base_from_flange` as one transform.

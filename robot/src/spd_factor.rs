@@ -38,41 +38,29 @@ impl<const N: usize> SpdFactor<N> {
         Some(Self { lower, reciprocal })
     }
 
-    /// `B L⁻ᵀ`: half of the way to [`Self::right_solve`], and enough where only `B A⁻¹ Cᵀ = (B L⁻ᵀ) D⁻¹ (C L⁻ᵀ)ᵀ` is wanted.
+    /// `(X, X D⁻¹)` with `X = B L⁻ᵀ`: half of the way to [`Self::right_solve`], and enough where only
+    /// `B A⁻¹ Cᵀ = (B L⁻ᵀ D⁻¹) (C L⁻ᵀ)ᵀ` is wanted.
     #[inline]
-    pub fn right_half<const R: usize>(&self, b: &SMatrix<f64, R, N>) -> SMatrix<f64, R, N> {
-        let mut solution = *b;
-        let (x, l) = (&mut solution.data.0, &self.lower.data.0);
-        for k in 0..N {
-            let mut column = x[k];
-            for value in &mut column {
-                *value *= self.reciprocal[k];
-            }
-            for c in k + 1..N {
+    pub fn right_half<const R: usize>(&self, b: &SMatrix<f64, R, N>) -> (SMatrix<f64, R, N>, SMatrix<f64, R, N>) {
+        let (mut half, mut scaled) = (SMatrix::<f64, R, N>::zeros(), SMatrix::<f64, R, N>::zeros());
+        let (x, y, l) = (&mut half.data.0, &mut scaled.data.0, &self.lower.data.0);
+        for c in 0..N {
+            let mut column = b.data.0[c];
+            for k in 0..c {
                 for r in 0..R {
-                    x[c][r] -= column[r] * l[k][c];
+                    column[r] -= y[k][r] * l[k][c];
                 }
             }
+            x[c] = column;
+            y[c] = column.map(|value| value * self.reciprocal[c]);
         }
-        solution
-    }
-
-    /// `B D⁻¹`.
-    #[inline]
-    pub fn scaled<const R: usize>(&self, b: &SMatrix<f64, R, N>) -> SMatrix<f64, R, N> {
-        let mut scaled = *b;
-        for (column, reciprocal) in scaled.data.0.iter_mut().zip(self.reciprocal.iter()) {
-            for value in column {
-                *value *= reciprocal;
-            }
-        }
-        scaled
+        (half, scaled)
     }
 
     /// `B A⁻¹`.
     #[inline]
     pub fn right_solve<const R: usize>(&self, b: &SMatrix<f64, R, N>) -> SMatrix<f64, R, N> {
-        let mut solution = self.scaled(&self.right_half(b));
+        let (_, mut solution) = self.right_half(b);
         let (x, l) = (&mut solution.data.0, &self.lower.data.0);
         for k in (0..N).rev() {
             let mut outboard = [0.0; R];
@@ -91,7 +79,7 @@ impl<const N: usize> SpdFactor<N> {
     /// `L⁻¹ b`.
     #[inline]
     pub fn half(&self, b: &SVector<f64, N>) -> SVector<f64, N> {
-        self.right_half(&b.transpose()).transpose()
+        self.right_half(&b.transpose()).0.transpose()
     }
 
     /// `D⁻¹`, the reciprocals of the pivots.
@@ -151,8 +139,8 @@ mod tests {
         let column = b.column(0).into_owned();
         assert!((ours.right_solve(&column.transpose()).transpose() - theirs.solve(&column)).amax() < 1e-12);
         assert!((ours.inverse() - theirs.inverse()).amax() < 1e-12);
-        let half = ours.right_half(&b.transpose());
-        assert!((ours.scaled(&half) * half.transpose() - b.transpose() * theirs.solve(&b)).amax() < 1e-12);
+        let (half, scaled) = ours.right_half(&b.transpose());
+        assert!((scaled * half.transpose() - b.transpose() * theirs.solve(&b)).amax() < 1e-12);
         let norm2 = ours.half(&column).component_mul(&ours.half(&column)).dot(ours.reciprocal_pivots());
         assert!((norm2 - column.dot(&theirs.solve(&column))).abs() < 1e-12);
         assert!((ours.determinant() / theirs.determinant() - 1.0).abs() < 1e-13);
