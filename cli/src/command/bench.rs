@@ -100,6 +100,7 @@ fn show_speed(report: &BenchReport) {
     print(format_args!("{}, {} ticks", report.robot, report.ticks));
     print(percentiles(&[
         ("tick", report.tick_us),
+        ("… the least of three runs", report.tick_itself_us),
         ("simulated arm", report.plant_us),
         ("both", report.tick_with_plant_us),
     ]));

@@ -41,6 +41,8 @@ pub struct BenchReport {
     pub ticks: u64,
     /// Whole tick without the simulated arm.
     pub tick_us: Percentiles,
+    /// The same ticks without what disturbs them, by [`TickTimes::tick_itself`].
+    pub tick_itself_us: Percentiles,
     /// Whole tick and simulated arm.
     pub tick_with_plant_us: Percentiles,
     /// The simulated arm alone.
@@ -92,13 +94,14 @@ pub fn bench<const N: usize>(
     let trial = TrialTimes::of(tune, settings.repeats)?;
     stage("optimiser");
     let optimiser = OptimiserTimes::measure(settings.repeats)?;
-    let TickTimes { tick, plant, with_plant, records_lost, preempted, wall_s } = &times;
+    let TickTimes { tick, tick_itself, plant, with_plant, records_lost, preempted, wall_s } = &times;
     let disturbed = tick.count_from(DISTURBANCE_US);
     Ok(BenchReport {
         schema: "tribo.bench/1",
         robot: tune.trial.model.name.clone(),
         ticks: tick.count(),
         tick_us: tick.into(),
+        tick_itself_us: tick_itself.into(),
         tick_with_plant_us: with_plant.into(),
         plant_us: plant.into(),
         dynamics,
