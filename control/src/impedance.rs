@@ -44,13 +44,17 @@ impl ImpedanceSettings {
     /// Impedance acceleration `a = −M⁻¹(D v + K e)` (roveda2022 eq. 6) [rad/s²; m/s²], base axes, angular part first.
     #[inline]
     pub fn acceleration(&self, twist: &Vector6<f64>, error: &Vector6<f64>) -> Vector6<f64> {
-        let part = |mass: f64, stiffness: f64, first: usize| {
+        let part = |mass: f64, stiffness: f64, v: f64, e: f64| {
             let damping = 2.0 * self.damping_ratio * (mass * stiffness).sqrt();
-            move |k: usize| -(damping * twist[first + k] + stiffness * error[first + k]) / mass
+            -(damping * v + stiffness * e) / mass
         };
-        let angular = part(self.inertia_kg_m2, self.stiffness_nm_per_rad, 0);
-        let linear = part(self.mass_kg, self.stiffness_n_per_m, 3);
-        Vector6::new(angular(0), angular(1), angular(2), linear(0), linear(1), linear(2))
+        Vector6::from_fn(|i, _| {
+            if i < 3 {
+                part(self.inertia_kg_m2, self.stiffness_nm_per_rad, twist[i], error[i])
+            } else {
+                part(self.mass_kg, self.stiffness_n_per_m, twist[i], error[i])
+            }
+        })
     }
 }
 

@@ -39,8 +39,6 @@ pub struct ControlLoop<const N: usize, E> {
     safe: SafeTorque<N>,
     guard: Option<CompensationGuard<N>>,
     watch: FrameWatch<N>,
-    /// Whether the compensator knows more than its law, which it would find out in every tick.
-    effects: bool,
     /// Whether the estimator has seen its first sample, and `record` says what acted since.
     started: bool,
     record: TickRecord<N>,
@@ -63,7 +61,6 @@ impl<const N: usize, E: WrenchEstimator<N>> ControlLoop<N, E> {
             safe: SafeTorque::new(q),
             guard: settings.guard.map(CompensationGuard::new),
             watch: FrameWatch::new(),
-            effects: settings.compensator.effects.iter().any(|effects| !effects.is_none()),
             started: false,
             record: TickRecord::none_yet(q, start),
             arm,
@@ -149,14 +146,10 @@ impl<const N: usize, E: WrenchEstimator<N>> ControlLoop<N, E> {
         }
         let twist_model = self.model.step(&self.settings.impedance, &record.reference, self.settings.dt_s);
         let (compensator, bristles, dt_s) = (&self.settings.compensator, &mut self.bristles, self.settings.dt_s);
-        let effects = self.effects;
         let share = self.guard.map_or(1.0, |guard| guard.share());
         (record.torque, record.task) = self
             .controller
             .tick(&terms, &frame.q, &frame.qd, &record.reference, &twist_model, |measured, modelled, load| {
-                if !effects {
-                    return (compensator.torque(measured, modelled) * share, SVector::zeros());
-                }
                 let (q, qd_measured, qd_reference, load_nm) = (frame.q, *measured, *modelled, *load);
                 let input = CompensatorInput { q, qd_measured, qd_reference, load_nm, dt_s };
                 let compensation = compensator.tick(bristles, &input);

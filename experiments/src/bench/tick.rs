@@ -59,14 +59,13 @@ pub fn tick_times<const N: usize>(
     reader_cores: &[usize],
 ) -> Result<TickTimes, BenchError> {
     let per_trial = (tune.trial.reference.total_s() / tune.trial.dt_s).round() as u64;
-    let (sink, ring) = record_ring::<N>(RING);
+    let (mut sink, ring) = record_ring::<N>(RING);
     std::thread::scope(|scope| {
         let reader = scope.spawn(move || {
             // It would inherit the core of this thread, and take it away a thousand times per second. Refused, it only disturbs.
             let _ = run_on_cores(reader_cores);
             drain(ring, |_, _| ())
         });
-        let mut trials = TimedTrials { tune, sink, ticks: 0 };
         let empty = LatencyHistogram::new;
         let mut times = TickTimes {
             tick: empty()?,
@@ -82,7 +81,7 @@ pub fn tick_times<const N: usize>(
             let (seed, length) = (tune.config.seed + done, per_trial.min(ticks - done));
             let mut least = vec![u64::MAX; length as usize];
             let (started, before) = (Instant::now(), preemptions());
-            trials.run(seed, &mut least, |tick_ns, plant_ns| {
+            timed_trial(tune, seed, &mut sink, &mut least, |tick_ns, plant_ns| {
                 times.tick.record(tick_ns);
                 times.plant.record(plant_ns);
                 times.with_plant.record(tick_ns + plant_ns);
@@ -91,50 +90,46 @@ pub fn tick_times<const N: usize>(
             let preempted = preemptions().zip(before).map(|(after, before)| after - before);
             times.preempted = times.preempted.zip(preempted).map(|(sum, more)| sum + more);
             for _ in 1..RUNS {
-                trials.run(seed, &mut least, |_, _| ())?;
+                timed_trial(tune, seed, &mut sink, &mut least, |_, _| ())?;
             }
             least.iter().for_each(|&least_ns| times.tick_itself.record(least_ns));
             done += length;
         }
-        let TimedTrials { sink, ticks: run, .. } = trials;
+        times.records_lost = sink.dropped();
+        // Without it the reader would wait for more.
         drop(sink);
-        let received = reader.join().map_err(|_| BenchError::Thread)?;
-        Ok(TickTimes { records_lost: run - received, ..times })
+        reader.join().map_err(|_| BenchError::Thread)?;
+        Ok(times)
     })
 }
 
-/// Trials tick by tick.
-struct TimedTrials<'a, const N: usize> {
-    tune: &'a ValidTune<N>,
-    sink: RecordSink<N>,
-    /// Ticks of all trials.
-    ticks: u64,
-}
-
-impl<const N: usize> TimedTrials<'_, N> {
-    /// The first ticks of the trial with this seed, as many as `least` has: `see` hears the times of tick and plant (ns) of each, `least` keeps
-    /// the tick's where it is less.
-    fn run(&mut self, seed: u64, least: &mut [u64], mut see: impl FnMut(u64, u64)) -> Result<(), BenchError> {
-        let nanoseconds =
-            |from: Instant, to: Instant| u64::try_from(to.duration_since(from).as_nanos()).unwrap_or(u64::MAX);
-        let (mut control, mut plant) = rig(self.tune, &self.tune.trial, seed)?;
-        let mut image = ProcessImage::of(plant.sense());
-        for least in least {
-            let begin = Instant::now();
-            let record = control.tick(&mut image);
-            self.sink.push(self.ticks, *record);
-            let done = Instant::now();
-            plant.actuate(&image.command);
-            image.frame = plant.sense();
-            let end = Instant::now();
-            let tick_ns = nanoseconds(begin, done);
-            see(tick_ns, nanoseconds(done, end));
-            *least = tick_ns.min(*least);
-            if let Some(fault) = record.fault {
-                return Err(fault.into());
-            }
-            self.ticks += 1;
+/// Runs the first ticks of the trial with this seed, as many as `least` has: `see` hears the times of tick and plant (ns) of each, `least`
+/// keeps the tick's where it is less.
+fn timed_trial<const N: usize>(
+    tune: &ValidTune<N>,
+    seed: u64,
+    sink: &mut RecordSink<N>,
+    least: &mut [u64],
+    mut see: impl FnMut(u64, u64),
+) -> Result<(), BenchError> {
+    let nanoseconds =
+        |from: Instant, to: Instant| u64::try_from(to.duration_since(from).as_nanos()).unwrap_or(u64::MAX);
+    let (mut control, mut plant) = rig(tune, &tune.trial, seed)?;
+    let mut image = ProcessImage::of(plant.sense());
+    for (tick, least) in (0..).zip(least) {
+        let begin = Instant::now();
+        let record = control.tick(&mut image);
+        sink.push(tick, *record);
+        let done = Instant::now();
+        plant.actuate(&image.command);
+        image.frame = plant.sense();
+        let end = Instant::now();
+        let tick_ns = nanoseconds(begin, done);
+        see(tick_ns, nanoseconds(done, end));
+        *least = tick_ns.min(*least);
+        if let Some(fault) = record.fault {
+            return Err(fault.into());
         }
-        Ok(())
     }
+    Ok(())
 }
