@@ -7,6 +7,7 @@ mod arguments;
 mod command;
 mod failure;
 mod output;
+mod processor;
 mod progress;
 
 use std::process::ExitCode;
@@ -16,6 +17,20 @@ use clap::{CommandFactory, Parser};
 use arguments::{Arguments, Command};
 
 fn main() -> ExitCode {
+    let lacking = processor::lacking();
+    if !lacking.is_empty() {
+        eprintln!(
+            "tribo: this binary needs {}, which this processor does not have; build it here with RUSTFLAGS=\"-C target-cpu=x86-64\"",
+            lacking.join(", ")
+        );
+        return ExitCode::from(2);
+    }
+    run()
+}
+
+/// Apart, so that nothing of it comes before the question above.
+#[inline(never)]
+fn run() -> ExitCode {
     let arguments = Arguments::parse();
     let Some(command) = arguments.command else {
         // Help on standard output is what a bare call asks for; a broken pipe is the reader's wish.

@@ -44,15 +44,14 @@ impl ImpedanceSettings {
     /// Impedance acceleration `a = −M⁻¹(D v + K e)` (roveda2022 eq. 6) [rad/s²; m/s²], base axes, angular part first.
     #[inline]
     pub fn acceleration(&self, twist: &Vector6<f64>, error: &Vector6<f64>) -> Vector6<f64> {
-        let part = |mass: f64, stiffness: f64, v: f64, e: f64| {
-            let damping = 2.0 * self.damping_ratio * (mass * stiffness).sqrt();
-            -(damping * v + stiffness * e) / mass
-        };
+        let damping = |mass: f64, stiffness: f64| 2.0 * self.damping_ratio * (mass * stiffness).sqrt();
+        let turning = damping(self.inertia_kg_m2, self.stiffness_nm_per_rad);
+        let moving = damping(self.mass_kg, self.stiffness_n_per_m);
         Vector6::from_fn(|i, _| {
             if i < 3 {
-                part(self.inertia_kg_m2, self.stiffness_nm_per_rad, twist[i], error[i])
+                -(turning * twist[i] + self.stiffness_nm_per_rad * error[i]) / self.inertia_kg_m2
             } else {
-                part(self.mass_kg, self.stiffness_n_per_m, twist[i], error[i])
+                -(moving * twist[i] + self.stiffness_n_per_m * error[i]) / self.mass_kg
             }
         })
     }

@@ -29,8 +29,8 @@ impl Default for DampedPseudoInverse {
 
 /// The factored pseudo-inverse at one configuration.
 #[derive(Clone, Copy, Debug)]
-pub struct Factored<const N: usize> {
-    jacobian: SMatrix<f64, 6, N>,
+pub struct Factored<'a, const N: usize> {
+    jacobian: &'a SMatrix<f64, 6, N>,
     /// J#.
     inverse: SMatrix<f64, N, 6>,
     /// λ² in use.
@@ -40,7 +40,7 @@ pub struct Factored<const N: usize> {
 impl DampedPseudoInverse {
     /// Factors J; `None` if it is not finite.
     #[inline]
-    pub fn factor<const N: usize>(&self, jacobian: &SMatrix<f64, 6, N>) -> Option<Factored<N>> {
+    pub fn factor<'a, const N: usize>(&self, jacobian: &'a SMatrix<f64, 6, N>) -> Option<Factored<'a, N>> {
         let gram = product_transposed(jacobian, jacobian);
         let exact = SpdFactor::of(&gram);
         let w2 = exact.map_or(0.0, |factor| factor.determinant());
@@ -50,11 +50,11 @@ impl DampedPseudoInverse {
             Some(factor) if damping_squared == 0.0 => factor,
             _ => SpdFactor::of(&(gram + Matrix6::identity() * damping_squared))?,
         };
-        Some(Factored { jacobian: *jacobian, inverse: gram.right_solve(&jacobian.transpose()), damping_squared })
+        Some(Factored { jacobian, inverse: gram.right_solve(&jacobian.transpose()), damping_squared })
     }
 }
 
-impl<const N: usize> Factored<N> {
+impl<const N: usize> Factored<'_, N> {
     /// Joint motion `J# x` of smallest norm for the task motion x (angular part first).
     #[inline]
     pub fn apply(&self, x: &Vector6<f64>) -> SVector<f64, N> {
@@ -64,7 +64,7 @@ impl<const N: usize> Factored<N> {
     /// `(I − J#J) y`: the part of a joint motion y that does not move the tool.
     #[inline]
     pub fn project_to_null_space(&self, y: &SVector<f64, N>) -> SVector<f64, N> {
-        y - self.apply(&product(&self.jacobian, y))
+        y - self.apply(&product(self.jacobian, y))
     }
 }
 

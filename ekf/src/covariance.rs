@@ -60,18 +60,18 @@ impl AugmentedCovariance {
         let half = 0.5 * dt_s;
         // With v⁺ = v − A h, x⁺ = x + dt/2 (v + v⁺).
         let a_hh = product(&a, &self.hh);
-        let vh_at = product_transposed(&self.vh, &a);
-        let xh_at = product_transposed(&self.xh, &a);
-        let vv_new = self.vv - vh_at - vh_at.transpose() + product_transposed(&a_hh, &a);
-        let v_new_v = self.vv - vh_at.transpose();
-        let v_new_x = self.vx - xh_at.transpose();
-        let x_and_v = self.vx + v_new_x;
-        let v_and_v = self.vv + v_new_v + v_new_v.transpose() + vv_new;
-        self.xx += (x_and_v + x_and_v.transpose()) * half + v_and_v * (half * half);
-        self.vx = v_new_x + (v_new_v + vv_new) * half;
+        let a_hh_a = product_transposed(&a_hh, &a);
+        let a_hv = product_transposed(&a, &self.vh);
+        let v_new_v = self.vv - a_hv;
+        let v_new_x = self.vx - product_transposed(&a, &self.xh);
+        let vv = symmetric(|r, c| v_new_v[(r, c)] - a_hv[(c, r)] + a_hh_a[(r, c)]);
+        let moved = (self.vx + v_new_x) * half + v_new_v * (half * half);
+        let still = (self.vv + vv) * (half * half);
+        self.xx += symmetric(|r, c| moved[(r, c)] + moved[(c, r)] + still[(r, c)]);
+        self.vx = v_new_x + (v_new_v + vv) * half;
         self.xh += self.vh * dt_s - a_hh * half;
         self.vh -= a_hh;
-        self.vv = vv_new;
+        self.vv = vv;
         for i in 0..6 {
             self.vv[(i, i)] += qv[i];
             self.hh[(i, i)] += qh[i];
@@ -91,16 +91,12 @@ impl AugmentedCovariance {
     #[inline]
     pub fn update(&mut self, gain: &PoseGain) {
         let PoseGain { v: (v, scaled_v), x: (x, scaled_x), h: (h, scaled_h) } = gain;
-        subtract_product_transposed(&mut self.vv, scaled_v, v);
+        subtract_symmetric_product(&mut self.vv, scaled_v, v);
         subtract_product_transposed(&mut self.vx, scaled_v, x);
         subtract_product_transposed(&mut self.vh, scaled_v, h);
-        subtract_product_transposed(&mut self.xx, scaled_x, x);
+        subtract_symmetric_product(&mut self.xx, scaled_x, x);
         subtract_product_transposed(&mut self.xh, scaled_x, h);
-        subtract_product_transposed(&mut self.hh, scaled_h, h);
-        // Up to rounding, which must not add up.
-        for block in [&mut self.vv, &mut self.xx, &mut self.hh] {
-            *block = (*block + block.transpose()) * 0.5;
-        }
+        subtract_symmetric_product(&mut self.hh, scaled_h, h);
     }
 
     /// The dense 18×18 matrix in the order v, x, h.
@@ -118,6 +114,45 @@ impl AugmentedCovariance {
         }
         p
     }
+}
+
+/// `S ← S − A Bᵀ` of a symmetric S where `A Bᵀ` is symmetric up to rounding, which must not add up: computed on and below the diagonal, two columns
+/// at a time, and mirrored.
+#[inline]
+fn subtract_symmetric_product(from: &mut Matrix6<f64>, a: &Matrix6<f64>, b: &Matrix6<f64>) {
+    subtract_below::<0>(from, a, b);
+    subtract_below::<2>(from, a, b);
+    subtract_below::<4>(from, a, b);
+    *from = symmetric(|r, c| from[(r, c)]);
+}
+
+/// Columns C and C + 1 of `S ← S − A Bᵀ`, from row C down.
+#[inline]
+fn subtract_below<const C: usize>(from: &mut Matrix6<f64>, a: &Matrix6<f64>, b: &Matrix6<f64>) {
+    for c in C..C + 2 {
+        let mut column = from.data.0[c];
+        for k in 0..6 {
+            let factor = b.data.0[k][c];
+            for r in C..6 {
+                column[r] -= a.data.0[k][r] * factor;
+            }
+        }
+        from.data.0[c] = column;
+    }
+}
+
+/// The symmetric matrix with these entries on and below its diagonal, r ≥ c.
+#[inline]
+fn symmetric(entry: impl Fn(usize, usize) -> f64) -> Matrix6<f64> {
+    let mut matrix = Matrix6::zeros();
+    for c in 0..6 {
+        for r in c..6 {
+            let value = entry(r, c);
+            matrix[(r, c)] = value;
+            matrix[(c, r)] = value;
+        }
+    }
+    matrix
 }
 
 #[cfg(test)]

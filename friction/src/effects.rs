@@ -52,8 +52,37 @@ pub struct JointEffects {
 
 impl JointEffects {
     /// Whether nothing is added.
+    #[inline]
     pub fn is_none(&self) -> bool {
-        *self == Self::default()
+        let Self {
+            coulomb_nm,
+            viscous_nm_s_per_rad,
+            breakaway_minus_coulomb_nm,
+            stribeck_velocity_rad_s,
+            asymmetry_nm,
+            offset_nm,
+            load_coefficient,
+            ripples,
+            spring_nm_per_rad,
+            spring_rest_rad,
+            presliding_distance_rad,
+        } = *self;
+        let single = [
+            coulomb_nm,
+            viscous_nm_s_per_rad,
+            breakaway_minus_coulomb_nm,
+            stribeck_velocity_rad_s,
+            asymmetry_nm,
+            offset_nm,
+            load_coefficient,
+            spring_nm_per_rad,
+            spring_rest_rad,
+            presliding_distance_rad,
+        ];
+        let ripples = ripples.map(|ripple| [ripple.cycles_per_rev, ripple.amplitude_nm, ripple.phase_rad]);
+        // Every tick asks every joint: all bits but the signs at once, no branch.
+        let bits = |values: &[f64]| values.iter().fold(0, |all, value| all | value.to_bits() << 1);
+        bits(&single) | bits(ripples.as_flattened()) == 0
     }
 
     /// Dry friction that is added at qd [rad/s] under the link-side torque `load_nm` (Nm), per unit of s.

@@ -29,6 +29,7 @@ mod effect;
 mod effect_check;
 pub mod excitation;
 mod flexible_joints;
+mod friction_map;
 mod gap;
 mod hidden;
 mod oscillator;

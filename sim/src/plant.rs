@@ -5,6 +5,7 @@ use tribo_friction::law::{Bristle, Lugre};
 use tribo_friction::{JointFriction, SetValued};
 use tribo_robot::{ControlTerms, Plant, SensorFrame, SpdFactor, Wrench, product, transposed_product};
 
+use crate::friction_map::FrictionMap;
 use crate::hidden::Hidden;
 use crate::plant_effects::PlantEffects;
 use crate::projected_gauss_seidel::solve_friction;
@@ -145,7 +146,20 @@ impl<const N: usize> BoxFrictionPlant<N> {
         self.ticks as f64 * self.dt_s
     }
 
-    /// Friction of every joint as the set-valued map of this sub-step, scaled by the warm-up; motor velocity qd [rad/s].
+    /// Friction of every joint over a step of h (s), scaled by the warm-up; motor velocity qd [rad/s].
+    #[inline]
+    fn friction_map(&self, qd: &SVector<f64, N>, mass: &SMatrix<f64, N, N>, h: f64, scale: f64) -> FrictionMap<N> {
+        FrictionMap::of(h, |j| self.set_valued(j, qd[j], mass[(j, j)], h, scale))
+    }
+
+    /// Whether that is the same whatever the arm does.
+    #[inline]
+    fn has_constant_map(&self) -> bool {
+        self.effects.is_none()
+            && self.truth.friction.joints.iter().all(|law| matches!(law, JointFriction::CoulombViscous(_)))
+    }
+
+    /// Friction of joint j as the set-valued map of this sub-step, scaled by the warm-up; motor velocity qd [rad/s].
     #[inline]
     fn set_valued(&self, j: usize, qd: f64, inertia: f64, h: f64, scale: f64) -> SetValued {
         let law = &self.truth.friction.joints[j];
@@ -183,6 +197,14 @@ impl<const N: usize> BoxFrictionPlant<N> {
                 self.bristles[j] = law.advanced(self.bristles[j], qd[j], qd_new[j], h);
             }
         }
+    }
+
+    /// Whether any joint is at the end of its travel.
+    #[inline]
+    fn at_hard_stop(&self) -> bool {
+        let limits = &self.truth.arm.limits;
+        // Every sub-step asks, and the answer is nearly always no: one branch for all joints.
+        (0..N).fold(false, |any, j| any | (self.q[j] <= limits.q_min_rad[j]) | (self.q[j] >= limits.q_max_rad[j]))
     }
 
     /// Motor velocities [rad/s].
@@ -230,17 +252,27 @@ impl<const N: usize> Plant<N> for BoxFrictionPlant<N> {
         let flexible = self.effects.as_ref().and_then(|effects| effects.flexible.as_ref());
         let period = flexible.map(|flexible| flexible.period(&mass, &arm.rotor_inertia_kg_m2, &(drive - tau), h));
 
-        for _ in 0..self.sub_steps {
-            let motor_qd = self.motor_qd();
-            let (mut viscous, mut offset) = (SVector::<f64, N>::zeros(), SVector::<f64, N>::zeros());
-            let (mut lower, mut upper) = (SVector::<f64, N>::zeros(), SVector::<f64, N>::zeros());
-            for j in 0..N {
-                let s = self.set_valued(j, motor_qd[j], mass[(j, j)], h, scale);
-                viscous[j] = s.viscous_nm_s_per_rad;
-                offset[j] = s.offset_nm;
+        // Of a rigid arm: M v, carried from step to step, and the map where it is the same in all of them.
+        let mut momentum = product(&mass, &self.qd);
+        let mut friction = self.friction_map(&motor_qd_before, &mass, h, scale);
+        let constant = self.has_constant_map();
+
+        let mut motor_qd = motor_qd_before;
+        for step in 0..self.sub_steps {
+            if step > 0 && !constant {
+                friction = self.friction_map(&motor_qd, &mass, h, scale);
+            }
+            let FrictionMap { viscous, offset, mut lower, mut upper } = friction;
+            if self.at_hard_stop() {
                 let limits = &self.truth.arm.limits;
-                lower[j] = if self.q[j] <= limits.q_min_rad[j] { f64::NEG_INFINITY } else { h * s.lower_nm };
-                upper[j] = if self.q[j] >= limits.q_max_rad[j] { f64::INFINITY } else { h * s.upper_nm };
+                for j in 0..N {
+                    if self.q[j] <= limits.q_min_rad[j] {
+                        lower[j] = f64::NEG_INFINITY;
+                    }
+                    if self.q[j] >= limits.q_max_rad[j] {
+                        upper[j] = f64::INFINITY;
+                    }
+                }
             }
             // The factor changes only where the slope does (Gaz, LuGre); Coulomb and Stribeck keep it all period long.
             if slope != viscous {
@@ -256,24 +288,28 @@ impl<const N: usize> Plant<N> for BoxFrictionPlant<N> {
                 slope = viscous;
             }
             let flexible = self.effects.as_mut().and_then(|effects| effects.flexible.as_mut());
-            let qd_new = match (flexible, &period) {
+            self.qd = match (flexible, &period) {
                 (Some(flexible), Some(period)) => {
                     flexible.step(period, &a, &self.qd, &(tau - offset), [&lower, &upper], &mut self.impulse)
                 }
                 _ => {
-                    let momentum = product(&mass, &self.qd) + (drive - offset) * h;
-                    solve_friction(&a, &momentum, &lower, &upper, &mut self.impulse)
+                    momentum += (drive - offset) * h;
+                    let qd = solve_friction(&a, &momentum, &lower, &upper, &mut self.impulse);
+                    momentum -= self.impulse + viscous.component_mul(&qd) * h;
+                    qd
                 }
             };
-            self.qd = qd_new;
-            let motor_qd_new = self.motor_qd();
-            self.advance_bristles(&motor_qd, &motor_qd_new, h);
-            friction_impulse += self.impulse + (offset + viscous.component_mul(&motor_qd_new)) * h;
+            let motor_qd_new = if period.is_some() { self.motor_qd() } else { self.qd };
+            if !constant {
+                self.advance_bristles(&motor_qd, &motor_qd_new, h);
+            }
+            motor_qd = motor_qd_new;
+            friction_impulse += self.impulse + (offset + viscous.component_mul(&motor_qd)) * h;
             self.q += self.qd * h;
         }
 
         self.friction_torque = friction_impulse / self.dt_s;
-        let motor_acceleration = (self.motor_qd() - motor_qd_before) / self.dt_s;
+        let motor_acceleration = (motor_qd - motor_qd_before) / self.dt_s;
         let rotor = self.truth.arm.rotor_inertia_kg_m2.component_mul(&motor_acceleration);
         let through_gears = tau - self.friction_torque - rotor;
         self.torque_at_sensor = match self.torque_side {

@@ -24,7 +24,8 @@ type Recorded = BTreeMap<String, BTreeMap<String, u64>>;
 fn profile() -> String {
     let lto = option_env!("CARGO_PROFILE_RELEASE_LTO").unwrap_or("off");
     let units = option_env!("CARGO_PROFILE_RELEASE_CODEGEN_UNITS").unwrap_or("1");
-    format!("release, lto {lto}, {units} codegen units, {}", std::env::consts::ARCH)
+    let vectors = if cfg!(target_feature = "avx2") { ", AVX2" } else { "" };
+    format!("release, lto {lto}, {units} codegen units, {}{vectors}", std::env::consts::ARCH)
 }
 
 fn file() -> std::path::PathBuf {
