@@ -3,8 +3,9 @@
 //! The peers are C and C++ programs of our own around their libraries (`peers/`, built by `peers/build.sh` with
 //! `-O3 -march=native -DNDEBUG`). All get the same inputs from the same files; before anything is timed, the outputs of the first
 //! twenty must agree with ours to 1e-9. Then five rounds, in each of which every program and we are timed in turn; the least of
-//! the five medians counts. Prints one table (Markdown) and leaves `peers.json`; `--json` prints that instead. Set
-//! `RUSTFLAGS="-C target-cpu=native"` for the instruction set that the peers get. A peer that cannot be had is SKIPPED.
+//! the five medians counts. Prints one table (Markdown) and leaves `peers.json`; `--json` prints that instead. Ours has the instructions
+//! of `.cargo/config.toml`; `RUSTFLAGS="-C target-cpu=native"` sets those that the peers get, `-C target-cpu=x86-64` those of any
+//! processor. A peer that cannot be had is SKIPPED.
 
 #[path = "../../residual/tests/common/published_instances.rs"]
 mod published_instances;
@@ -409,7 +410,7 @@ fn document(
     json!({
         "schema": "tribo.peers/1",
         "pinned_core": pinned,
-        "native": cfg!(target_feature = "avx2"),
+        "avx2": cfg!(target_feature = "avx2"),
         "versions": versions,
         "largest_relative_difference": differences,
         "rows": rows.collect::<Vec<_>>(),
@@ -418,8 +419,8 @@ fn document(
 
 fn show(document: &Value) {
     let core = document["pinned_core"].as_u64().map_or("not pinned".to_owned(), |core| format!("core {core}"));
-    let native = if document["native"] == true { "native instructions" } else { "any x86-64 instructions" };
-    println!("least of {ROUNDS} medians, {core}; ours with {native}; peers {}\n", document["versions"]);
+    let instructions = if document["avx2"] == true { "AVX2" } else { "the instructions of any x86-64" };
+    println!("least of {ROUNDS} medians, {core}; ours with {instructions}; peers {}\n", document["versions"]);
     println!("| {:<46} | {:<9} | {:>7} | {:>7} | {:>7} |", "call [ns]", "peer", "ours", "theirs", "ratio");
     println!("|{0:-<48}|{0:-<11}|{0:->8}:|{0:->8}:|{0:->8}:|", "");
     for row in document["rows"].as_array().into_iter().flatten() {

@@ -42,13 +42,19 @@ impl NormalEquations {
             if !y.iter().chain(sample.qd.iter()).all(|value| value.is_finite()) {
                 return Err(broken);
             }
-            let weight = error_covariance(sample, settings).try_inverse().ok_or(broken)?;
+            let weight = error_covariance(sample, settings).cholesky().ok_or(broken)?.inverse();
             fill_rows(&mut rows, sample, settings, layout);
-            let weighted = weight * &rows;
-            sum.information += rows.transpose() * &weighted;
-            sum.score += weighted.transpose() * y;
+            // In place, column by column: thousands of samples, six rows each.
+            for c in 0..layout.total {
+                let weighted = weight * rows.fixed_view::<6, 1>(0, c);
+                for r in c..layout.total {
+                    sum.information[(r, c)] += weighted.dot(&rows.fixed_view::<6, 1>(0, r));
+                }
+                sum.score[c] += weighted.dot(&y);
+            }
             sum.square += y.dot(&(weight * y));
         }
+        sum.information.fill_upper_triangle_with_lower_triangle();
         Ok(sum)
     }
 
