@@ -65,9 +65,10 @@ impl AugmentedCovariance {
         let v_new_v = self.vv - a_hv;
         let v_new_x = self.vx - product_transposed(&a, &self.xh);
         let vv = symmetric(|r, c| v_new_v[(r, c)] - a_hv[(c, r)] + a_hh_a[(r, c)]);
-        let moved = (self.vx + v_new_x) * half + v_new_v * (half * half);
-        let still = (self.vv + vv) * (half * half);
-        self.xx += symmetric(|r, c| moved[(r, c)] + moved[(c, r)] + still[(r, c)]);
+        // xx⁺ = xx + E + Eᵀ + dt²/4 (vv + v⁺v⁺),   E = dt/2 (vx + v⁺x) + dt²/4 v⁺v
+        let e = (self.vx + v_new_x) * half + v_new_v * (half * half);
+        let velocities = (self.vv + vv) * (half * half);
+        self.xx += symmetric(|r, c| e[(r, c)] + e[(c, r)] + velocities[(r, c)]);
         self.vx = v_new_x + (v_new_v + vv) * half;
         self.xh += self.vh * dt_s - a_hh * half;
         self.vh -= a_hh;
@@ -116,8 +117,8 @@ impl AugmentedCovariance {
     }
 }
 
-/// `S ← S − A Bᵀ` of a symmetric S where `A Bᵀ` is symmetric up to rounding, which must not add up: computed on and below the diagonal, two columns
-/// at a time, and mirrored.
+/// `S ← S − A Bᵀ` of a symmetric S where `A Bᵀ` is symmetric up to rounding, which must not add up: computed on and below the
+/// diagonal, two columns at a time, and mirrored.
 #[inline]
 fn subtract_symmetric_product(from: &mut Matrix6<f64>, a: &Matrix6<f64>, b: &Matrix6<f64>) {
     subtract_below::<0>(from, a, b);

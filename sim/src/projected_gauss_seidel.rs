@@ -29,7 +29,8 @@ pub(crate) fn solve_friction<const N: usize>(
         p[i] = p[i].max(lower[i]).min(upper[i]);
     }
     let mut v = product(a, &(momentum - *p));
-    let stiffness = a.diagonal().map(|compliance| 1.0 / compliance);
+    // What each joint weighs when the others are free; divided by once, not in every sweep.
+    let inertia = a.diagonal().map(|mobility| 1.0 / mobility);
     for _ in 0..MAX_SWEEPS {
         let mut largest = 0.0_f64;
         for i in 0..N {
@@ -37,7 +38,7 @@ pub(crate) fn solve_friction<const N: usize>(
             if (v[i] >= 0.0 && p[i] == upper[i]) || (v[i] <= 0.0 && p[i] == lower[i]) {
                 continue;
             }
-            let moved = (p[i] + v[i] * stiffness[i]).max(lower[i]).min(upper[i]);
+            let moved = (p[i] + v[i] * inertia[i]).max(lower[i]).min(upper[i]);
             let step = moved - p[i];
             if step != 0.0 {
                 p[i] = moved;
