@@ -1,7 +1,7 @@
 //! The exciting Cartesian trajectory.
 
-use nalgebra::Vector3;
-use tribo_robot::{Pose, so3};
+use nalgebra::{SVector, Vector3};
+use tribo_robot::{Pose, sines, so3};
 
 /// Phases of the reference run that all tables of the documentation use (rad), x y z then rotations.
 pub const PAPER_PHASES_RAD: [f64; 6] = [3.21587, 5.97194, 0.905782, 5.96054, 1.959295, 2.659839];
@@ -73,8 +73,9 @@ impl SinusoidReference {
         let ramp = quintic((time_s - self.hold_s) / self.ramp_s);
         let turn = 2.0 * std::f64::consts::PI;
         let modulation = 1.0 + (turn * self.f2_hz * t).cos();
-        let phase = |i: usize| turn * self.f1_hz[i] * modulation * t + self.phase_rad[i];
-        let x: [f64; 6] = std::array::from_fn(|i| ramp * self.amplitude[i] * phase(i).cos());
+        let phases = SVector::<f64, 6>::from_fn(|i, _| turn * self.f1_hz[i] * modulation * t + self.phase_rad[i]);
+        let cosines = sines(&phases).map(|(_, cos)| cos);
+        let x: [f64; 6] = std::array::from_fn(|i| ramp * self.amplitude[i] * cosines[i]);
         let rotation = so3::exp(&Vector3::new(x[3], x[4], x[5])) * self.centre.rotation.matrix();
         let position = self.centre.translation.vector + Vector3::new(x[0], x[1], x[2]);
         Pose::from_parts(position.into(), nalgebra::Rotation3::from_matrix_unchecked(rotation))

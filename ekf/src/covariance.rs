@@ -1,7 +1,7 @@
 //! Covariance of the augmented state, kept in the six independent 6×6 blocks.
 
 use nalgebra::{Matrix6, SMatrix, Vector6};
-use tribo_robot::{SpdFactor, product, product_transposed, subtract_product_transposed};
+use tribo_robot::{SpdFactor, multiply_add, product, product_transposed, subtract_product_transposed};
 
 /// Covariance of (v, x, h): twist, pose error, wrench. 18×18, symmetric; blocks named row then column.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -135,7 +135,7 @@ fn subtract_below<const C: usize>(from: &mut Matrix6<f64>, a: &Matrix6<f64>, b: 
         for k in 0..6 {
             let factor = b.data.0[k][c];
             for r in C..6 {
-                column[r] -= a.data.0[k][r] * factor;
+                column[r] = multiply_add(-a.data.0[k][r], factor, column[r]);
             }
         }
         from.data.0[c] = column;

@@ -3,6 +3,7 @@
 use nalgebra::{Matrix3, Matrix6, SVector, Vector3, Vector6};
 
 use crate::Arm;
+use crate::sines::{sines, turned_about_z};
 
 /// Forward dynamics qdd [rad/s²] (Featherstone 2008, table 7.1), spatial vectors in link frames, angular part first.
 ///
@@ -24,9 +25,10 @@ pub fn forward_dynamics<const N: usize>(
     let mut bias_force = [Vector6::zeros(); N];
     let mut bias_acceleration = [Vector6::zeros(); N];
     let mut v = Vector6::<f64>::zeros();
+    let sines = sines(q);
     for k in 0..N {
         let placement = &arm.placements[k];
-        motion[k] = motion_transform(&placement.parent_from_link(q[k]), &placement.translation);
+        motion[k] = motion_transform(&turned_about_z(&placement.rotation, sines[k]), &placement.translation);
         let v_joint = Vector6::new(0.0, 0.0, qd[k], 0.0, 0.0, 0.0);
         v = motion[k] * v + v_joint;
         bias_acceleration[k] = cross_motion(&v, &v_joint);

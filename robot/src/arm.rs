@@ -63,18 +63,6 @@ pub struct JointPlacement {
     pub translation: Vector3<f64>,
 }
 
-impl JointPlacement {
-    /// Rotation `parent_from_link` at joint angle q (rad): `rotation · RotZ(q)`.
-    #[inline]
-    pub fn parent_from_link(&self, q: f64) -> Matrix3<f64> {
-        let (s, c) = q.sin_cos();
-        let r = &self.rotation;
-        let x = r.column(0) * c + r.column(1) * s;
-        let y = r.column(1) * c - r.column(0) * s;
-        Matrix3::from_columns(&[x, y, r.column(2).into_owned()])
-    }
-}
-
 impl From<ModifiedDh> for JointPlacement {
     fn from(dh: ModifiedDh) -> Self {
         // Right angles are the rule in real arms; keep their cosine an exact zero.

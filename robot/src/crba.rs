@@ -4,6 +4,7 @@ use nalgebra::{Matrix3, SMatrix, SVector, Vector3};
 
 use crate::Arm;
 use crate::inertia::{symmetric, turned};
+use crate::sines::{sines, turned_about_z};
 
 /// Joint-space mass matrix M(q) + diag(Ir) [kg m²] (Featherstone 2008, table 6.2), link frames.
 ///
@@ -15,8 +16,9 @@ pub fn mass_matrix<const N: usize>(arm: &Arm<N>, q: &SVector<f64, N>) -> SMatrix
     let mut masses = [0.0; N];
     let mut first_moments = [Vector3::zeros(); N];
     let mut inertias = [Matrix3::zeros(); N];
+    let sines = sines(q);
     for k in 0..N {
-        rotations[k] = arm.placements[k].parent_from_link(q[k]);
+        rotations[k] = turned_about_z(&arm.placements[k].rotation, sines[k]);
         let link = &arm.links[k];
         masses[k] = link.mass_kg;
         first_moments[k] = link.com_m * link.mass_kg;

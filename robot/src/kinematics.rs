@@ -3,6 +3,7 @@
 use nalgebra::{IsometryMatrix3, Matrix3, Rotation3, SMatrix, SVector, Translation3, Vector3, Vector6};
 
 use crate::link_motion::LinkMotion;
+use crate::sines::{sines, turned_about_z};
 use crate::{Arm, Pose};
 
 /// Where every link is at one configuration, in base axes: the workspace shared by the kinematic algorithms.
@@ -25,10 +26,11 @@ impl<const N: usize> Kinematics<N> {
         let (mut r, mut o) = (Matrix3::identity(), Vector3::zeros());
         // Filled where it is returned: copies are what a tick has too many of.
         let mut kinematics = Self { rotations: [r; N], origins: [o; N], flange_rotation: r, flange_origin: o };
+        let sines = sines(q);
         for k in 0..N {
             let placement = &arm.placements[k];
             o += r * placement.translation;
-            r *= placement.parent_from_link(q[k]);
+            r = turned_about_z(&(r * placement.rotation), sines[k]);
             kinematics.rotations[k] = r;
             kinematics.origins[k] = o;
         }

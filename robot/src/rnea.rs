@@ -2,6 +2,7 @@
 
 use nalgebra::{Matrix3, SVector, Vector3};
 
+use crate::sines::{sines, turned_about_z};
 use crate::{Arm, Kinematics};
 
 /// Inverse dynamics (Luh, Walker & Paul 1980), link frames, forward then backward pass.
@@ -49,9 +50,10 @@ fn newton_euler<const N: usize>(
     let mut moments = [Vector3::zeros(); N];
     let (mut w, mut dw, mut a) = (Vector3::zeros(), Vector3::zeros(), -gravity);
 
+    let sines = sines(q);
     for k in 0..N {
         let placement = &arm.placements[k];
-        let r = placement.parent_from_link(q[k]);
+        let r = turned_about_z(&placement.rotation, sines[k]);
         let p = &placement.translation;
         let rt = r.transpose();
         a = rt * (a + dw.cross(p) + w.cross(&w.cross(p)));

@@ -2,6 +2,8 @@
 
 use nalgebra::{SMatrix, SVector};
 
+use crate::product::multiply_add;
+
 /// `A = L D Lᵀ`, L unit lower triangular, D diagonal: Cholesky without square roots (Golub & Van Loan 2013, §4.1).
 ///
 /// What nalgebra's `Cholesky` is for, with whole columns in the inner loops of the solutions, whose length the compiler then
@@ -31,7 +33,7 @@ impl<const N: usize> SpdFactor<N> {
             for c in k + 1..N {
                 let factor = column[c] * reciprocal[k];
                 for r in c..N {
-                    columns[c][r] -= column[r] * factor;
+                    columns[c][r] = multiply_add(-column[r], factor, columns[c][r]);
                 }
             }
         }
@@ -48,7 +50,7 @@ impl<const N: usize> SpdFactor<N> {
             let mut column = b.data.0[c];
             for k in 0..c {
                 for r in 0..R {
-                    column[r] -= y[k][r] * l[k][c];
+                    column[r] = multiply_add(-y[k][r], l[k][c], column[r]);
                 }
             }
             x[c] = column;
@@ -66,7 +68,7 @@ impl<const N: usize> SpdFactor<N> {
             let mut outboard = [0.0; R];
             for c in k + 1..N {
                 for r in 0..R {
-                    outboard[r] += x[c][r] * l[k][c];
+                    outboard[r] = multiply_add(x[c][r], l[k][c], outboard[r]);
                 }
             }
             for r in 0..R {
@@ -99,7 +101,7 @@ impl<const N: usize> SpdFactor<N> {
             for k in c..N {
                 let factor = unit[c][k] * d[k];
                 for r in k + 1..N {
-                    unit[c][r] -= l[k][r] * factor;
+                    unit[c][r] = multiply_add(-l[k][r], factor, unit[c][r]);
                 }
             }
         }
