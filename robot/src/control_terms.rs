@@ -4,6 +4,7 @@ use nalgebra::{Matrix3, SMatrix, SVector, Vector3, Vector6};
 
 use crate::inertia::{steiner, turned};
 use crate::link_motion::LinkMotion;
+use crate::product::cross;
 use crate::{Arm, Kinematics, Pose};
 
 /// Model terms at (q, qd): pose, J, J̇ qd, M, C qd, g. Base axes, angular part first, SI units.
@@ -54,7 +55,7 @@ impl<const N: usize> ControlTerms<N> {
             let inertia = turned(rotation, &link.inertia_kg_m2);
             let LinkMotion { w, dw, a, .. } = motion;
             let force = (a + motion.at_distance(&r)) * link.mass_kg;
-            let moment = inertia * dw + w.cross(&(inertia * w)) + com.cross(&force);
+            let moment = inertia * dw + cross(&w, &(inertia * w)) + cross(&com, &force);
             let first_moment = com * link.mass_kg;
             let inertia = inertia + steiner(&first_moment, &com);
             bodies[k] = Body { mass_kg: link.mass_kg, first_moment, inertia, force, moment };
@@ -70,23 +71,23 @@ impl<const N: usize> ControlTerms<N> {
             coriolis_nm: SVector::zeros(),
             gravity_nm: SVector::zeros(),
         };
-        let moments: [Vector3<f64>; N] = std::array::from_fn(|k| kinematics.origins[k].cross(&kinematics.axis(k)));
+        let moments: [Vector3<f64>; N] = std::array::from_fn(|k| cross(&kinematics.origins[k], &kinematics.axis(k)));
         let mut outboard = Body::default();
         for k in (0..N).rev() {
             outboard.weld(&bodies[k]);
             let (origin, z, l) = (&kinematics.origins[k], kinematics.axis(k), &moments[k]);
             terms.coriolis_nm[k] = z.dot(&outboard.moment) + l.dot(&outboard.force);
             let lever = outboard.first_moment - origin * outboard.mass_kg;
-            terms.gravity_nm[k] = -z.dot(&lever.cross(&arm.gravity_m_s2));
-            let moment = outboard.inertia * z + outboard.first_moment.cross(l);
-            let force = l * outboard.mass_kg + z.cross(&outboard.first_moment);
+            terms.gravity_nm[k] = -z.dot(&cross(&lever, &arm.gravity_m_s2));
+            let moment = outboard.inertia * z + cross(&outboard.first_moment, l);
+            let force = l * outboard.mass_kg + cross(&z, &outboard.first_moment);
             for i in 0..=k {
                 let m = kinematics.axis(i).dot(&moment) + moments[i].dot(&force);
                 terms.mass_matrix[(i, k)] = m;
                 terms.mass_matrix[(k, i)] = m;
             }
             terms.mass_matrix[(k, k)] += arm.rotor_inertia_kg_m2[k];
-            let linear = l + z.cross(&kinematics.flange_origin);
+            let linear = l + cross(&z, &kinematics.flange_origin);
             terms.jacobian.set_column(k, &Vector6::new(z.x, z.y, z.z, linear.x, linear.y, linear.z));
         }
         terms

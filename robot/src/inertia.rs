@@ -2,6 +2,8 @@
 
 use nalgebra::{Matrix3, SVector, Vector3};
 
+use crate::multiply_add;
+
 /// Rigid-body inertia of one link: mass, centre of mass in the link frame, rotational inertia about the centre of mass.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LinkInertia {
@@ -64,10 +66,11 @@ impl LinkInertia {
 /// `R I Rᵀ` of a symmetric I.
 #[inline]
 pub(crate) fn turned(rotation: &Matrix3<f64>, inertia: &Matrix3<f64>) -> Matrix3<f64> {
-    let half = rotation * inertia;
-    let entry = |r: usize, c: usize| {
-        half[(r, 0)] * rotation[(c, 0)] + half[(r, 1)] * rotation[(c, 1)] + half[(r, 2)] * rotation[(c, 2)]
-    };
+    let dot = |a: [f64; 3], b: [f64; 3]| multiply_add(a[2], b[2], multiply_add(a[1], b[1], a[0] * b[0]));
+    let row = |m: &Matrix3<f64>, r: usize| [m[(r, 0)], m[(r, 1)], m[(r, 2)]];
+    // I = Iᵀ: its columns are its rows.
+    let half = Matrix3::from_fn(|r, c| dot(row(rotation, r), inertia.data.0[c]));
+    let entry = |r: usize, c: usize| dot(row(&half, r), row(rotation, c));
     symmetric([entry(0, 0), entry(0, 1), entry(0, 2), entry(1, 1), entry(1, 2), entry(2, 2)])
 }
 

@@ -2,6 +2,8 @@
 
 use nalgebra::Vector3;
 
+use crate::product::cross;
+
 /// Motion of a link at one of its points, base axes: ω [rad/s], ω̇ [rad/s²], classical acceleration a of the point [m/s²].
 ///
 /// ```text
@@ -34,14 +36,14 @@ impl LinkMotion {
     /// What the acceleration of a point at distance d (m) has more than that of this one.
     #[inline]
     pub fn at_distance(&self, d: &Vector3<f64>) -> Vector3<f64> {
-        self.dw.cross(d) + self.w.cross(&self.w.cross(d))
+        cross(&self.dw, d) + cross(&self.w, &cross(&self.w, d))
     }
 
     /// Goes over to the link that turns about an axis through this point with qd [rad/s].
     #[inline]
     pub fn turn(&mut self, axis: &Vector3<f64>, qd: f64) {
         let spin = axis * qd;
-        self.dw += self.w.cross(&spin);
+        self.dw += cross(&self.w, &spin);
         self.w += spin;
     }
 }

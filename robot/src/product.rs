@@ -1,6 +1,6 @@
 //! Products of small matrices of fixed size.
 
-use nalgebra::SMatrix;
+use nalgebra::{SMatrix, Vector3};
 
 /// `a b + c`, rounded once where the processor that the program is compiled for has an instruction for it (AVX2's time, every ARM64).
 ///
@@ -8,6 +8,16 @@ use nalgebra::SMatrix;
 #[inline]
 pub fn multiply_add(a: f64, b: f64, c: f64) -> f64 {
     if cfg!(any(target_feature = "fma", target_arch = "aarch64")) { a.mul_add(b, c) } else { a * b + c }
+}
+
+/// `a × b`.
+#[inline]
+pub(crate) fn cross(a: &Vector3<f64>, b: &Vector3<f64>) -> Vector3<f64> {
+    Vector3::new(
+        multiply_add(a.y, b.z, -(a.z * b.y)),
+        multiply_add(a.z, b.x, -(a.x * b.z)),
+        multiply_add(a.x, b.y, -(a.y * b.x)),
+    )
 }
 
 /// `A B`.

@@ -26,7 +26,7 @@ pub(crate) fn solve_friction<const N: usize>(
     p: &mut SVector<f64, N>,
 ) -> SVector<f64, N> {
     for i in 0..N {
-        p[i] = p[i].max(lower[i]).min(upper[i]);
+        p[i] = within(p[i], lower[i], upper[i]);
     }
     let mut v = product(a, &(momentum - *p));
     // What each joint weighs when the others are free; divided by once, not in every sweep.
@@ -38,7 +38,7 @@ pub(crate) fn solve_friction<const N: usize>(
             if (v[i] >= 0.0 && p[i] == upper[i]) || (v[i] <= 0.0 && p[i] == lower[i]) {
                 continue;
             }
-            let moved = (p[i] + v[i] * inertia[i]).max(lower[i]).min(upper[i]);
+            let moved = within(p[i] + v[i] * inertia[i], lower[i], upper[i]);
             let step = moved - p[i];
             if step != 0.0 {
                 p[i] = moved;
@@ -56,6 +56,14 @@ pub(crate) fn solve_friction<const N: usize>(
         }
     }
     v
+}
+
+/// x, or the bound that it is beyond: an instruction for each, as NaN need not be told from a number. `clamp` would panic where the
+/// bounds are NaN.
+#[inline]
+fn within(x: f64, lower: f64, upper: f64) -> f64 {
+    let above = if x > lower { x } else { lower };
+    if above < upper { above } else { upper }
 }
 
 #[cfg(test)]

@@ -72,13 +72,15 @@ impl Sensors {
 pub(crate) struct SensorState<const N: usize> {
     settings: Sensors,
     rng: Pcg64,
+    /// Control period (s) and the weight of a new difference in the velocity filter at it.
+    filter: (f64, f64),
     last_q: Option<SVector<f64, N>>,
     qd: SVector<f64, N>,
 }
 
 impl<const N: usize> SensorState<N> {
     pub(crate) fn new(settings: Sensors, seed: u64) -> Self {
-        Self { settings, rng: Pcg64::seed_from_u64(seed), last_q: None, qd: SVector::zeros() }
+        Self { settings, rng: Pcg64::seed_from_u64(seed), filter: (0.0, 0.0), last_q: None, qd: SVector::zeros() }
     }
 
     /// `q_m = quantise(q + n)`, `qd_m = LPF((q_m − q_m,last)/dt)`; `theta_m = quantise(theta + n)` with two encoders, else
@@ -96,8 +98,11 @@ impl<const N: usize> SensorState<N> {
         let measured = settings.quantised(q + self.noise(settings.encoder_sd_rad));
         let tau = tau + self.noise(settings.torque_sd_nm);
         if let Some(last) = self.last_q {
-            let weight = 1.0 - (-2.0 * std::f64::consts::PI * settings.velocity_cutoff_hz * dt_s).exp();
-            self.qd += ((measured - last) / dt_s - self.qd) * weight;
+            if self.filter.0 != dt_s {
+                let weight = 1.0 - (-2.0 * std::f64::consts::PI * settings.velocity_cutoff_hz * dt_s).exp();
+                self.filter = (dt_s, weight);
+            }
+            self.qd += ((measured - last) / dt_s - self.qd) * self.filter.1;
         }
         self.last_q = Some(measured);
         // Drawn last: the numbers of a robot with one encoder stay what they are.
