@@ -34,10 +34,7 @@ pub(crate) fn solve_friction<const N: usize>(
     for _ in 0..MAX_SWEEPS {
         let mut largest = 0.0_f64;
         for i in 0..N {
-            // Sliding on, as nearly every joint does nearly always.
-            if (v[i] >= 0.0 && p[i] == upper[i]) || (v[i] <= 0.0 && p[i] == lower[i]) {
-                continue;
-            }
+            // A joint that slides on, as nearly every one does nearly always, stays at its bound: no step.
             let moved = within(p[i] + v[i] * inertia[i], lower[i], upper[i]);
             let step = moved - p[i];
             if step != 0.0 {
