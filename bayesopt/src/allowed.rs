@@ -9,7 +9,7 @@ use std::fmt::Debug;
 /// ```
 ///
 /// All in real units. Designs are the caller's to hold back.
-pub trait Allowed: Debug {
+pub trait Allowed: Debug + Sync {
     /// Value above which no coordinate is proposed, whatever the others.
     fn highest(&self) -> &[f64];
 

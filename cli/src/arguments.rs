@@ -2,8 +2,10 @@
 
 use std::path::PathBuf;
 
+use anyhow::Context;
 use clap::builder::PossibleValuesParser;
 use clap::{Args, Parser, Subcommand};
+use rayon::{ThreadPool, ThreadPoolBuilder};
 
 /// Gives any robot arm without force sensors a trustworthy sense of touch.
 #[derive(Debug, Parser)]
@@ -49,9 +51,19 @@ pub struct Common {
     /// More messages.
     #[arg(long, short, global = true)]
     pub verbose: bool,
-    /// Threads for independent trials; 0 is one per core. The results do not depend on it.
+    /// Threads for trials and searches; 0 is one per core. The results do not depend on it.
     #[arg(long, global = true, default_value_t = 0, value_name = "N")]
     pub threads: usize,
+}
+
+impl Common {
+    /// The threads asked for.
+    ///
+    /// # Errors
+    /// A computer that cannot start them.
+    pub fn pool(&self) -> anyhow::Result<ThreadPool> {
+        ThreadPoolBuilder::new().num_threads(self.threads).build().context("starting the threads")
+    }
 }
 
 /// The commands.

@@ -127,7 +127,7 @@ impl<const N: usize> Campaign<N> {
                 }
             }
             let batch = self.next_batch(next, strategy.as_ref(), &limit, &logs)?;
-            self.run_batch(&batch, &logs, observer)?;
+            self.run_batch(&batch, &limit, &logs, observer)?;
         }
 
         let law_check = strategy.law_check(self.trials.len(), &logs).map_err(fail)?;
@@ -182,6 +182,7 @@ impl<const N: usize> Campaign<N> {
     fn run_batch(
         &mut self,
         batch: &[(usize, Proposal)],
+        limit: &FrictionLimit<N>,
         logs: &StoredLogs<N>,
         observer: &mut dyn CampaignObserver,
     ) -> Result<(), CampaignError> {
@@ -192,7 +193,13 @@ impl<const N: usize> Campaign<N> {
         let shared = Mutex::new((&mut self.journal, &mut self.trials, observer));
         batch.par_iter().try_for_each(|(number, proposal)| -> Result<(), CampaignError> {
             let outcome = run_numbered(tune, *number, &proposal.theta)?;
-            write_trial_log(&trial_log_path(directory, *number), &outcome.log)?;
+            let log = Arc::new(outcome.log);
+            logs.remember(*number, Arc::clone(&log));
+            let write = || write_trial_log(&trial_log_path(directory, *number), &log);
+            // The next trial waits for one that ran alone: what it will ask of the log is worked out while that is written.
+            let written =
+                if batch.len() == 1 { rayon::join(write, || limit.learn(number + 1, logs)).0 } else { write() };
+            written?;
             let trial = FinishedTrial {
                 number: *number,
                 theta: proposal.theta.clone(),
@@ -207,7 +214,6 @@ impl<const N: usize> Campaign<N> {
                 TrialState::Complete,
                 Some(trial.cost.total()),
             )?;
-            logs.remember(*number, outcome.log);
             shared.2.trial_finished(&trial);
             shared.1[*number] = Some(trial);
             Ok(())

@@ -49,6 +49,13 @@ impl<const N: usize> FrictionLimit<N> {
         Ok(Some(Allowance::of(&self.space, fit.as_ref(), *ratio)))
     }
 
+    /// Looks at the trials before trial `number`, all of which have ended, ahead of [`Self::before`]; an error is for that to report.
+    pub fn learn(&self, number: usize, logs: &dyn LogSource<N>) {
+        if let Some((identification, _)) = &self.guard {
+            let _ = identification.before(number, logs);
+        }
+    }
+
     /// Whether the trials before trial `number` tell enough for trials of a design to run side by side.
     ///
     /// # Errors

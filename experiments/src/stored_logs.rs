@@ -1,7 +1,7 @@
 //! Logs of the trials of a campaign.
 
 use std::path::PathBuf;
-use std::sync::{Mutex, PoisonError};
+use std::sync::{Arc, Mutex, PoisonError};
 
 use crate::TrialLog;
 use crate::files::FileError;
@@ -11,7 +11,7 @@ use crate::trial_store::{read_trial_log, trial_log_path};
 /// Logs of trials: the last few in memory, all on disk. Both hold the same bits.
 pub(crate) struct StoredLogs<const N: usize> {
     directory: PathBuf,
-    recent: Mutex<Vec<(usize, TrialLog<N>)>>,
+    recent: Mutex<Vec<(usize, Arc<TrialLog<N>>)>>,
 }
 
 impl<const N: usize> StoredLogs<N> {
@@ -20,8 +20,8 @@ impl<const N: usize> StoredLogs<N> {
         Self { directory, recent: Mutex::new(Vec::new()) }
     }
 
-    /// Keeps the log of a trial that has just been written.
-    pub(crate) fn remember(&self, number: usize, log: TrialLog<N>) {
+    /// Keeps the log of a trial that has just been run.
+    pub(crate) fn remember(&self, number: usize, log: Arc<TrialLog<N>>) {
         let mut recent = self.recent.lock().unwrap_or_else(PoisonError::into_inner);
         recent.push((number, log));
         if recent.len() > 4 {
@@ -34,7 +34,7 @@ impl<const N: usize> LogSource<N> for StoredLogs<N> {
     fn log(&self, number: usize) -> Result<Option<TrialLog<N>>, FileError> {
         let recent = self.recent.lock().unwrap_or_else(PoisonError::into_inner);
         match recent.iter().find(|(held, _)| *held == number) {
-            Some((_, log)) => Ok(Some(log.clone())),
+            Some((_, log)) => Ok(Some(TrialLog::clone(log))),
             None => read_trial_log(&trial_log_path(&self.directory, number)).map(Some),
         }
     }

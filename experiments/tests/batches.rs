@@ -29,6 +29,8 @@ fn results_depend_neither_on_threads_nor_on_what_ends_first() {
         assert_eq!(on_threads(3, config(strategy, 3)), alone, "{strategy:?}");
         let one_by_one = run_in_memory(&config(strategy, 1).validate::<7>().unwrap()).unwrap();
         assert_ne!(one_by_one, alone, "{strategy:?}");
+        assert_eq!(on_threads(1, config(strategy, 1)), one_by_one, "{strategy:?}");
+        assert_eq!(on_threads(3, config(strategy, 1)), one_by_one, "{strategy:?}");
         for (k, trial) in alone.iter().enumerate() {
             assert!(alone[..k].iter().all(|other| other.theta != trial.theta), "{strategy:?} repeats trial {k}");
         }

@@ -5,7 +5,7 @@ use crate::Feasibility;
 use crate::gp::Gp;
 
 /// An acquisition as a function of the point, unit coordinates; larger is better.
-pub trait Worth {
+pub trait Worth: Sync {
     /// The worth of each of many points.
     fn values(&self, points: &[Vec<f64>]) -> Vec<f64>;
 

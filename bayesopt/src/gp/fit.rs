@@ -1,6 +1,7 @@
 //! Hyper-parameters by maximum posterior density.
 
 use rand_distr::{Distribution, StandardNormal};
+use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
 use super::hyper::{HyperParameters, Lengthscales};
@@ -120,7 +121,8 @@ const FINALISTS: usize = 3;
 /// `argmax_k  max_θ ln p(t_k(y)|θ, k) + ln p(θ) + Σ ln |dt_k/dy|`: which kernel on which targets explains y best.
 ///
 /// All contenders begin at the mode of the prior and ascend a few steps; the best of these go on to their end, and the
-/// winner is tried from its other starts too. Index of the winner and its fit.
+/// winner is tried from its other starts too, ascents side by side on the threads of the current rayon pool. Index of the winner
+/// and its fit.
 ///
 /// # Errors
 /// As [`fit`]; no contenders are `TooFewSamples`.
@@ -131,43 +133,60 @@ pub fn fit_best(
     seed: u64,
 ) -> Result<(usize, Fit), BayesoptError> {
     let likelihood = |k: usize| settings.likelihood(points, contenders[k].targets, contenders[k].shape);
-    let mut evaluations = 0;
-    let mut ascend_counted = |iterations, k: usize, starts, curvature: &Curvature| {
-        let outcome = ascend(&FitSettings { iterations, ..*settings }, &likelihood(k)?, starts, curvature);
-        evaluations += outcome.as_ref().map_or(0, |(fit, _)| fit.evaluations);
-        outcome
+    let ascend_from = |iterations, k: usize, start, curvature: &Curvature| {
+        let (fit, curvature) =
+            ascend(&FitSettings { iterations, ..*settings }, &likelihood(k)?, vec![start], curvature)?;
+        Ok(Ascended { k, fit, curvature })
     };
 
     // A few steps each; one that cannot be evaluated is out.
+    let few = SCREENING.min(settings.iterations);
     let mut standing = Vec::new();
     let mut failure = BayesoptError::TooFewSamples { need: 1, got: 0 };
-    let few = SCREENING.min(settings.iterations);
-    for k in 0..contenders.len() {
-        match ascend_counted(few, k, vec![start_point(&likelihood(k)?, 0, seed)], &Curvature::default()) {
-            Ok((fit, curvature)) => standing.push((k, fit, curvature)),
+    let screen = |k| ascend_from(few, k, start_point(&likelihood(k)?, 0, seed), &Curvature::default());
+    for screened in side_by_side((0..contenders.len()).collect(), screen) {
+        match screened {
+            Ok(ascended) => standing.push(ascended),
             Err(error) => failure = error,
         }
     }
-    let score = |(k, fit, _): &(usize, Fit, Curvature)| fit.log_posterior + contenders[*k].log_jacobian;
+    let mut evaluations: usize = standing.iter().map(|ascended| ascended.fit.evaluations).sum();
+    let score = |ascended: &Ascended| ascended.fit.log_posterior + contenders[ascended.k].log_jacobian;
     standing.sort_by(|a, b| score(b).total_cmp(&score(a)));
     standing.truncate(FINALISTS);
-    for (k, fit, curvature) in &mut standing {
-        let from = vec![fit.hyper.to_log(settings.lengthscales)];
-        (*fit, *curvature) = ascend_counted(settings.iterations, *k, from, curvature)?;
-    }
+    let finish = |Ascended { k, fit, curvature }: Ascended| {
+        ascend_from(settings.iterations, k, fit.hyper.to_log(settings.lengthscales), &curvature)
+    };
+    let mut standing = side_by_side(standing, finish).into_iter().collect::<Result<Vec<_>, _>>()?;
+    evaluations += standing.iter().map(|ascended| ascended.fit.evaluations).sum::<usize>();
     standing.sort_by(|a, b| score(b).total_cmp(&score(a)));
 
     // The winner from where it stands and from its other starts.
-    let Some((winner, fit, _)) = standing.into_iter().next() else { return Err(failure) };
-    let mut best = fit;
-    for start in 1..settings.starts {
-        let from = vec![start_point(&likelihood(winner)?, start, seed)];
-        let (fit, _) = ascend_counted(settings.iterations, winner, from, &Curvature::default())?;
+    let Some(Ascended { k: winner, fit: mut best, .. }) = standing.into_iter().next() else { return Err(failure) };
+    let again = |start| {
+        let from = start_point(&likelihood(winner)?, start, seed);
+        ascend_from(settings.iterations, winner, from, &Curvature::default())
+    };
+    for ascended in side_by_side((1..settings.starts).collect(), again) {
+        let fit = ascended?.fit;
+        evaluations += fit.evaluations;
         if fit.log_posterior > best.log_posterior {
             best = fit;
         }
     }
     Ok((winner, Fit { evaluations, ..best }))
+}
+
+/// Where the ascent of contender `k` stands, and the curvature it has learnt.
+struct Ascended {
+    k: usize,
+    fit: Fit,
+    curvature: Curvature,
+}
+
+/// Each task on its own, in the order given; the number of threads changes nothing but the time.
+fn side_by_side<T: Send, U: Send>(tasks: Vec<T>, run: impl Fn(T) -> U + Sync + Send) -> Vec<U> {
+    tasks.into_par_iter().map(run).collect()
 }
 
 impl FitSettings {

@@ -2,6 +2,7 @@
 
 use rand::RngExt;
 use rand_distr::{Distribution, StandardNormal};
+use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
 use super::Region;
@@ -52,7 +53,7 @@ const SAME_POINT: f64 = 1e-7;
 const SAME_PENDING: f64 = 1e-2;
 
 /// `argmax a(x)` over `region`: Sobol candidates, perturbations of `incumbent`, then projected L-BFGS from the best of both.
-/// Deterministic in (seed, trial).
+/// Deterministic in (seed, trial), on any number of threads.
 ///
 /// Where the region has a limit inside its box, candidates are held back to it, and so is the end of a descent, which then goes on
 /// below what was cut.
@@ -76,8 +77,10 @@ pub fn maximise_acquisition(
         scored.sort_by(|a, b| b.value.total_cmp(&a.value));
         scored
     };
-    let global = score(sobol_candidates(region, settings.candidates.max(1), seed, trial));
-    let local = incumbent.map_or(vec![], |x| score(perturbations(x, region, settings.perturbations, seed, trial)));
+    let (global, local) = rayon::join(
+        || score(sobol_candidates(region, settings.candidates.max(1), seed, trial)),
+        || incumbent.map_or(vec![], |x| score(perturbations(x, region, settings.perturbations, seed, trial))),
+    );
 
     // Refine the best of both kinds; −a is minimised.
     let descent = Descent {
@@ -87,30 +90,33 @@ pub fn maximise_acquisition(
         first_step: 0.05,
         ..Descent::default()
     };
-    let mut objective = |x: &[f64], gradient: &mut [f64]| {
-        let value = worth.slope(x, gradient);
-        gradient.iter_mut().for_each(|slope| *slope = -*slope);
-        -value
-    };
-    let from_local = if local.is_empty() { 0 } else { settings.refined / 2 };
-    let starts = global.iter().take(settings.refined - from_local).chain(local.iter().take(from_local));
-    let mut refined = Vec::new();
-    for start in starts {
+    let refine = |start: &Maximum| {
+        let mut objective = |x: &[f64], gradient: &mut [f64]| {
+            let value = worth.slope(x, gradient);
+            gradient.iter_mut().for_each(|slope| *slope = -*slope);
+            -value
+        };
         let (mut from, mut bounds) = (start.point.clone(), region.bounds().clone());
+        let mut ends = Vec::new();
         for _ in 0..DESCENTS {
             let found = minimise(&mut objective, &from, &bounds, &descent);
             let mut point = found.point.clone();
             if !region.project(&mut point) {
-                refined.push(Maximum { point: found.point, value: -found.value });
+                ends.push(Maximum { point: found.point, value: -found.value });
                 break;
             }
-            refined.push(Maximum { value: worth.values(std::slice::from_ref(&point))[0], point: point.clone() });
+            ends.push(Maximum { value: worth.values(std::slice::from_ref(&point))[0], point: point.clone() });
             for (i, upper) in bounds.upper.iter_mut().enumerate().filter(|(i, _)| point[*i] < found.point[*i]) {
                 *upper = point[i].max(bounds.lower[i]);
             }
             from = point;
         }
-    }
+        ends
+    };
+    let from_local = if local.is_empty() { 0 } else { settings.refined / 2 };
+    let starts: Vec<&Maximum> =
+        global.iter().take(settings.refined - from_local).chain(local.iter().take(from_local)).collect();
+    let mut refined: Vec<Maximum> = starts.into_par_iter().flat_map_iter(refine).collect();
 
     // Best first; a known point is passed over.
     let fallback = global[0].clone();

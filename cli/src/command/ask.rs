@@ -96,7 +96,7 @@ fn difference(a: &Value, b: &Value) -> Option<String> {
 fn ask<const N: usize>(mut campaign: UserCampaign<N>, arguments: &Ask, common: &Common) -> anyhow::Result<()> {
     let asked = match arguments.trial {
         Some(number) => campaign.asked(number)?,
-        None => campaign.ask()?,
+        None => common.pool()?.install(|| campaign.ask())?,
     };
     let out = arguments.out.as_deref();
     let text = to_yaml(&asked.file).map_err(FileError::io(out.unwrap_or(&arguments.campaign)))?;

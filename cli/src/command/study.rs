@@ -2,7 +2,6 @@
 
 use std::path::Path;
 
-use anyhow::Context;
 use serde_json::json;
 use tribo_diagnose::report::number::probability;
 use tribo_experiments::files::FileError;
@@ -31,11 +30,7 @@ pub fn run(arguments: &Arguments, common: &Common) -> anyhow::Result<()> {
     }
     stop_on_signal();
     let mut progress = CellProgress::new(common.quiet);
-    let pool = rayon::ThreadPoolBuilder::new()
-        .num_threads(common.threads)
-        .build()
-        .context("starting the threads of the campaigns")?;
-    let whole = pool.install(|| run_shard(&study, &store, shard, &mut progress));
+    let whole = common.pool()?.install(|| run_shard(&study, &store, shard, &mut progress));
     progress.finish();
     if !whole? {
         eprintln!("tribo: stopped; every finished cell is kept: start it again to go on");

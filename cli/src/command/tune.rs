@@ -63,10 +63,7 @@ fn finish<const N: usize>(
     }
     stop_on_signal();
     let mut progress = TrialProgress::new(total, finished, common.quiet);
-    let pool = rayon::ThreadPoolBuilder::new()
-        .num_threads(common.threads)
-        .build()
-        .context("starting the threads of the trials")?;
+    let pool = common.pool()?;
     let tune = campaign.tune().clone();
     // The window watches through the journal, from this thread, as windows must; closing it does not stop the campaign.
     let result = std::thread::scope(|scope| {

@@ -7,7 +7,6 @@ mod show;
 
 use std::path::Path;
 
-use anyhow::Context;
 use tribo_diagnose::report::{ClosedLoop, ReportContext, html};
 use tribo_diagnose::{DiagnoseError, DiagnoseSettings, Diagnosis, Verdict, diagnose};
 use tribo_experiments::files::{AnyModel, Model, ModelFile};
@@ -79,7 +78,7 @@ fn run_with<const N: usize>(
     // The diagnosis, until it is done or somebody stops it.
     stop_on_signal();
     let progress = StageProgress::new(common.quiet);
-    let pool = rayon::ThreadPoolBuilder::new().num_threads(common.threads).build().context("starting the threads")?;
+    let pool = common.pool()?;
     let settings = DiagnoseSettings { seed: arguments.seed, band_hz: arguments.band_hz };
     let result = pool.install(|| {
         let report = |stage: &str, part: f64| progress.stage(stage, part);

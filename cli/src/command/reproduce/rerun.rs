@@ -2,7 +2,6 @@
 
 use std::path::Path;
 
-use anyhow::Context;
 use indicatif::{ProgressBar, ProgressStyle};
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
@@ -49,8 +48,7 @@ pub fn with_progress<T: Send>(
     let bar = if common.quiet { ProgressBar::hidden() } else { ProgressBar::new(count) };
     let template = format!("{{bar:30}} {{pos}}/{{len}} {what}  {{elapsed}}  eta {{eta}}");
     bar.set_style(ProgressStyle::with_template(&template)?);
-    let pool = rayon::ThreadPoolBuilder::new().num_threads(common.threads).build().context("starting the threads")?;
-    let result = pool.install(|| work(&bar))?;
+    let result = common.pool()?.install(|| work(&bar))?;
     bar.finish_and_clear();
     Ok(result)
 }
