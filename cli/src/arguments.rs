@@ -2,10 +2,8 @@
 
 use std::path::PathBuf;
 
-use anyhow::Context;
 use clap::builder::PossibleValuesParser;
 use clap::{Args, Parser, Subcommand};
-use rayon::{ThreadPool, ThreadPoolBuilder};
 
 /// Gives any robot arm without force sensors a trustworthy sense of touch.
 #[derive(Debug, Parser)]
@@ -54,16 +52,6 @@ pub struct Common {
     /// Threads for trials and searches; 0 is one per core. The results do not depend on it.
     #[arg(long, global = true, default_value_t = 0, value_name = "N")]
     pub threads: usize,
-}
-
-impl Common {
-    /// The threads asked for.
-    ///
-    /// # Errors
-    /// A computer that cannot start them.
-    pub fn pool(&self) -> anyhow::Result<ThreadPool> {
-        ThreadPoolBuilder::new().num_threads(self.threads).build().context("starting the threads")
-    }
 }
 
 /// The commands.

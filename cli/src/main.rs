@@ -9,6 +9,7 @@ mod failure;
 mod output;
 mod processor;
 mod progress;
+mod threads;
 
 use std::process::ExitCode;
 

@@ -9,6 +9,7 @@ use super::{configured, now, set};
 use crate::arguments::{Ask, Common};
 use crate::failure::BadInput;
 use crate::output::{print, print_json};
+use crate::threads;
 
 /// Hands out the next parameters of a campaign; begins the campaign where there is none.
 pub fn run(arguments: &Ask, common: &Common) -> anyhow::Result<()> {
@@ -96,7 +97,7 @@ fn difference(a: &Value, b: &Value) -> Option<String> {
 fn ask<const N: usize>(mut campaign: UserCampaign<N>, arguments: &Ask, common: &Common) -> anyhow::Result<()> {
     let asked = match arguments.trial {
         Some(number) => campaign.asked(number)?,
-        None => common.pool()?.install(|| campaign.ask())?,
+        None => threads::pool(common)?.install(|| campaign.ask())?,
     };
     let out = arguments.out.as_deref();
     let text = to_yaml(&asked.file).map_err(FileError::io(out.unwrap_or(&arguments.campaign)))?;

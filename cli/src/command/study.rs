@@ -12,6 +12,7 @@ use crate::arguments::{Common, Study as Arguments};
 use crate::failure::BadInput;
 use crate::output::{print, print_json, significant, table};
 use crate::progress::{CellProgress, stop_on_signal};
+use crate::threads;
 
 /// Computes what is left of a slice of a study; with the last cell of all slices there, writes and shows the comparison.
 pub fn run(arguments: &Arguments, common: &Common) -> anyhow::Result<()> {
@@ -30,7 +31,7 @@ pub fn run(arguments: &Arguments, common: &Common) -> anyhow::Result<()> {
     }
     stop_on_signal();
     let mut progress = CellProgress::new(common.quiet);
-    let whole = common.pool()?.install(|| run_shard(&study, &store, shard, &mut progress));
+    let whole = threads::pool(common)?.install(|| run_shard(&study, &store, shard, &mut progress));
     progress.finish();
     if !whole? {
         eprintln!("tribo: stopped; every finished cell is kept: start it again to go on");

@@ -14,6 +14,7 @@ use crate::arguments::{Common, Tune};
 use crate::failure::{BadInput, CheckFailed};
 use crate::output::{print, print_json, significant, table};
 use crate::progress::{TrialProgress, stop_on_signal};
+use crate::threads;
 
 /// Runs or resumes a campaign.
 pub fn run(arguments: &Tune, common: &Common) -> anyhow::Result<()> {
@@ -63,7 +64,7 @@ fn finish<const N: usize>(
     }
     stop_on_signal();
     let mut progress = TrialProgress::new(total, finished, common.quiet);
-    let pool = common.pool()?;
+    let pool = threads::pool(common)?;
     let tune = campaign.tune().clone();
     // The window watches through the journal, from this thread, as windows must; closing it does not stop the campaign.
     let result = std::thread::scope(|scope| {

@@ -19,6 +19,7 @@ use crate::arguments::{Common, Diagnose};
 use crate::failure::{BadInput, CheckFailed, Stopped};
 use crate::output::print_json;
 use crate::progress::{StageProgress, stop_on_signal};
+use crate::threads;
 use files::Outputs;
 
 /// What a run has to say besides the diagnosis.
@@ -78,7 +79,7 @@ fn run_with<const N: usize>(
     // The diagnosis, until it is done or somebody stops it.
     stop_on_signal();
     let progress = StageProgress::new(common.quiet);
-    let pool = common.pool()?;
+    let pool = threads::pool(common)?;
     let settings = DiagnoseSettings { seed: arguments.seed, band_hz: arguments.band_hz };
     let result = pool.install(|| {
         let report = |stage: &str, part: f64| progress.stage(stage, part);

@@ -11,6 +11,7 @@ use tribo_logs::write_atomic;
 use crate::arguments::{Common, Reproduce};
 use crate::failure::BadInput;
 use crate::output::print;
+use crate::threads;
 
 /// Schema of what `--out` writes.
 pub const RESULT_SCHEMA: &str = "tribo.reproduce.result/1";
@@ -48,7 +49,7 @@ pub fn with_progress<T: Send>(
     let bar = if common.quiet { ProgressBar::hidden() } else { ProgressBar::new(count) };
     let template = format!("{{bar:30}} {{pos}}/{{len}} {what}  {{elapsed}}  eta {{eta}}");
     bar.set_style(ProgressStyle::with_template(&template)?);
-    let result = common.pool()?.install(|| work(&bar))?;
+    let result = threads::pool(common)?.install(|| work(&bar))?;
     bar.finish_and_clear();
     Ok(result)
 }
