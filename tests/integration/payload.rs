@@ -26,7 +26,7 @@ fn payload_error(tune: &ValidTune<7>) -> f64 {
     let none = tune.space.friction(&tune.space.zero());
     let estimator = AnyEstimator::for_tuning(tune.config.residual, tune.config.ekf, &tune.trial.model, &none);
     let samples = identification_samples(&tune.trial.model, &zero.log, &estimator.expect("an estimator"));
-    let fit = fit_from_wrench(&samples, &GlsSettings::new(Basis::CoulombViscous).with_nuisances()).expect("a fit");
+    let fit = fit_from_wrench(&[&samples], &GlsSettings::new(Basis::CoulombViscous).with_nuisances()).expect("a fit");
     fit.payload_kg - PAYLOAD_KG
 }
 

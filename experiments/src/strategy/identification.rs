@@ -86,23 +86,21 @@ impl<const N: usize> Identification<N> {
         if let Some(fit) = fits.get(&number) {
             return Ok(Some(fit.clone()));
         }
-        let (mut samples, mut held) = (Vec::new(), SVector::<f64, N>::zeros());
-        let mut taken = 0;
+        let mut taken = Vec::with_capacity(LOGS);
         for trial in (0..number).rev() {
-            let Some(log) = self.samples(trial, logs)? else { continue };
-            samples.extend_from_slice(&log.samples);
-            held = held.sup(&log.largest_torque);
-            taken += 1;
-            if taken == LOGS {
+            taken.extend(self.samples(trial, logs)?);
+            if taken.len() == LOGS {
                 break;
             }
         }
-        if taken == 0 {
+        if taken.is_empty() {
             return Ok(None);
         }
+        let samples: Vec<&[GlsSample<N>]> = taken.iter().map(|log| log.samples.as_slice()).collect();
+        let held = taken.iter().fold(SVector::<f64, N>::zeros(), |held, log| held.sup(&log.largest_torque));
         let mut fit = fit_from_wrench(&samples, &self.gls)?;
         for j in 0..N {
-            if samples.iter().all(|sample| sample.qd[j].abs() <= self.gls.stuck_rad_s) {
+            if samples.iter().copied().flatten().all(|sample| sample.qd[j].abs() <= self.gls.stuck_rad_s) {
                 fit.friction.joints[j] = CoulombViscous { coulomb_nm: held[j], viscous_nm_s_per_rad: 0.0 }.into();
             }
         }

@@ -121,12 +121,12 @@ pub enum GlsError {
     /// A sample holds NaN or infinity.
     #[error("sample {index} of the identification log is not finite")]
     NotFinite {
-        /// Index of the first such sample.
+        /// Index of the first such sample, of all logs.
         index: usize,
     },
 }
 
-/// Fits friction to the wrench that an estimator reports in free motion.
+/// Fits friction to the wrench that an estimator reports in free motion, in one log or several.
 ///
 /// ```text
 /// y_t = h_hat_t + W_t tau_f_hat_t = W_t Φ(qd_t) θ + e_t
@@ -137,17 +137,18 @@ pub enum GlsError {
 /// wrench is widened by the variance of a uniform torque, which projects it out. Prior N(0, prior_sd²), bounds by a
 /// box-constrained solve. This replaces naive least squares, which at low speed is wrong by 20–30 % in the cost.
 pub fn fit_from_wrench<const N: usize>(
-    samples: &[GlsSample<N>],
+    logs: &[&[GlsSample<N>]],
     settings: &GlsSettings,
 ) -> Result<GlsFit<N>, GlsError> {
     let columns = settings.basis.columns();
     let layout = Layout::new::<N>(settings);
-    let need = 10 * layout.total;
-    if samples.len() < need {
-        return Err(GlsError::TooFewSamples { need, got: samples.len() });
+    let (need, got) = (10 * layout.total, logs.iter().map(|log| log.len()).sum());
+    if got < need {
+        return Err(GlsError::TooFewSamples { need, got });
     }
 
-    let equations = NormalEquations::of(samples, 0, settings, &layout)?;
+    let samples = || logs.iter().copied().flatten();
+    let equations = NormalEquations::of(samples(), 0, settings, &layout)?;
     let Solution { theta, covariance } = equations.solve(settings, &layout);
 
     let mut coefficients = [[0.0; 3]; N];
@@ -169,14 +170,14 @@ pub fn fit_from_wrench<const N: usize>(
     let mut before = Vector6::<f64>::zeros();
     let mut after = Vector6::<f64>::zeros();
     let mut rows = DMatrix::<f64>::zeros(6, layout.total);
-    for sample in samples {
+    for sample in samples() {
         let y = sample.wrench + sample.wrench_from_torque * sample.tau_compensation;
         fill_rows(&mut rows, sample, settings, &layout);
         let residual = y - Vector6::from_iterator((&rows * &theta).iter().copied());
         before += sample.wrench.component_mul(&sample.wrench);
         after += residual.component_mul(&residual);
     }
-    let count = samples.len() as f64;
+    let count = got as f64;
     Ok(GlsFit {
         friction,
         coefficients,
@@ -187,7 +188,7 @@ pub fn fit_from_wrench<const N: usize>(
         payload_kg,
         mean_square: equations.square_left(&theta) / (6.0 * count),
         wrench_rms: [before, after].map(|sum| sum.map(|value| (value / count).sqrt())),
-        samples: samples.len(),
+        samples: got,
     })
 }
 
@@ -301,7 +302,7 @@ mod tests {
         let mut settings = GlsSettings::new(Basis::CoulombViscous);
         settings.prior_sd = [100.0; 3];
         for compensation in [0.0, 0.7] {
-            let fit = fit_from_wrench(&samples(3000, truth, compensation), &settings).unwrap();
+            let fit = fit_from_wrench(&[&samples(3000, truth, compensation)], &settings).unwrap();
             for j in 0..7 {
                 assert!((fit.coefficients[j][0] - (0.5 + 0.1 * j as f64)).abs() < 0.02, "{:?}", fit.coefficients[j]);
                 assert!((fit.coefficients[j][1] - (0.3 + 0.05 * j as f64)).abs() < 0.002, "{:?}", fit.coefficients[j]);
@@ -310,10 +311,21 @@ mod tests {
     }
 
     #[test]
+    fn several_logs_are_one_that_is_as_long() {
+        let settings = GlsSettings::new(Basis::CoulombViscous);
+        let all = samples(2000, |_, qd| 0.4 * qd.signum(), 0.5);
+        let whole = fit_from_wrench(&[&all], &settings).unwrap();
+        assert_eq!(fit_from_wrench(&[&all[..700], &all[700..]], &settings).unwrap(), whole);
+        assert_ne!(fit_from_wrench(&[&all[..700]], &settings).unwrap(), whole);
+    }
+
+    #[test]
     fn bounds_hold_and_negative_friction_is_refused() {
-        let fit =
-            fit_from_wrench(&samples(2000, |_, qd| -0.5 * qd.signum(), 0.0), &GlsSettings::new(Basis::CoulombViscous))
-                .unwrap();
+        let fit = fit_from_wrench(
+            &[&samples(2000, |_, qd| -0.5 * qd.signum(), 0.0)],
+            &GlsSettings::new(Basis::CoulombViscous),
+        )
+        .unwrap();
         assert!(fit.coefficients.iter().flatten().all(|&c| c >= 0.0));
     }
 
@@ -321,8 +333,8 @@ mod tests {
     fn too_few_or_broken_samples_are_errors() {
         let settings = GlsSettings::new(Basis::CoulombViscous);
         let mut some = samples(500, |_, qd| qd, 0.0);
-        assert!(matches!(fit_from_wrench(&some[..10], &settings), Err(GlsError::TooFewSamples { got: 10, .. })));
+        assert!(matches!(fit_from_wrench(&[&some[..10]], &settings), Err(GlsError::TooFewSamples { got: 10, .. })));
         some[3].wrench[2] = f64::NAN;
-        assert_eq!(fit_from_wrench(&some, &settings), Err(GlsError::NotFinite { index: 3 }));
+        assert_eq!(fit_from_wrench(&[&some], &settings), Err(GlsError::NotFinite { index: 3 }));
     }
 }

@@ -1,6 +1,6 @@
 //! Normal equations of friction in a wrench.
 
-use nalgebra::{DMatrix, DVector, Vector6};
+use nalgebra::{DMatrix, DVector, Matrix6, Vector6};
 
 use super::gls::{Layout, error_covariance, fill_rows};
 use super::{GlsError, GlsSample, GlsSettings, minimize_in_box};
@@ -28,21 +28,28 @@ impl NormalEquations {
     }
 
     /// Of a block whose first sample has the index `first` in its log.
-    pub fn of<const N: usize>(
-        block: &[GlsSample<N>],
+    pub fn of<'a, const N: usize>(
+        block: impl IntoIterator<Item = &'a GlsSample<N>>,
         first: usize,
         settings: &GlsSettings,
         layout: &Layout,
     ) -> Result<Self, GlsError> {
         let mut sum = Self::zero(layout.total);
         let mut rows = DMatrix::<f64>::zeros(6, layout.total);
-        for (k, sample) in block.iter().enumerate() {
+        // One covariance and its inverse for all samples without a stuck joint.
+        let mut known: Option<(Matrix6<f64>, Matrix6<f64>)> = None;
+        for (k, sample) in block.into_iter().enumerate() {
             let broken = GlsError::NotFinite { index: first + k };
             let y: Vector6<f64> = sample.wrench + sample.wrench_from_torque * sample.tau_compensation;
             if !y.iter().chain(sample.qd.iter()).all(|value| value.is_finite()) {
                 return Err(broken);
             }
-            let weight = error_covariance(sample, settings).cholesky().ok_or(broken)?.inverse();
+            let covariance = error_covariance(sample, settings);
+            let weight = match known {
+                Some((same, weight)) if same == covariance => weight,
+                _ => covariance.cholesky().ok_or(broken)?.inverse(),
+            };
+            known = Some((covariance, weight));
             fill_rows(&mut rows, sample, settings, layout);
             // In place, column by column: thousands of samples, six rows each.
             for c in 0..layout.total {
