@@ -47,13 +47,15 @@ pub enum CauseLabel {
     ExternalContact,
     /// A spring across the joint.
     PositionSpring,
+    /// Friction that bends with speed.
+    FrictionCurve,
     /// None of these.
     Unknown,
 }
 
 impl CauseLabel {
     /// All labels, `unknown` last.
-    pub const ALL: [Self; 20] = [
+    pub const ALL: [Self; 21] = [
         Self::Coulomb,
         Self::Viscous,
         Self::Stribeck,
@@ -73,6 +75,7 @@ impl CauseLabel {
         Self::TimeDelay,
         Self::ExternalContact,
         Self::PositionSpring,
+        Self::FrictionCurve,
         Self::Unknown,
     ];
 
@@ -98,6 +101,7 @@ impl CauseLabel {
             Self::TimeDelay => "time_delay",
             Self::ExternalContact => "external_contact",
             Self::PositionSpring => "position_spring",
+            Self::FrictionCurve => "friction_curve",
             Self::Unknown => "unknown",
         }
     }
@@ -124,6 +128,7 @@ impl CauseLabel {
             Effect::TimeDelay { .. } => Self::TimeDelay,
             Effect::ExternalContact { .. } => Self::ExternalContact,
             Effect::PositionSpring { .. } => Self::PositionSpring,
+            Effect::FrictionCurve { .. } => Self::FrictionCurve,
         }
     }
 }

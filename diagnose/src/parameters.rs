@@ -33,8 +33,13 @@ pub(crate) fn parameters_of(effect: &Effect) -> Vec<(&'static str, Vec<f64>)> {
             ("amplitude_nm", vec![amplitude_nm]),
             ("phase_rad", vec![phase_rad]),
         ],
-        Effect::Presliding { presliding_distance_rad, .. } => {
-            vec![("presliding_distance_rad", vec![presliding_distance_rad])]
+        Effect::Presliding { presliding_distance_rad, amplitude_nm, .. } => {
+            let mut parameters = vec![("presliding_distance_rad", vec![presliding_distance_rad])];
+            parameters.extend(amplitude_nm.map(|amplitude_nm| ("amplitude_nm", vec![amplitude_nm])));
+            parameters
+        }
+        Effect::FrictionCurve { amplitude_nm, width_rad_s, .. } => {
+            vec![("amplitude_nm", vec![amplitude_nm]), ("width_rad_s", vec![width_rad_s])]
         }
         Effect::JointElasticity { stiffness_nm_per_rad, damping_nm_s_per_rad, .. } => vec![
             ("stiffness_nm_per_rad", vec![stiffness_nm_per_rad]),

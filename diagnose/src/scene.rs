@@ -365,7 +365,9 @@ impl<const N: usize> Scene<N> {
         let columns = candidate.columns(self, &shape);
         // A bristle carries whatever Coulomb friction its joint has.
         let coefficients = coefficients.into_iter().map(|c| match effect {
-            Effect::Presliding { joint, .. } => self.nominal.dry_nm(*joint),
+            Effect::Presliding { joint, amplitude_nm, .. } => {
+                amplitude_nm.unwrap_or_else(|| self.nominal.dry_nm(*joint))
+            }
             _ => c,
         });
         let mut sum = vec![SVector::<f64, N>::zeros(); self.samples.len()];

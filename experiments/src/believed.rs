@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-use tribo_friction::{FrictionModel, JointEffects, Ripple};
+use tribo_friction::{BristlePart, Curve, FrictionModel, JointEffects, Ripple};
 use tribo_robot::Arm;
 use tribo_sim::{Effect, Truth};
 
@@ -92,6 +92,10 @@ fn add_to<const N: usize>(joints: &mut [JointEffects; N], effect: &Effect) -> Re
             joint.breakaway_minus_coulomb_nm = breakaway_minus_coulomb_nm;
             joint.stribeck_velocity_rad_s = stribeck_velocity_rad_s;
         }
+        Effect::FrictionCurve { amplitude_nm, width_rad_s, .. } => {
+            let slot = joint.curves.iter_mut().find(|curve| curve.amplitude_nm == 0.0);
+            *slot.ok_or("the compensator keeps only the first curves of a joint")? = Curve { amplitude_nm, width_rad_s };
+        }
         Effect::CoulombAsymmetry { asymmetry_nm, .. } => joint.asymmetry_nm += asymmetry_nm,
         Effect::TorqueOffset { offset_nm, .. } => joint.offset_nm += offset_nm,
         Effect::LoadFriction { load_coefficient, .. } => joint.load_coefficient += load_coefficient,
@@ -103,7 +107,12 @@ fn add_to<const N: usize>(joints: &mut [JointEffects; N], effect: &Effect) -> Re
         Effect::PositionSpring { stiffness_nm_per_rad, rest_rad, .. } => {
             (joint.spring_nm_per_rad, joint.spring_rest_rad) = (stiffness_nm_per_rad, rest_rad);
         }
-        Effect::Presliding { presliding_distance_rad, .. } => {
+        Effect::Presliding { presliding_distance_rad, amplitude_nm: Some(amplitude_nm), .. } => {
+            let slot = joint.bristles.iter_mut().find(|part| part.amplitude_nm == 0.0);
+            *slot.ok_or("the compensator keeps only the first bristles of a joint")? =
+                BristlePart { amplitude_nm, distance_rad: presliding_distance_rad };
+        }
+        Effect::Presliding { presliding_distance_rad, amplitude_nm: None, .. } => {
             joint.presliding_distance_rad = presliding_distance_rad;
         }
         // In the arm.
@@ -147,7 +156,7 @@ mod tests {
             Effect::LoadFriction { joint, load_coefficient: 0.06 },
             Effect::TorqueRipple { joint, cycles_per_rev: 7.0, amplitude_nm: 0.08, phase_rad: 0.9 },
             Effect::PositionSpring { joint, stiffness_nm_per_rad: 1.1, rest_rad: -1.2 },
-            Effect::Presliding { joint, presliding_distance_rad: 1e-3 },
+            Effect::Presliding { joint, presliding_distance_rad: 1e-3, amplitude_nm: None },
             Effect::Payload { mass_kg: 1.0, com_m: [0.0, 0.0, 0.05], inertia_kg_m2: [0.0; 6] },
             Effect::BaseTilt { angle_rad: 0.1, axis: [1.0, 0.0, 0.0] },
             Effect::LinkInertial {

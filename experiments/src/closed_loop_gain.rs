@@ -118,7 +118,7 @@ mod tests {
                 Effect::Coulomb { joint: 3, delta_coulomb_nm: 0.5 },
                 Effect::LoadFriction { joint: 1, load_coefficient: 0.02 },
                 Effect::TorqueRipple { joint: 5, cycles_per_rev: 20.0, amplitude_nm: 0.2, phase_rad: 0.3 },
-                Effect::Presliding { joint: 3, presliding_distance_rad: 2e-3 },
+                Effect::Presliding { joint: 3, presliding_distance_rad: 2e-3, amplitude_nm: None },
                 Effect::Backlash { joint: 6, half_gap_rad: 0.0 },
             ];
             let extended = Model { effects, ..nominal.clone() };

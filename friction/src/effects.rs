@@ -16,6 +16,29 @@ pub struct Ripple {
     pub phase_rad: f64,
 }
 
+/// Friction curves kept per joint.
+pub const MAX_CURVES: usize = 3;
+/// Bristles with an amplitude of their own kept per joint.
+pub const MAX_BRISTLES: usize = 3;
+
+/// Friction that bends with speed: `amplitude tanh(qd/width)`.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Curve {
+    /// Torque far above the width (Nm); 0 is none.
+    pub amplitude_nm: f64,
+    /// Speed at which three quarters are reached [rad/s].
+    pub width_rad_s: f64,
+}
+
+/// A part of dry friction that builds up over a distance: `amplitude (z − s)`, `dz/dt = (qd − |qd| z)/distance`.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct BristlePart {
+    /// Dry friction that follows this bristle in place of s (Nm); 0 is none.
+    pub amplitude_nm: f64,
+    /// Travel over which it builds up (rad).
+    pub distance_rad: f64,
+}
+
 /// Torques of one joint that add to its friction law; all zero by default.
 ///
 /// ```text
@@ -48,6 +71,10 @@ pub struct JointEffects {
     pub spring_rest_rad: f64,
     /// Travel over which dry friction builds up after a reversal (rad); 0 is at once.
     pub presliding_distance_rad: f64,
+    /// Friction that bends with speed; unused curves have amplitude zero.
+    pub curves: [Curve; MAX_CURVES],
+    /// Parts of dry friction with a bristle each; unused ones have amplitude zero.
+    pub bristles: [BristlePart; MAX_BRISTLES],
 }
 
 impl JointEffects {
@@ -66,6 +93,8 @@ impl JointEffects {
             spring_nm_per_rad,
             spring_rest_rad,
             presliding_distance_rad,
+            curves,
+            bristles,
         } = *self;
         let single = [
             coulomb_nm,
@@ -82,7 +111,9 @@ impl JointEffects {
         let ripples = ripples.map(|ripple| [ripple.cycles_per_rev, ripple.amplitude_nm, ripple.phase_rad]);
         // Every tick asks every joint: all bits but the signs at once, no branch.
         let bits = |values: &[f64]| values.iter().fold(0, |all, value| all | value.to_bits() << 1);
-        bits(&single) | bits(ripples.as_flattened()) == 0
+        let curves = curves.map(|curve| curve.amplitude_nm);
+        let bristles = bristles.map(|part| part.amplitude_nm);
+        bits(&single) | bits(ripples.as_flattened()) | bits(&curves) | bits(&bristles) == 0
     }
 
     /// Dry friction that is added at qd [rad/s] under the link-side torque `load_nm` (Nm), per unit of s.

@@ -35,7 +35,7 @@ pub mod thermal;
 
 pub use band::{BandError, FrictionBand, JointBand};
 pub use compensator::{Bristles, Compensation, Compensator, CompensatorInput, VelocitySource};
-pub use effects::{JointEffects, MAX_RIPPLES, Ripple};
+pub use effects::{BristlePart, Curve, JointEffects, MAX_BRISTLES, MAX_CURVES, MAX_RIPPLES, Ripple};
 pub use law::{JointFriction, SetValued};
 pub use model::FrictionModel;
 pub use rest::{JointRest, RemainingFriction, RestMemory, UNBOUNDED_NM2};

@@ -35,6 +35,15 @@ pub enum Effect {
         /// Stribeck velocity vs [rad/s].
         stribeck_velocity_rad_s: f64,
     },
+    /// `A tanh(qd/w)`: friction that bends with speed; beside viscous friction it makes any rising curve.
+    FrictionCurve {
+        /// Joint.
+        joint: usize,
+        /// Torque far above the width, A (Nm).
+        amplitude_nm: f64,
+        /// Speed at which three quarters are reached, w [rad/s].
+        width_rad_s: f64,
+    },
     /// `a |s|`: more friction forwards than backwards.
     CoulombAsymmetry {
         /// Joint.
@@ -119,12 +128,16 @@ pub enum Effect {
         /// φ (rad).
         phase_rad: f64,
     },
-    /// Dry friction follows a bristle: `Fc z`, `dz/dt = (qd − |qd| z) / distance`, |z| ≤ 1, in place of `Fc s`.
+    /// Dry friction follows a bristle: `Fc z`, `dz/dt = (qd − |qd| z) / distance`, |z| ≤ 1, in place of `Fc s`; with an
+    /// amplitude, so much of it: `a (z − s)`. Bristles of several distances add up.
     Presliding {
         /// Joint.
         joint: usize,
         /// Travel over which dry friction builds up (rad).
         presliding_distance_rad: f64,
+        /// The part of dry friction that does, a (Nm); all of it if left out.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        amplitude_nm: Option<f64>,
     },
     /// A spring and damper between motor (or motor-side encoder) and link.
     JointElasticity {

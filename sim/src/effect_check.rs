@@ -2,7 +2,7 @@
 
 use nalgebra::{Matrix3, Vector3};
 use thiserror::Error;
-use tribo_friction::MAX_RIPPLES;
+use tribo_friction::{MAX_BRISTLES, MAX_CURVES, MAX_RIPPLES};
 
 use crate::Effect;
 
@@ -63,6 +63,7 @@ impl Effect {
             Self::Coulomb { .. } => "coulomb",
             Self::Viscous { .. } => "viscous",
             Self::Stribeck { .. } => "stribeck",
+            Self::FrictionCurve { .. } => "friction_curve",
             Self::CoulombAsymmetry { .. } => "coulomb_asymmetry",
             Self::TorqueOffset { .. } => "torque_offset",
             Self::TorqueGain { .. } => "torque_gain",
@@ -88,6 +89,7 @@ impl Effect {
             Self::Coulomb { joint, .. }
             | Self::Viscous { joint, .. }
             | Self::Stribeck { joint, .. }
+            | Self::FrictionCurve { joint, .. }
             | Self::CoulombAsymmetry { joint, .. }
             | Self::TorqueOffset { joint, .. }
             | Self::TorqueGain { joint, .. }
@@ -145,6 +147,10 @@ impl Effect {
                 one("breakaway_minus_coulomb_nm", breakaway_minus_coulomb_nm, TORQUE),
                 one("stribeck_velocity_rad_s", stribeck_velocity_rad_s, (1e-5, 10.0, "1e-5..10")),
             ],
+            Self::FrictionCurve { amplitude_nm, width_rad_s, .. } => vec![
+                one("amplitude_nm", amplitude_nm, TORQUE),
+                one("width_rad_s", width_rad_s, (1e-5, 100.0, "1e-5..100")),
+            ],
             Self::CoulombAsymmetry { asymmetry_nm, .. } => vec![one("asymmetry_nm", asymmetry_nm, TORQUE)],
             Self::TorqueOffset { offset_nm, .. } => vec![one("offset_nm", offset_nm, TORQUE)],
             Self::TorqueGain { gain_error, .. } => vec![one("gain_error", gain_error, (-0.9, 10.0, "-0.9..10"))],
@@ -184,9 +190,10 @@ impl Effect {
                 one("amplitude_nm", amplitude_nm, TORQUE),
                 one("phase_rad", phase_rad, (-1e3, 1e3, "-1000..1000")),
             ],
-            Self::Presliding { presliding_distance_rad: value, .. } => {
-                vec![one("presliding_distance_rad", value, (1e-6, 1.0, "1e-6..1"))]
-            }
+            Self::Presliding { presliding_distance_rad: value, amplitude_nm, .. } => vec![
+                one("presliding_distance_rad", value, (1e-6, 1.0, "1e-6..1")),
+                one("amplitude_nm", amplitude_nm.unwrap_or(0.0), TORQUE),
+            ],
             Self::JointElasticity { stiffness_nm_per_rad, damping_nm_s_per_rad, .. } => vec![
                 one("stiffness_nm_per_rad", stiffness_nm_per_rad, (100.0, 1e8, "100..1e8")),
                 one("damping_nm_s_per_rad", damping_nm_s_per_rad, (0.0, 1e5, "0..1e5")),
@@ -211,6 +218,8 @@ impl Effect {
     fn most_per_joint(&self) -> usize {
         match self {
             Self::TorqueRipple { .. } => MAX_RIPPLES,
+            Self::FrictionCurve { .. } => MAX_CURVES,
+            Self::Presliding { amplitude_nm: Some(_), .. } => MAX_BRISTLES,
             Self::Stribeck { .. }
             | Self::ThermalFriction { .. }
             | Self::Presliding { .. }

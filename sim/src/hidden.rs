@@ -2,7 +2,7 @@
 
 use nalgebra::{SVector, Vector3};
 use tribo_friction::law::smooth_sign;
-use tribo_friction::{JointEffects, JointFriction, Ripple};
+use tribo_friction::{BristlePart, Curve, JointEffects, JointFriction, Ripple};
 use tribo_robot::{Arm, LinkInertia, Payload, Wrench, so3};
 
 use crate::effect_check::{symmetric, validate_together};
@@ -114,6 +114,12 @@ impl<const N: usize> Hidden<N> {
                 self.joints[joint].breakaway_minus_coulomb_nm = breakaway_minus_coulomb_nm;
                 self.joints[joint].stribeck_velocity_rad_s = stribeck_velocity_rad_s;
             }
+            Effect::FrictionCurve { joint, amplitude_nm, width_rad_s } => {
+                let free = self.joints[joint].curves.iter_mut().find(|curve| curve.amplitude_nm == 0.0);
+                if let Some(curve) = free {
+                    *curve = Curve { amplitude_nm, width_rad_s };
+                }
+            }
             Effect::CoulombAsymmetry { joint, asymmetry_nm } => self.joints[joint].asymmetry_nm += asymmetry_nm,
             Effect::TorqueOffset { joint, offset_nm } => self.joints[joint].offset_nm += offset_nm,
             Effect::TorqueGain { joint, gain_error } => self.gain[joint] *= 1.0 + gain_error,
@@ -142,7 +148,13 @@ impl<const N: usize> Hidden<N> {
                     *ripple = Ripple { cycles_per_rev, amplitude_nm, phase_rad };
                 }
             }
-            Effect::Presliding { joint, presliding_distance_rad } => {
+            Effect::Presliding { joint, presliding_distance_rad, amplitude_nm: Some(amplitude_nm) } => {
+                let free = self.joints[joint].bristles.iter_mut().find(|part| part.amplitude_nm == 0.0);
+                if let Some(part) = free {
+                    *part = BristlePart { amplitude_nm, distance_rad: presliding_distance_rad };
+                }
+            }
+            Effect::Presliding { joint, presliding_distance_rad, amplitude_nm: None } => {
                 self.joints[joint].presliding_distance_rad = presliding_distance_rad;
             }
             Effect::JointElasticity { joint, stiffness_nm_per_rad, damping_nm_s_per_rad } => {

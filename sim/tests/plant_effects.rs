@@ -66,7 +66,7 @@ fn balanced_arms_stand_still() {
 /// Two names of one truth: presliding on Coulomb friction, and the LuGre law.
 #[test]
 fn presliding_is_lugre() {
-    let effects = (0..7).map(|joint| Effect::Presliding { joint, presliding_distance_rad: 5e-4 }).collect();
+    let effects = (0..7).map(|joint| Effect::Presliding { joint, presliding_distance_rad: 5e-4, amplitude_nm: None }).collect();
     let mut a = plant(Truth { effects, ..Truth::panda_coulomb_viscous() });
     let mut b = plant(Truth::panda_lugre());
     let gravity = gravity_torque(&presets::panda(), a.q());
@@ -274,7 +274,7 @@ fn dissipative_effects_dissipate() {
                 Effect::Viscous { joint, delta_viscous_nm_s_per_rad: 0.2 },
                 Effect::Stribeck { joint, breakaway_minus_coulomb_nm: 0.2, stribeck_velocity_rad_s: 0.05 },
                 Effect::LoadFriction { joint, load_coefficient: 0.03 },
-                Effect::Presliding { joint, presliding_distance_rad: 1e-3 },
+                Effect::Presliding { joint, presliding_distance_rad: 1e-3, amplitude_nm: None },
             ]
         })
         .collect();

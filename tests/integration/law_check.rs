@@ -42,7 +42,7 @@ fn other_causes_are_not_taken_for_friction() {
         Effect::Payload { mass_kg: 0.3, com_m: [0.0, 0.0, 0.05], inertia_kg_m2: [0.0; 6] },
         Effect::PositionSpring { joint: 5, stiffness_nm_per_rad: 3.0, rest_rad: 1.2 },
         Effect::CoulombAsymmetry { joint: 1, asymmetry_nm: 0.4 },
-        Effect::Presliding { joint: 1, presliding_distance_rad: 0.02 },
+        Effect::Presliding { joint: 1, presliding_distance_rad: 0.02, amplitude_nm: None },
     ];
     for effect in causes {
         for pose in 0..3 {

@@ -83,6 +83,16 @@ impl<const N: usize> Candidate<N> for BaseTilt {
     }
 }
 
+/// Gravity torque per m/s² of the two directions across gravity.
+pub(crate) fn base_tilt_columns<const N: usize>(scene: &Scene<N>) -> Vec<FineColumn<N>> {
+    BaseTilt { large: false }.columns(scene, &[])
+}
+
+/// The tilt whose gravity differs by these components across the nominal one (m/s²).
+pub(crate) fn tilt_of<const N: usize>(scene: &Scene<N>, change: [f64; 2]) -> Option<Effect> {
+    BaseTilt { large: false }.effect(scene, &[], &change)
+}
+
 /// Coefficients of the three columns for a known tilt under standard gravity along −z.
 pub(super) fn gravity_change(angle_rad: f64, axis: &[f64; 3]) -> Vec<f64> {
     let gravity = Vector3::new(0.0, 0.0, -9.81);

@@ -12,6 +12,7 @@ mod base_tilt;
 mod coulomb;
 mod coulomb_asymmetry;
 mod external_contact;
+mod friction_curve;
 mod joint_elasticity;
 mod link_inertial;
 mod load_friction;
@@ -28,9 +29,12 @@ mod torque_ripple;
 mod unknown;
 mod viscous;
 
+pub(crate) use base_tilt::base_tilt_columns;
 pub(crate) use backlash::{Backlash, transmitted_sign};
 pub(crate) use external_contact::ExternalContact;
 pub(crate) use joint_elasticity::JointElasticity;
+pub(crate) use payload::link_from_flange;
+pub(crate) use presliding::bristle;
 pub(crate) use torque_ripple::TorqueRipple;
 
 use nalgebra::SVector;
@@ -139,6 +143,9 @@ pub(crate) fn candidate_of_effect<const N: usize>(effect: &Effect) -> Option<Pla
         Effect::Stribeck { joint, breakaway_minus_coulomb_nm, stribeck_velocity_rad_s } => {
             (Box::new(stribeck::Stribeck { joint }), vec![stribeck_velocity_rad_s], vec![breakaway_minus_coulomb_nm])
         }
+        Effect::FrictionCurve { joint, amplitude_nm, width_rad_s } => {
+            (Box::new(friction_curve::FrictionCurve { joint }), vec![width_rad_s], vec![amplitude_nm])
+        }
         Effect::CoulombAsymmetry { joint, asymmetry_nm } => {
             (Box::new(coulomb_asymmetry::CoulombAsymmetry { joint }), vec![], vec![asymmetry_nm])
         }
@@ -176,8 +183,9 @@ pub(crate) fn candidate_of_effect<const N: usize>(effect: &Effect) -> Option<Pla
             vec![cycles_per_rev],
             vec![amplitude_nm * phase_rad.cos(), amplitude_nm * phase_rad.sin()],
         ),
-        Effect::Presliding { joint, presliding_distance_rad } => {
-            (Box::new(presliding::Presliding { joint }), vec![presliding_distance_rad], vec![f64::NAN])
+        Effect::Presliding { joint, presliding_distance_rad, amplitude_nm } => {
+            let amplitude = vec![amplitude_nm.unwrap_or(f64::NAN)];
+            (Box::new(presliding::Presliding { joint }), vec![presliding_distance_rad], amplitude)
         }
         Effect::JointElasticity { joint, stiffness_nm_per_rad, damping_nm_s_per_rad } => {
             (Box::new(JointElasticity { joint }), vec![stiffness_nm_per_rad, damping_nm_s_per_rad], vec![1.0])

@@ -109,7 +109,7 @@ fn nearest_inertia(inertia: &Matrix3<f64>) -> Matrix3<f64> {
 /// ```text
 /// h' = R h + m p,   I' = R I Rᵀ + m (p·p 1 − p pᵀ) + 2 (p·R h) 1 − (p (R h)ᵀ + (R h) pᵀ)
 /// ```
-fn link_from_flange<const N: usize>(arm: &Arm<N>) -> SMatrix<f64, 10, 10> {
+pub(crate) fn link_from_flange<const N: usize>(arm: &Arm<N>) -> SMatrix<f64, 10, 10> {
     let (r, p) = (arm.link_from_flange_rotation, arm.link_from_flange_translation);
     let mut map = SMatrix::<f64, 10, 10>::zeros();
     for i in 0..10 {

@@ -53,12 +53,12 @@ impl<const N: usize> Candidate<N> for Presliding {
     }
 
     fn effect(&self, _scene: &Scene<N>, shape: &[f64], _coefficients: &[f64]) -> Option<Effect> {
-        Some(Effect::Presliding { joint: self.joint, presliding_distance_rad: shape[0] })
+        Some(Effect::Presliding { joint: self.joint, presliding_distance_rad: shape[0], amplitude_nm: None })
     }
 }
 
 /// Dahl's bristle ratio z along the samples of a joint, 0 at the start of each burst.
-pub(super) fn bristle<const N: usize>(scene: &Scene<N>, j: usize, distance_rad: f64) -> Vec<f64> {
+pub(crate) fn bristle<const N: usize>(scene: &Scene<N>, j: usize, distance_rad: f64) -> Vec<f64> {
     let mut ratios = Vec::with_capacity(scene.samples.len());
     for burst in &scene.bursts {
         let mut z = 0.0;

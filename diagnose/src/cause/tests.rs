@@ -72,7 +72,7 @@ fn every_column_is_the_torque_of_its_effect() {
         ),
         (Effect::RotorInertia { joint, delta_rotor_inertia_kg_m2: 0.1 }, 0.01),
         (Effect::TorqueRipple { joint, cycles_per_rev: 40.0, amplitude_nm: 0.1, phase_rad: 0.7 }, 0.01),
-        (Effect::Presliding { joint, presliding_distance_rad: 2e-3 }, 0.02),
+        (Effect::Presliding { joint, presliding_distance_rad: 2e-3, amplitude_nm: None }, 0.02),
         (Effect::JointElasticity { joint, stiffness_nm_per_rad: 9e3, damping_nm_s_per_rad: 7.0 }, 0.03),
         (Effect::JointElasticity { joint: 1, stiffness_nm_per_rad: 30e3, damping_nm_s_per_rad: 11.0 }, 0.03),
         (Effect::JointElasticity { joint: 1, stiffness_nm_per_rad: 5e3, damping_nm_s_per_rad: 5.0 }, 0.07),

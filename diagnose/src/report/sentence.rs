@@ -179,6 +179,12 @@ pub fn description(finding: &Finding) -> String {
             p.text("stiffness_nm_per_rad", "Nm/rad"),
             p.rough("rest_rad", "rad")
         ),
+        L::FrictionCurve => format!(
+            "Friction of {} bends with speed: {} within {}",
+            finding.location,
+            p.text("amplitude_nm", "Nm"),
+            p.rough("width_rad_s", "rad/s")
+        ),
         L::Unknown => {
             let signature = finding.signature.as_deref().unwrap_or("nothing that was tried");
             format!("{at} shows a torque that no named cause describes; it goes with {signature}")
@@ -209,6 +215,7 @@ pub fn cause_name(label: CauseLabel) -> &'static str {
         L::TimeDelay => "time delay",
         L::ExternalContact => "external contact",
         L::PositionSpring => "position spring",
+        L::FrictionCurve => "friction that bends with speed",
         L::Unknown => "something unknown",
     }
 }

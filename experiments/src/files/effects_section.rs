@@ -58,6 +58,7 @@ impl ModelFile {
     ///
     /// ```text
     /// coulomb viscous coulomb_asymmetry torque_offset load_friction rotor_inertia link_inertial time_delay   sum
+    /// friction_curve of one width, presliding of one distance with an amplitude                               sum
     /// torque_ripple of one order     sum of the phasors     torque_gain         product of 1 + g
     /// position_spring                sum, as one spring     thermal_friction    product of 1 − drop, mean time constant
     /// stribeck                       sum of the bumps, mean velocity
@@ -179,7 +180,22 @@ fn merged(old: &Effect, new: &Effect) -> Option<Effect> {
             }
         }
         (E::TimeDelay { delay_s: a }, E::TimeDelay { delay_s: b }) => E::TimeDelay { delay_s: a + b },
-        (E::Presliding { joint, .. }, E::Presliding { joint: other, .. })
+        (
+            E::FrictionCurve { joint, amplitude_nm: a, width_rad_s },
+            E::FrictionCurve { joint: other, amplitude_nm: b, width_rad_s: width },
+        ) if width == width_rad_s => {
+            E::FrictionCurve { joint: place(joint, other)?, amplitude_nm: a + b, width_rad_s }
+        }
+        (
+            E::Presliding { joint, presliding_distance_rad, amplitude_nm: Some(a) },
+            E::Presliding { joint: other, presliding_distance_rad: distance, amplitude_nm: Some(b) },
+        ) if distance == presliding_distance_rad => {
+            E::Presliding { joint: place(joint, other)?, presliding_distance_rad, amplitude_nm: Some(a + b) }
+        }
+        (
+            E::Presliding { joint, amplitude_nm: None, .. },
+            E::Presliding { joint: other, amplitude_nm: None, .. },
+        )
         | (E::JointElasticity { joint, .. }, E::JointElasticity { joint: other, .. })
         | (E::Backlash { joint, .. }, E::Backlash { joint: other, .. }) => {
             place(joint, other)?;

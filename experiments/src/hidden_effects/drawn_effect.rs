@@ -94,7 +94,8 @@ impl DrawnEffect {
                 carried_by_friction_of = Some(joint);
                 let presliding_distance_rad = chance.log_between(3e-4, 1e-2);
                 // Friction of 0.05 to 2 Nm.
-                (Effect::Presliding { joint, presliding_distance_rad }, [0.05 / coulomb, 2.0 / coulomb])
+                let effect = Effect::Presliding { joint, presliding_distance_rad, amplitude_nm: None };
+                (effect, [0.05 / coulomb, 2.0 / coulomb])
             }
             CauseLabel::JointElasticity => {
                 (proportional, seen_by_encoders) = (false, dual_encoder);
@@ -124,6 +125,10 @@ impl DrawnEffect {
                 let rest_rad = centre + chance.between(-0.5, 0.5);
                 (Effect::PositionSpring { joint, stiffness_nm_per_rad: 1.0, rest_rad }, [0.0, 20.0])
             }
+            CauseLabel::FrictionCurve => {
+                let width_rad_s = chance.log_between(0.05, 0.8);
+                (Effect::FrictionCurve { joint, amplitude_nm: side, width_rad_s }, [0.0, 3.0])
+            }
             CauseLabel::Unknown => return None,
         };
         Some(Self { unit, sizes, proportional, seen_by_encoders, carried_by_friction_of })
@@ -136,6 +141,7 @@ impl DrawnEffect {
             Effect::Coulomb { delta_coulomb_nm: x, .. }
             | Effect::Viscous { delta_viscous_nm_s_per_rad: x, .. }
             | Effect::Stribeck { breakaway_minus_coulomb_nm: x, .. }
+            | Effect::FrictionCurve { amplitude_nm: x, .. }
             | Effect::CoulombAsymmetry { asymmetry_nm: x, .. }
             | Effect::TorqueOffset { offset_nm: x, .. }
             | Effect::TorqueGain { gain_error: x, .. }

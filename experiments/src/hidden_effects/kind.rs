@@ -52,9 +52,9 @@ pub enum Kind {
 }
 
 impl Kind {
-    /// Every cause of the vocabulary, without `unknown`.
+    /// Every cause that a case may hide: the vocabulary without `unknown` and without bent friction, which is a family's.
     pub fn causes() -> impl Iterator<Item = CauseLabel> {
-        CauseLabel::ALL.into_iter().filter(|label| *label != CauseLabel::Unknown)
+        CauseLabel::ALL.into_iter().filter(|label| !matches!(label, CauseLabel::FrictionCurve | CauseLabel::Unknown))
     }
 }
 

@@ -169,7 +169,7 @@ fn stroke() -> Path<7> {
 #[test]
 fn presliding_follows_the_way() {
     let (j, distance, path) = (2, 2e-3, stroke());
-    let effect = Effect::Presliding { joint: j, presliding_distance_rad: distance };
+    let effect = Effect::Presliding { joint: j, presliding_distance_rad: distance, amplitude_nm: None };
     let with = record(&truth(vec![effect]), SMOOTHING, &path, &clean(), 1).unwrap();
     let without = record(&truth(vec![]), SMOOTHING, &path, &clean(), 1).unwrap();
     let coulomb = 0.55;
@@ -191,7 +191,7 @@ fn presliding_follows_the_way() {
 /// A LuGre law and a Coulomb-viscous law with the presliding effect are one truth.
 #[test]
 fn a_lugre_law_is_presliding() {
-    let effects = (0..7).map(|joint| Effect::Presliding { joint, presliding_distance_rad: 5e-4 }).collect();
+    let effects = (0..7).map(|joint| Effect::Presliding { joint, presliding_distance_rad: 5e-4, amplitude_nm: None }).collect();
     let a = record(&truth(effects), SMOOTHING, &stroke(), &clean(), 1).unwrap();
     let b = record(&Truth::panda_lugre(), SMOOTHING, &stroke(), &clean(), 1).unwrap();
     assert_eq!(a, b);

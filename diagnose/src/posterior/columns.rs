@@ -1,0 +1,222 @@
+//! The columns of all families along logs, joint by joint, and their Gram matrices part by part.
+
+use std::ops::Range;
+
+use nalgebra::{DMatrix, DVector};
+use rayon::prelude::*;
+use tribo_friction::law::smooth_sign;
+
+use super::prior::{CURVE_WIDTHS, PRESLIDING_RAD};
+use crate::cause::{base_tilt_columns, bristle};
+use crate::filter::central_difference;
+use crate::scene::Scene;
+
+/// What a joint's own columns stand for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum JointTerm {
+    /// A constant.
+    Offset,
+    /// s = tanh(qd/ε).
+    Coulomb,
+    /// qd.
+    Viscous,
+    /// tanh(qd/w).
+    Curve(usize),
+    /// |τ_link| s.
+    Load,
+    /// qdd.
+    Rotor,
+    /// z_x − s.
+    Presliding(usize),
+    /// q.
+    Spring,
+}
+
+impl JointTerm {
+    /// In the order of the columns.
+    pub const ALL: [Self; 12] = [
+        Self::Offset,
+        Self::Coulomb,
+        Self::Viscous,
+        Self::Curve(0),
+        Self::Curve(1),
+        Self::Curve(2),
+        Self::Load,
+        Self::Rotor,
+        Self::Presliding(0),
+        Self::Presliding(1),
+        Self::Presliding(2),
+        Self::Spring,
+    ];
+
+    /// Place among the columns of a joint.
+    pub fn place(self) -> usize {
+        Self::ALL.iter().position(|term| *term == self).unwrap_or(0)
+    }
+}
+
+/// First column of the tilt, of the delay, of the links, in the matrix of a joint.
+pub(crate) const TILT: usize = JointTerm::ALL.len();
+pub(crate) const DELAY: usize = TILT + 2;
+pub(crate) const LINKS: usize = DELAY + 1;
+
+/// A stretch of output samples that is fitted or held out as a whole.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(crate) struct Part {
+    /// Output samples.
+    pub samples: Range<usize>,
+    /// Log that it is of.
+    pub log: usize,
+}
+
+/// The columns of one joint, samples × columns: own terms, tilt, delay, ten of each link from this one outwards, then
+/// the torque τ0 of the nominal model and the measured torque y.
+#[derive(Clone, Debug)]
+pub(crate) struct JointColumns {
+    pub matrix: DMatrix<f64>,
+    /// Number of links with columns.
+    pub links: usize,
+    /// First of them.
+    pub first_link: usize,
+}
+
+impl JointColumns {
+    /// Column of τ0.
+    pub fn nominal(&self) -> usize {
+        LINKS + 10 * self.links
+    }
+
+    /// Column of y.
+    pub fn measured(&self) -> usize {
+        self.nominal() + 1
+    }
+}
+
+/// Columns of all joints, and the Gram matrix of every joint's columns over every part.
+#[derive(Clone, Debug)]
+pub(crate) struct Columns {
+    pub joints: Vec<JointColumns>,
+    pub parts: Vec<Part>,
+    /// `[part][joint]`.
+    pub grams: Vec<Vec<DMatrix<f64>>>,
+}
+
+/// Largest width of a friction curve's unit speed over the speed that a joint shows: limits in files may be fantasy.
+pub(crate) const FASTEST_OVER_SEEN: f64 = 10.0;
+
+impl Columns {
+    /// Evaluates and filters all columns of a scene; `speed_rad_s` are the largest speeds of the joints, `thirds` the parts
+    /// that each log is cut into.
+    pub fn of<const N: usize>(scene: &Scene<N>, speed_rad_s: &[f64], thirds: usize) -> Self {
+        let parts = parts_of(scene, thirds);
+        let tilt = if scene.transmission { Vec::new() } else { scene.filter_all(&base_tilt_columns(scene)) };
+        let links = if scene.transmission { 0 } else { N };
+        let mut joints: Vec<JointColumns> = (0..N)
+            .into_par_iter()
+            .map(|j| {
+                let own = own_columns(scene, j, speed_rad_s[j]);
+                let (first_link, links) = (j.min(links), links.saturating_sub(j));
+                let mut matrix = DMatrix::zeros(scene.time_s.len(), LINKS + 10 * links + 2);
+                for (c, values) in own.iter().enumerate() {
+                    matrix.column_mut(c).copy_from_slice(values);
+                }
+                for (c, column) in tilt.iter().enumerate() {
+                    if let Some(values) = &column.rows[j] {
+                        matrix.column_mut(TILT + c).copy_from_slice(values);
+                    }
+                }
+                matrix.column_mut(DELAY).copy_from_slice(&lateness(scene, j));
+                let columns = JointColumns { matrix, links, first_link };
+                let (nominal, measured) = (columns.nominal(), columns.measured());
+                let JointColumns { mut matrix, .. } = columns;
+                matrix.column_mut(nominal).copy_from_slice(&scene.model_nm[j]);
+                matrix.column_mut(measured).copy_from_slice(&scene.measured_nm[j]);
+                JointColumns { matrix, links, first_link }
+            })
+            .collect();
+        for link in 0..links {
+            for (i, column) in scene.link_regressor(link).iter().enumerate() {
+                for (j, values) in column.rows.iter().enumerate().take(link + 1) {
+                    if let Some(values) = values {
+                        joints[j].matrix.column_mut(LINKS + 10 * (link - j) + i).copy_from_slice(values);
+                    }
+                }
+            }
+        }
+        let grams = parts
+            .par_iter()
+            .map(|part| {
+                let gram = |joint: &JointColumns| {
+                    let rows = joint.matrix.rows(part.samples.start, part.samples.len());
+                    rows.tr_mul(&rows)
+                };
+                joints.iter().map(gram).collect()
+            })
+            .collect();
+        Self { joints, parts, grams }
+    }
+
+    /// Number of samples of some parts.
+    pub fn samples(&self, parts: &[usize]) -> usize {
+        parts.iter().map(|part| self.parts[*part].samples.len()).sum()
+    }
+
+    /// A combination of the columns of a joint over some parts.
+    pub fn combined(&self, joint: usize, weights: &DVector<f64>, parts: &[usize]) -> Vec<f64> {
+        let matrix = &self.joints[joint].matrix;
+        let mut values = Vec::with_capacity(self.samples(parts));
+        for part in parts {
+            let samples = &self.parts[*part].samples;
+            let product = matrix.rows(samples.start, samples.len()) * weights;
+            values.extend(product.iter());
+        }
+        values
+    }
+}
+
+/// Each log in as many contiguous parts.
+fn parts_of<const N: usize>(scene: &Scene<N>, thirds: usize) -> Vec<Part> {
+    let logs = scene.chains.len();
+    (0..logs)
+        .flat_map(|log| {
+            let of_log: Vec<&Range<usize>> =
+                scene.bursts.iter().filter(|burst| burst.log == log).map(|burst| &burst.out).collect();
+            let start = of_log.first().map_or(0, |range| range.start);
+            let end = of_log.last().map_or(start, |range| range.end);
+            let edge = move |k: usize| start + k * (end - start) / thirds;
+            (0..thirds).map(move |k| Part { samples: edge(k)..edge(k + 1), log })
+        })
+        .collect()
+}
+
+/// The columns of [`JointTerm::ALL`], filtered.
+fn own_columns<const N: usize>(scene: &Scene<N>, j: usize, speed_rad_s: f64) -> Vec<Vec<f64>> {
+    let of = |value: &dyn Fn(&crate::scene::Sample<N>) -> f64| scene.samples.iter().map(value).collect::<Vec<f64>>();
+    let fine: Vec<Vec<f64>> = JointTerm::ALL
+        .into_iter()
+        .map(|term| match term {
+            JointTerm::Offset => of(&|_| 1.0),
+            JointTerm::Coulomb => of(&|at| at.sign[j]),
+            JointTerm::Viscous => of(&|at| at.qd[j]),
+            JointTerm::Curve(k) => of(&|at| smooth_sign(at.qd[j], CURVE_WIDTHS[k] * speed_rad_s)),
+            JointTerm::Load => of(&|at| at.link_nm[j].abs() * at.sign[j]),
+            JointTerm::Rotor => of(&|at| at.qdd[j]),
+            JointTerm::Presliding(k) => {
+                let z = bristle(scene, j, PRESLIDING_RAD[k]);
+                z.iter().zip(&scene.samples).map(|(z, at)| z - at.sign[j]).collect()
+            }
+            JointTerm::Spring => of(&|at| at.q[j]),
+        })
+        .collect();
+    scene.filter_own_all(j, &fine)
+}
+
+/// −dy/dt of the measured torque in the band: torque per second of lateness.
+fn lateness<const N: usize>(scene: &Scene<N>, j: usize) -> Vec<f64> {
+    let mut rates = Vec::with_capacity(scene.time_s.len());
+    for burst in &scene.bursts {
+        let dt_s = scene.chains[burst.log].output_rate_hz().recip();
+        rates.extend(central_difference(&scene.measured_nm[j][burst.out.clone()], dt_s).iter().map(|rate| -rate));
+    }
+    rates
+}

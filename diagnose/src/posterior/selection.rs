@@ -1,0 +1,118 @@
+//! Which families an arm shows: forward and backward by evidence.
+
+use std::collections::BTreeMap;
+
+use rayon::prelude::*;
+
+use super::fit::{Fit, Start, fit};
+use super::prior::Family;
+use super::problem::{NormalEquations, Place, Problem};
+
+/// Evidence (nat) by which a family must make the log likelier. Ten, not three: what is left of a real log is no noise that any
+/// likelihood knows, and on logs of an independent simulator absent families drew up to 40 nats where velocity was noisy.
+pub(crate) const LEAST_NATS: f64 = 10.0;
+/// Evidence within which a rival cannot be excluded.
+pub(crate) const RIVAL_NATS: f64 = 5.0;
+/// Standard deviations that a payload's mass must be above zero.
+const PAYLOAD_SD: f64 = 2.0;
+/// Farthest centre of mass of a payload from the flange (m).
+const PAYLOAD_FARTHEST_M: f64 = 0.4;
+
+/// The selection and what every family is worth.
+#[derive(Clone, Debug)]
+pub(crate) struct Selection {
+    /// Families shown by the log, in the order of [`Family::ALL`].
+    pub selected: Vec<Family>,
+    /// What each selected family is worth given the others (nat).
+    pub worth: BTreeMap<Family, f64>,
+    /// What each other family would add (nat).
+    pub would_add: BTreeMap<Family, f64>,
+    /// Families that would do in the place of a selected one, with what is lost by the exchange (nat).
+    pub rivals: BTreeMap<Family, Vec<(Family, f64)>>,
+}
+
+/// Evidence of sets of families at the noise colour and the linearisation of the fit of all.
+struct Evidence<'p> {
+    problem: &'p Problem,
+    equations: &'p NormalEquations,
+    parts: &'p [usize],
+    all: &'p Fit,
+}
+
+impl Evidence<'_> {
+    fn of(&self, set: &[Family]) -> f64 {
+        let scales = set.iter().map(|family| self.all.scale(*family).unwrap_or(1.0)).collect();
+        let start = Start {
+            families: set.to_vec(),
+            pinned: self.all.start.pinned.iter().copied().filter(|(i, _)| set.contains(&self.problem.places[*i].family())).collect(),
+            kappa: Some(self.all.kappa.clone()),
+            scales,
+            variances: self.all.variances.clone(),
+        };
+        let Some(found) = fit(self.problem, self.equations, self.parts, &start) else { return f64::NEG_INFINITY };
+        if set.contains(&Family::Payload) && !is_payload(self.problem, &found) {
+            return f64::NEG_INFINITY;
+        }
+        found.log_evidence
+    }
+
+    fn of_all(&self, sets: Vec<Vec<Family>>) -> Vec<f64> {
+        sets.into_par_iter().map(|set| self.of(&set)).collect()
+    }
+}
+
+/// Whether the payload of a fit is one: a mass that is surely positive, near the flange.
+pub(crate) fn is_payload(problem: &Problem, fit: &Fit) -> bool {
+    let at = |k: usize| problem.index(Place::Payload(k));
+    let Some(mass) = at(0).filter(|i| fit.active.contains(i)) else { return false };
+    let moment = (1..4).filter_map(at).map(|i| fit.state[i].powi(2)).sum::<f64>().sqrt();
+    let mass_kg = fit.state[mass];
+    mass_kg > PAYLOAD_SD * fit.sd(mass) && moment < PAYLOAD_FARTHEST_M * mass_kg
+}
+
+fn with(set: &[Family], family: Family) -> Vec<Family> {
+    Family::ALL.into_iter().filter(|other| set.contains(other) || *other == family).collect()
+}
+
+fn without(set: &[Family], family: Family) -> Vec<Family> {
+    set.iter().copied().filter(|other| *other != family).collect()
+}
+
+/// Adds the likeliest family while that is worth it, drops what is not worth having; begins with what every arm has.
+pub(crate) fn select(problem: &Problem, equations: &NormalEquations, parts: &[usize], all: &Fit) -> Selection {
+    let evidence = Evidence { problem, equations, parts, all };
+    let candidates: Vec<Family> = all.start.families.clone();
+    let always = |family: &Family| family.prior(problem.scale.link_side).always;
+    let mut set: Vec<Family> = candidates.iter().copied().filter(always).collect();
+    let mut value = evidence.of(&set);
+    loop {
+        let out: Vec<Family> = candidates.iter().copied().filter(|family| !set.contains(family)).collect();
+        let values = evidence.of_all(out.iter().map(|family| with(&set, *family)).collect());
+        let best = out.iter().zip(values).max_by(|a, b| a.1.total_cmp(&b.1));
+        let Some((family, better)) = best.filter(|(_, better)| *better > value + LEAST_NATS) else { break };
+        (set, value) = (with(&set, *family), better);
+        loop {
+            let inside: Vec<Family> = set.iter().copied().filter(|family| !always(family)).collect();
+            let values = evidence.of_all(inside.iter().map(|family| without(&set, *family)).collect());
+            let best = inside.iter().zip(values).max_by(|a, b| a.1.total_cmp(&b.1));
+            let Some((family, left)) = best.filter(|(_, left)| *left > value - LEAST_NATS) else { break };
+            (set, value) = (without(&set, *family), left);
+        }
+    }
+    let out: Vec<Family> = candidates.iter().copied().filter(|family| !set.contains(family)).collect();
+    let left = evidence.of_all(set.iter().map(|family| without(&set, *family)).collect());
+    let worth = set.iter().copied().zip(left.iter().map(|left| value - left)).collect();
+    let more = evidence.of_all(out.iter().map(|family| with(&set, *family)).collect());
+    let would_add = out.iter().copied().zip(more.iter().map(|more| more - value)).collect();
+    let pairs: Vec<(Family, Family)> =
+        set.iter().flat_map(|family| out.iter().map(move |rival| (*family, *rival))).collect();
+    let swapped = evidence.of_all(pairs.iter().map(|(family, rival)| with(&without(&set, *family), *rival)).collect());
+    let mut rivals: BTreeMap<Family, Vec<(Family, f64)>> = BTreeMap::new();
+    for ((family, rival), swapped) in pairs.into_iter().zip(swapped) {
+        if swapped > value - RIVAL_NATS {
+            rivals.entry(family).or_default().push((rival, value - swapped));
+        }
+    }
+    rivals.values_mut().for_each(|list| list.sort_by(|a, b| a.1.total_cmp(&b.1)));
+    Selection { selected: set, worth, would_add, rivals }
+}
