@@ -363,6 +363,10 @@ pub struct Diagnose {
     /// Try the extended model on this log, which no parameter is fitted to; may be repeated.
     #[arg(long, value_name = "LOG")]
     pub validate: Vec<PathBuf>,
+    /// A log of the same arm with nothing at the flange; may be repeated. It shares all but the payload with the others, which
+    /// tells a payload from heavier links and from torques of another scale.
+    #[arg(long, value_name = "UNLOADED")]
+    pub reference: Vec<PathBuf>,
     /// Write the via points of the next experiment (YAML, schema tribo.trajectory/1).
     #[arg(long, value_name = "FILE")]
     pub trajectory: Option<PathBuf>,

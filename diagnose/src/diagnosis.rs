@@ -150,6 +150,17 @@ pub enum Location {
     Arm,
 }
 
+impl Location {
+    /// The joints and links of a place.
+    pub(crate) fn places(self) -> (Vec<usize>, Vec<usize>) {
+        match self {
+            Self::Joint(joint) => (vec![joint], Vec::new()),
+            Self::Link(link) => (Vec::new(), vec![link]),
+            Self::Arm => (Vec::new(), Vec::new()),
+        }
+    }
+}
+
 impl fmt::Display for Location {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
@@ -240,9 +251,13 @@ pub struct Plot {
 pub struct Finding {
     /// What.
     pub label: CauseLabel,
-    /// Where.
+    /// Where; the arm, where it covers several joints or links.
     pub location: Location,
-    /// The effect, ready for a model; `None` for `unknown`.
+    /// Joints that it covers; a parameter has one value per joint where there are several.
+    pub joints: Vec<usize>,
+    /// Links that it covers, likewise.
+    pub links: Vec<usize>,
+    /// The effect, ready for a model; `None` for `unknown` and for a finding of several joints.
     pub effect: Option<Effect>,
     /// Parameters with intervals; for `unknown` none.
     pub parameters: Vec<Parameter>,
@@ -307,6 +322,40 @@ pub struct CrossJointPattern {
     pub inertial: f64,
 }
 
+/// What models predict where they were not fitted, joint by joint: RMS (Nm) on the parts held out in turn.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Unseen {
+    /// What was held out: `each log in turn`, `each third of the log in turn`.
+    pub split: &'static str,
+    /// The nominal model.
+    pub nominal_nm: Vec<f64>,
+    /// The extended model, fitted to the rest.
+    pub extended_nm: Vec<f64>,
+    /// Coulomb + viscous + offset per joint by least squares, fitted to the rest.
+    pub plain_nm: Vec<f64>,
+    /// Every base parameter besides, truncated least squares, fitted to the rest.
+    pub full_nm: Vec<f64>,
+}
+
+impl Unseen {
+    /// The baseline that predicts better in the mean of the joints' ratios, and its name.
+    pub fn better_baseline(&self) -> (&'static str, &[f64]) {
+        let mean = |of: &[f64], over: &[f64]| of.iter().zip(over).map(|(a, b)| a / b.max(1e-9)).sum::<f64>();
+        if mean(&self.plain_nm, &self.full_nm) <= mean(&self.full_nm, &self.plain_nm) {
+            ("plain least squares", &self.plain_nm)
+        } else {
+            ("the full base-parameter refit", &self.full_nm)
+        }
+    }
+
+    /// Mean over joints of the extended model's RMS over that of the better baseline.
+    pub fn ratio(&self) -> f64 {
+        let (_, baseline) = self.better_baseline();
+        let ratios = self.extended_nm.iter().zip(baseline).map(|(ours, base)| ours / base.max(1e-9));
+        ratios.sum::<f64>() / self.extended_nm.len().max(1) as f64
+    }
+}
+
 /// The extended model on a log that no parameter was fitted to.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Validation {
@@ -316,6 +365,12 @@ pub struct Validation {
     pub before_nm: Vec<f64>,
     /// RMS per joint with the extended model (Nm).
     pub after_nm: Vec<f64>,
+    /// RMS per joint of Coulomb + viscous + offset, fitted to the diagnosed logs (Nm); empty where it was not asked for.
+    pub plain_nm: Vec<f64>,
+    /// RMS per joint of the full base-parameter refit, likewise (Nm).
+    pub full_nm: Vec<f64>,
+    /// Share of samples inside the predicted 95 % band, where the model foretells one.
+    pub inside95: Option<f64>,
     /// Part of the residual RMS over all joints that the findings remove [-].
     pub gain: f64,
     /// Its 95 % interval, over blocks.
@@ -341,6 +396,13 @@ pub struct Diagnosis {
     pub validation: Vec<Validation>,
     /// What was considered and rejected.
     pub rejected: Vec<Rejected>,
+    /// The effects that extend the model, as they were fitted together.
+    pub extension: Vec<Effect>,
+    /// What the extended model and plain fits predict for data that they have not seen.
+    pub unseen: Option<Unseen>,
+    /// Standard deviation of the torque that the extended model foretells for unseen motion, per joint (Nm); empty where the
+    /// diagnosis foretells none.
+    pub predictive_sd_nm: Vec<f64>,
     /// What the result rests on.
     pub assumptions: Vec<String>,
     /// What the reader should know (short log, joints that never moved, …).
@@ -360,8 +422,8 @@ pub struct Diagnosis {
 }
 
 impl Diagnosis {
-    /// The findings' effects, ready for a model file.
+    /// What extends the model, ready for its file.
     pub fn effects(&self) -> Vec<Effect> {
-        self.findings.iter().filter_map(|finding| finding.effect.clone()).collect()
+        self.extension.clone()
     }
 }

@@ -4,6 +4,8 @@ use std::sync::Arc;
 
 use nalgebra::SVector;
 use tribo_logs::RobotLog;
+use tribo_robot::mass_matrix;
+use tribo_sim::Truth;
 
 use crate::cause::{Candidate, TorqueRipple, candidates};
 use crate::conclusion::{Evaluated, conclude};
@@ -11,6 +13,8 @@ use crate::deflection::deflections;
 use crate::diagnosis::Diagnosis;
 use crate::evidence::joint_fit;
 use crate::noise_level::rms;
+use crate::posterior::explain::{Given, explain};
+use crate::posterior::gate::wrong_everywhere;
 use crate::ripple::{RippleLine, ripples};
 use crate::scene::{Column, Scene, subtracted};
 use crate::search::Search;
@@ -51,6 +55,21 @@ pub fn diagnose<const N: usize>(
     settings: &DiagnoseSettings,
     progress: &(dyn Fn(&str, f64) -> bool + Sync),
 ) -> Result<Diagnosis, DiagnoseError> {
+    diagnose_with_reference(logs, &[], nominal, validate, settings, progress)
+}
+
+/// [`diagnose`] with logs of the same arm whose flange is `unloaded`: they share everything with the others but the payload.
+///
+/// # Errors
+/// [`DiagnoseError`].
+pub fn diagnose_with_reference<const N: usize>(
+    logs: &[RobotLog],
+    unloaded: &[RobotLog],
+    nominal: &Nominal<N>,
+    validate: &[(String, RobotLog)],
+    settings: &DiagnoseSettings,
+    progress: &(dyn Fn(&str, f64) -> bool + Sync),
+) -> Result<Diagnosis, DiagnoseError> {
     let step =
         |stage: &str, fraction: f64| if progress(stage, fraction) { Ok(()) } else { Err(DiagnoseError::Cancelled) };
     if logs.is_empty() {
@@ -60,6 +79,12 @@ pub fn diagnose<const N: usize>(
     let mut scene = Scene::of_logs(logs, nominal, settings.band_hz)?;
     if scene.time_s.len() < LEAST_SAMPLES {
         return Err(DiagnoseError::TooShort { got: scene.time_s.len(), need: LEAST_SAMPLES });
+    }
+    if !unloaded.is_empty() || wrong_everywhere(&scene) {
+        drop(scene);
+        let diagnosis = explain(&Given { logs, unloaded, validate }, nominal, settings, &step)?;
+        progress("done", 1.0);
+        return Ok(diagnosis);
     }
     let original = scene.residual_nm.clone();
     let causes: Vec<Arc<dyn Candidate<N>>> = candidates::<N>().into_iter().map(Arc::from).collect();
@@ -129,9 +154,21 @@ pub fn diagnose<const N: usize>(
             seed: settings.seed,
         };
         let diagnosis = conclude(&mut search, &evaluated, validate, &step)?;
+        // Causes found one by one need not make an arm together; families fitted with every link a body do.
+        let diagnosis = match is_model(nominal, &diagnosis.extension) {
+            true => diagnosis,
+            false => explain(&Given { logs, unloaded, validate }, nominal, settings, &step)?,
+        };
         progress("done", 1.0);
         return Ok(diagnosis);
     }
+}
+
+/// Whether effects on top of a model leave an arm whose every link has a mass and whose mass matrix is positive definite.
+fn is_model<const N: usize>(nominal: &Nominal<N>, effects: &[tribo_sim::Effect]) -> bool {
+    let all = nominal.effects.iter().chain(effects).cloned().collect();
+    let truth = Truth { effects: all, ..Truth::new(nominal.arm.clone(), nominal.friction) };
+    truth.validate().is_ok() && mass_matrix(&truth.true_arm(), &SVector::zeros()).cholesky().is_some()
 }
 
 /// The residual less the ripples.

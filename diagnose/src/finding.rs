@@ -129,6 +129,8 @@ pub(crate) fn finding_of<const N: usize>(
     Finding {
         label: candidate.label(),
         location: candidate.location(),
+        joints: candidate.location().places().0,
+        links: candidate.location().places().1,
         effect,
         parameters,
         signature: candidate.signature(),
@@ -177,6 +179,8 @@ pub(crate) fn ripple_finding<const N: usize>(
     Finding {
         label: CauseLabel::TorqueRipple,
         location: Location::Joint(line.joint),
+        joints: vec![line.joint],
+        links: Vec::new(),
         effect,
         parameters,
         signature: None,
@@ -209,6 +213,8 @@ pub(crate) fn deflection_finding(found: &DeflectionFinding, seed: u64) -> Findin
     Finding {
         label: found.label,
         location: Location::Joint(found.joint),
+        joints: vec![found.joint],
+        links: Vec::new(),
         effect: Some(found.effect.clone()),
         parameters,
         signature: None,

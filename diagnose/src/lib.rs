@@ -47,6 +47,7 @@ mod noise_level;
 mod nominal;
 mod parameters;
 mod plots;
+mod posterior;
 mod pruning;
 mod remarks;
 mod repeats;
@@ -65,9 +66,9 @@ mod whitening;
 pub use blocks::{BlockSettings, Blocks, BlocksError, Split};
 pub use diagnosis::{
     Alternative, CauseLabel, CrossJointPattern, Diagnosis, Finding, JointMisfit, Location, Parameter, Plot, Rejected,
-    Series, Validation, Verdict,
+    Series, Unseen, Validation, Verdict,
 };
-pub use engine::{DiagnoseSettings, diagnose};
+pub use engine::{DiagnoseSettings, diagnose, diagnose_with_reference};
 pub use error::DiagnoseError;
 pub use friction_report::{FrictionReport, FrictionSettings, HeldOut, HeldOutError, JointFitError, JointReport};
 pub use next_experiment::NextExperiment;

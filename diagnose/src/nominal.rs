@@ -2,7 +2,8 @@
 
 use tribo_friction::{FrictionModel, JointFriction};
 use tribo_robot::Arm;
-use tribo_sim::{Effect, TorqueSide};
+use tribo_friction::law::smooth_sign;
+use tribo_sim::{Effect, TorqueSide, Truth};
 
 /// `tau = M qdd + C qd + g + Ir qdd + friction(qd) + effects`, what the user's simulation believes.
 #[derive(Clone, Debug, PartialEq)]
@@ -20,6 +21,36 @@ pub struct Nominal<const N: usize> {
 }
 
 impl<const N: usize> Nominal<N> {
+    /// The same model with payloads, tilts, links and rotors among its effects moved into the arm.
+    pub(crate) fn with_rigid_effects_in_the_arm(&self) -> Self {
+        let rigid = |effect: &Effect| {
+            matches!(
+                effect,
+                Effect::Payload { .. }
+                    | Effect::BaseTilt { .. }
+                    | Effect::LinkInertial { .. }
+                    | Effect::RotorInertia { .. }
+            )
+        };
+        let (in_arm, effects): (Vec<Effect>, Vec<Effect>) = self.effects.iter().cloned().partition(rigid);
+        let arm = Truth { effects: in_arm, ..Truth::new(self.arm.clone(), self.friction) }.true_arm();
+        Self { arm, effects, ..self.clone() }
+    }
+
+    /// Friction of a joint that slides at qd [rad/s] (Nm): of its law, with what `effects` add that goes with speed alone.
+    pub(crate) fn sliding_friction_nm(&self, joint: usize, qd: f64) -> f64 {
+        let sign = smooth_sign(qd, self.smoothing_rad_s);
+        let added = self.effects.iter().map(|effect| match *effect {
+            Effect::Coulomb { joint: at, delta_coulomb_nm } if at == joint => delta_coulomb_nm * sign,
+            Effect::Viscous { joint: at, delta_viscous_nm_s_per_rad } if at == joint => delta_viscous_nm_s_per_rad * qd,
+            Effect::FrictionCurve { joint: at, amplitude_nm, width_rad_s } if at == joint => {
+                amplitude_nm * smooth_sign(qd, width_rad_s)
+            }
+            _ => 0.0,
+        });
+        self.friction.joints[joint].torque(qd, self.smoothing_rad_s) + added.sum::<f64>()
+    }
+
     /// Coulomb friction of a joint at speed (Nm): of its law, with what `effects` add.
     pub fn dry_nm(&self, joint: usize) -> f64 {
         let law = match self.friction.joints[joint] {

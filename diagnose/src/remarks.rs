@@ -9,6 +9,21 @@ use crate::scene::Scene;
 use crate::search::{LEAST_EVIDENCE, Search};
 use crate::significance::Chance;
 
+/// The misfit of every joint, from what is held out as RMS before and after (Nm).
+pub(crate) fn misfits_of_squares<const N: usize>(
+    scene: &Scene<N>,
+    before: &[Vec<f64>; N],
+    after: &[Vec<f64>; N],
+    held_out_nm: &[Vec<f64>; 2],
+) -> Vec<JointMisfit> {
+    let none = vec![[0.0; N]];
+    let mut joints = misfits(scene, before, after, &none, &none);
+    for (j, joint) in joints.iter_mut().enumerate() {
+        joint.held_out_nm = [held_out_nm[0][j], held_out_nm[1][j]];
+    }
+    joints
+}
+
 pub(crate) fn misfits<const N: usize>(
     scene: &Scene<N>,
     before: &[Vec<f64>; N],

@@ -10,9 +10,10 @@ use tribo_logs::RobotLog;
 use tribo_robot::{Kinematics, inverse_dynamics_regressor, mass_matrix, rnea};
 use tribo_sim::Effect;
 
-use crate::cause::candidate_of_effect;
+use crate::cause::{candidate_of_effect, interpolated};
 use crate::filter::central_difference;
 use crate::noise_level::{resolution, sensor_share, white_noise_sd};
+use crate::signal_chain::SMOOTHING_OVER_BAND;
 use crate::{DiagnoseError, MotionSample, Nominal, ResidualSettings, SignalChain, TorqueResidual};
 
 /// One stamp on the uniform grid of a burst, before the band filter.
@@ -157,6 +158,16 @@ const HIGHEST_BAND: f64 = 0.3;
 impl<const N: usize> Scene<N> {
     /// Filters the logs and evaluates the nominal model along them; `band_hz` `None` chooses the band from the noise.
     pub fn of_logs(logs: &[RobotLog], nominal: &Nominal<N>, band_hz: Option<f64>) -> Result<Self, DiagnoseError> {
+        Self::smoothed(logs, nominal, band_hz, SMOOTHING_OVER_BAND)
+    }
+
+    /// The same with a choice of how much wider than the band positions are smoothed.
+    pub fn smoothed(
+        logs: &[RobotLog],
+        nominal: &Nominal<N>,
+        band_hz: Option<f64>,
+        smoothing_over_band: f64,
+    ) -> Result<Self, DiagnoseError> {
         for (index, log) in logs.iter().enumerate() {
             if log.joints() != N {
                 return Err(DiagnoseError::JointCount { log: index, got: log.joints(), expected: N });
@@ -189,6 +200,7 @@ impl<const N: usize> Scene<N> {
         let duration_s: f64 =
             logs.iter().map(|log| log.rows() as f64 * tribo_logs::median_period_s(&log.time_s).unwrap_or(0.0)).sum();
 
+        let nominal = &nominal.with_rigid_effects_in_the_arm();
         let mut scene = Self {
             nominal: nominal.clone(),
             samples: Vec::new(),
@@ -222,7 +234,7 @@ impl<const N: usize> Scene<N> {
             let by_band = log_rate_hz / (SAMPLES_PER_BAND * band_hz);
             let by_size = duration_s * log_rate_hz / MOST_SAMPLES;
             let average_samples = by_band.max(by_size).floor().max(1.0) as usize;
-            let settings = ResidualSettings { band_hz, longest_gap_s: None, average_samples };
+            let settings = ResidualSettings { band_hz, longest_gap_s: None, average_samples, smoothing_over_band };
             let rigid = TorqueResidual::of_log(log, &nominal.arm, &settings)?;
             scene.append(index, &rigid);
             match (rigid.deflection_rad(), &mut deflection) {
@@ -269,8 +281,8 @@ impl<const N: usize> Scene<N> {
 
     /// Torque noise (Nm) that velocity noise makes through the slope of nominal friction at a sample.
     fn sign_noise_nm(&self, j: usize, at: &Sample<N>) -> f64 {
-        let (law, step) = (&self.nominal.friction.joints[j], self.velocity_sd_rad_s[j].max(1e-6));
-        let friction = |qd: f64| law.torque(qd, self.nominal.smoothing_rad_s);
+        let step = self.velocity_sd_rad_s[j].max(1e-6);
+        let friction = |qd: f64| self.nominal.sliding_friction_nm(j, qd);
         let slope = (friction(at.qd[j] + step) - friction(at.qd[j] - step)) / (2.0 * step);
         // A joint at rest stays on its step of the lattice.
         let coarse = self.coarse_velocity_rad_s[j];
@@ -331,13 +343,16 @@ impl<const N: usize> Scene<N> {
         }
     }
 
-    /// Torque of the effects that the model has already.
+    /// The effects that the model has already, rigid ones aside, which are in its arm:
     ///
-    /// Each is evaluated on the bare nominal model; products of two effects (a gain on a payload) are left out.
+    /// ```text
+    /// model(t) = (1 + g) (rigid + friction + effects)(t − delay)
+    /// ```
     fn add_nominal_effects(&mut self) {
         let mut effects: Vec<Effect> = self.nominal.effects.clone();
         // Warm friction fades as a whole: what adds to dry and viscous friction comes first.
         effects.sort_by_key(|effect| !matches!(effect, Effect::Coulomb { .. } | Effect::Viscous { .. }));
+        let (mut gain, mut delay_s) = (SVector::<f64, N>::repeat(1.0), 0.0);
         for effect in &effects {
             match *effect {
                 Effect::Coulomb { joint, delta_coulomb_nm } => {
@@ -347,6 +362,14 @@ impl<const N: usize> Scene<N> {
                     let slope = delta_viscous_nm_s_per_rad;
                     self.samples.iter_mut().for_each(|at| at.friction_nm[joint] += slope * at.qd[joint]);
                 }
+                Effect::TorqueGain { joint, gain_error } => {
+                    gain[joint] *= 1.0 + gain_error;
+                    continue;
+                }
+                Effect::TimeDelay { delay_s: of_effect } => {
+                    delay_s += of_effect;
+                    continue;
+                }
                 _ => {}
             }
             let Some(torque) = self.effect_torque(effect) else { continue };
@@ -355,6 +378,17 @@ impl<const N: usize> Scene<N> {
                     self.samples.iter_mut().zip(column).for_each(|(at, tau)| at.model_nm[j] += tau);
                 }
                 FineColumn::Arm(column) => self.samples.iter_mut().zip(column).for_each(|(at, tau)| at.model_nm += tau),
+            }
+        }
+        self.samples.iter_mut().for_each(|at| at.model_nm.component_mul_assign(&gain));
+        if delay_s != 0.0 {
+            for burst in self.bursts.clone() {
+                let prompt: Vec<SVector<f64, N>> =
+                    self.samples[burst.fine.clone()].iter().map(|at| at.model_nm).collect();
+                let back = delay_s / self.period_s(&burst);
+                for (k, at) in self.samples[burst.fine].iter_mut().enumerate() {
+                    at.model_nm = interpolated(prompt.len(), k as f64 - back, |i| prompt[i]);
+                }
             }
         }
     }
@@ -430,22 +464,31 @@ impl<const N: usize> Scene<N> {
 
     /// Regressors of every link in its ten inertial parameters, in the band.
     pub fn link_regressors(&self) -> &[[Column<N>; 10]] {
-        self.link_regressors.get_or_init(|| {
-            let arm = &self.nominal.arm;
-            let blocks: Vec<_> =
-                self.samples.par_iter().map(|at| inverse_dynamics_regressor(arm, &at.q, &at.qd, &at.qdd)).collect();
-            let columns: Vec<[Column<N>; 10]> = (0..N)
+        self.link_regressors.get_or_init(|| (0..N).map(|link| self.link_regressor(link)).collect())
+    }
+
+    /// Regressor of one link in its ten inertial parameters, in the band; link by link, so that those of all links never
+    /// stand on the fine grid together.
+    pub fn link_regressor(&self, link: usize) -> [Column<N>; 10] {
+        let arm = &self.nominal.arm;
+        let block = |at: &Sample<N>| inverse_dynamics_regressor(arm, &at.q, &at.qd, &at.qdd)[link];
+        let blocks: Vec<SMatrix<f64, N, 10>> = self.samples.par_iter().map(block).collect();
+        let mut filtered: Vec<Vec<Vec<f64>>> = vec![vec![Vec::with_capacity(self.time_s.len()); 10]; link + 1];
+        for burst in &self.bursts {
+            let chain = &self.chains[burst.log];
+            let of_joint: Vec<Vec<Vec<f64>>> = (0..=link)
                 .into_par_iter()
-                .map(|link| {
-                    let of = |i: usize| blocks.iter().map(|block| block[link].column(i).into_owned()).collect();
-                    let columns: [FineColumn<N>; 10] = std::array::from_fn(|i| FineColumn::Arm(of(i)));
-                    let mut filtered = self.filter_all(&columns);
-                    std::array::from_fn(|i| Column {
-                        rows: std::mem::replace(&mut filtered[i].rows, [const { None }; N]),
-                    })
+                .map(|j| {
+                    let track = |i: usize| blocks[burst.fine.clone()].iter().map(|block| block[(j, i)]).collect();
+                    chain.finish_all(&(0..10).map(track).collect::<Vec<Vec<f64>>>())
                 })
                 .collect();
-            columns
+            for (joint, tracks) in filtered.iter_mut().zip(of_joint) {
+                joint.iter_mut().zip(tracks).for_each(|(column, track)| column.extend(track));
+            }
+        }
+        std::array::from_fn(|i| Column {
+            rows: std::array::from_fn(|j| filtered.get_mut(j).map(|joint| std::mem::take(&mut joint[i]))),
         })
     }
 

@@ -42,6 +42,9 @@ pub(crate) fn validated<const N: usize>(
                 log: name.clone(),
                 before_nm: per_joint(&before),
                 after_nm: per_joint(&after),
+                plain_nm: Vec::new(),
+                full_nm: Vec::new(),
+                inside95: None,
                 gain,
                 gain_ci95,
             })

@@ -29,12 +29,13 @@ mod torque_ripple;
 mod unknown;
 mod viscous;
 
-pub(crate) use base_tilt::base_tilt_columns;
+pub(crate) use base_tilt::{base_tilt_columns, tilt_of};
 pub(crate) use backlash::{Backlash, transmitted_sign};
 pub(crate) use external_contact::ExternalContact;
 pub(crate) use joint_elasticity::JointElasticity;
 pub(crate) use payload::link_from_flange;
 pub(crate) use presliding::bristle;
+pub(crate) use time_delay::interpolated;
 pub(crate) use torque_ripple::TorqueRipple;
 
 use nalgebra::SVector;

@@ -50,6 +50,8 @@ fn finding(effect: &Effect, location: Location, rivals: &[(CauseLabel, Location)
     Finding {
         label: CauseLabel::of(effect),
         location,
+        joints: location.places().0,
+        links: location.places().1,
         effect: Some(effect.clone()),
         parameters: Vec::new(),
         signature: None,

@@ -99,10 +99,9 @@ pub(crate) struct Columns {
     pub parts: Vec<Part>,
     /// `[part][joint]`.
     pub grams: Vec<Vec<DMatrix<f64>>>,
+    /// Weight that each row of a joint has been given.
+    weights: Vec<Vec<f64>>,
 }
-
-/// Largest width of a friction curve's unit speed over the speed that a joint shows: limits in files may be fantasy.
-pub(crate) const FASTEST_OVER_SEEN: f64 = 10.0;
 
 impl Columns {
     /// Evaluates and filters all columns of a scene; `speed_rad_s` are the largest speeds of the joints, `thirds` the parts
@@ -143,6 +142,13 @@ impl Columns {
                 }
             }
         }
+        // Where a joint turns back the noise of its velocity is torque noise too.
+        joints.iter_mut().enumerate().for_each(|(j, joint)| {
+            let weights = scene.noise_weights(j);
+            for mut column in joint.matrix.column_iter_mut() {
+                column.iter_mut().zip(weights).for_each(|(x, weight)| *x *= weight);
+            }
+        });
         let grams = parts
             .par_iter()
             .map(|part| {
@@ -153,12 +159,19 @@ impl Columns {
                 joints.iter().map(gram).collect()
             })
             .collect();
-        Self { joints, parts, grams }
+        let weights = (0..N).map(|j| scene.noise_weights(j).to_vec()).collect();
+        Self { joints, parts, grams, weights }
     }
 
     /// Number of samples of some parts.
     pub fn samples(&self, parts: &[usize]) -> usize {
         parts.iter().map(|part| self.parts[*part].samples.len()).sum()
+    }
+
+    /// The same combination before rows are weighted.
+    pub fn unweighted(&self, joint: usize, weights: &DVector<f64>, parts: &[usize]) -> Vec<f64> {
+        let of_rows = parts.iter().flat_map(|part| &self.weights[joint][self.parts[*part].samples.clone()]);
+        self.combined(joint, weights, parts).into_iter().zip(of_rows).map(|(x, weight)| x / weight).collect()
     }
 
     /// A combination of the columns of a joint over some parts.

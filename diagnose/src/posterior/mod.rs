@@ -3,9 +3,55 @@
 pub(crate) mod baseline;
 pub(crate) mod body;
 pub(crate) mod columns;
+pub(crate) mod explain;
+pub(crate) mod family_finding;
 pub(crate) mod fit;
+pub(crate) mod gate;
 pub(crate) mod prior;
 pub(crate) mod problem;
 pub(crate) mod selection;
 mod spd;
 mod tempering;
+pub(crate) mod unseen;
+pub(crate) mod written;
+
+use crate::scene::Scene;
+use prior::ArmScale;
+
+impl ArmScale {
+    /// What a scene says of an arm: torque and speed limits, where they are no fantasy, and its own weight.
+    pub fn of<const N: usize>(scene: &Scene<N>) -> Self {
+        let limits = &scene.nominal.arm.limits;
+        let own_kg: f64 = scene.nominal.arm.links.iter().map(|link| link.mass_kg.max(0.2)).sum();
+        let largest = |of: &[f64]| of.iter().fold(0.0, |largest: f64, x| largest.max(x.abs()));
+        let seen = (0..N).map(|j| largest(&scene.measured_nm[j])).fold(0.0, f64::max);
+        // No arm has the same motor in every joint: such limits stand for nothing.
+        let same = limits.tau_max_nm.max() <= 1.01 * limits.tau_max_nm.min();
+        let torque_nm = (0..N)
+            .map(|j| if same && N > 1 { STRONGEST_OVER_SEEN * seen * taper(j, N) } else { limits.tau_max_nm[j] })
+            .map(|torque: f64| torque.max(1e-3))
+            .collect();
+        let speed_rad_s = (0..N)
+            .map(|j| if limits.qd_max_rad_s[j] <= 20.0 { limits.qd_max_rad_s[j] } else { 3.0 })
+            .collect();
+        Self {
+            torque_nm,
+            speed_rad_s,
+            rated_payload_kg: 0.3 * own_kg,
+            link_side: scene.nominal.torque_side == tribo_sim::TorqueSide::Link,
+        }
+    }
+}
+
+/// Largest torque that a joint can have over the largest that a log shows: logs of a moving arm use half.
+const STRONGEST_OVER_SEEN: f64 = 3.0;
+
+/// Torque limit of a joint over that of the strongest: the wrists of Panda, LWR, iiwa, Gen3 and UR have a seventh to a fourth.
+fn taper(joint: usize, joints: usize) -> f64 {
+    match joint as f64 / (joints - 1) as f64 {
+        x if x < 0.25 => 1.0,
+        x if x < 0.7 => 0.55,
+        _ => 0.2,
+    }
+}
+

@@ -110,6 +110,9 @@ pub(crate) const PAYLOAD_RADIUS_M: f64 = 0.05;
 /// Distance of its centre of mass from the flange, one standard deviation (m).
 const PAYLOAD_ARM_M: f64 = 0.05;
 
+/// Stiffness of a hose or cable that every arm may have [Nm/rad].
+const SPRING_NM_PER_RAD: f64 = 0.1;
+
 /// What the sizes of usual effects go with.
 #[derive(Clone, Debug)]
 pub(crate) struct ArmScale {
@@ -137,7 +140,7 @@ impl ArmScale {
             Term::Load => 0.05,
             // Behind the gears no rotor is felt, but for what the sensor's own mass is.
             Term::Rotor => torque * if self.link_side { 5e-4 } else { 5e-3 },
-            Term::Spring => 3e-3 * torque,
+            Term::Spring => (3e-3 * torque).max(SPRING_NM_PER_RAD),
         }
     }
 

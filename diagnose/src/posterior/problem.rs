@@ -267,6 +267,12 @@ impl Problem {
             .collect()
     }
 
+    /// Σ of the squared residual of a joint over one part, rows unweighted (Nm²).
+    pub fn unseen_square(&self, state: &State, joint: usize, part: usize) -> f64 {
+        let weights = self.residual(state, joint, self.loaded(part));
+        self.columns.unweighted(joint, &weights, &[part]).iter().map(|r| r * r).sum()
+    }
+
     /// Mean square of the residual of each joint over some parts (Nm²).
     pub fn mean_squares(&self, state: &State, parts: &[usize]) -> Vec<f64> {
         let samples = self.columns.samples(parts).max(1) as f64;
@@ -294,6 +300,25 @@ impl Problem {
         NormalEquations { joints, samples: self.columns.samples(parts) }
     }
 
+    /// Derivative of the predicted torque of a joint by some parameters, as weights of its columns.
+    pub fn slopes(&self, state: &State, j: usize, index: &[usize], loaded: bool) -> DMatrix<f64> {
+        let columns = &self.columns.joints[j];
+        let (gain, com_m) = (self.gain(state, j), self.payload_com_m(state));
+        let mut map = DMatrix::zeros(columns.matrix.ncols(), index.len());
+        for (local, i) in index.iter().enumerate() {
+            let place = self.places[*i];
+            if place == Place::Gain(j) {
+                map.column_mut(local).copy_from(&self.change(state, j, loaded));
+                map[(columns.nominal(), local)] += 1.0;
+            } else {
+                for (column, weight) in self.direction(j, place, &com_m, loaded).into_iter().flatten() {
+                    map[(column, local)] += weight * (1.0 + gain);
+                }
+            }
+        }
+        map
+    }
+
     fn joint_system(&self, state: &State, j: usize, com_m: &Vector3<f64>, parts: &[usize]) -> JointSystem {
         let columns = &self.columns.joints[j];
         let gain = self.gain(state, j);
@@ -317,18 +342,7 @@ impl Problem {
             let mut target = &change * gain;
             target[columns.nominal()] -= 1.0;
             target[columns.measured()] += 1.0;
-            let mut map = DMatrix::zeros(gram.nrows(), system.index.len());
-            for (local, i) in system.index.iter().enumerate() {
-                let place = self.places[*i];
-                if place == Place::Gain(j) {
-                    map.column_mut(local).copy_from(&change);
-                    map[(columns.nominal(), local)] += 1.0;
-                } else {
-                    for (column, weight) in self.direction(j, place, com_m, loaded).into_iter().flatten() {
-                        map[(column, local)] += weight * (1.0 + gain);
-                    }
-                }
-            }
+            let map = self.slopes(state, j, &system.index, loaded);
             let half = gram * &map;
             system.gram += map.tr_mul(&half);
             system.score += half.tr_mul(&target);

@@ -4,7 +4,7 @@ use tribo_sim::Effect;
 
 use crate::{
     Alternative, CauseLabel, CrossJointPattern, Diagnosis, Finding, JointMisfit, Location, NextExperiment, Parameter,
-    Plot, Rejected, Series, Validation, Verdict,
+    Plot, Rejected, Series, Unseen, Validation, Verdict,
 };
 
 /// Text that must never reach a page as it is.
@@ -18,6 +18,8 @@ pub fn diagnosis() -> Diagnosis {
     let stribeck = Finding {
         label: CauseLabel::Stribeck,
         location: Location::Joint(3),
+        joints: vec![3],
+        links: Vec::new(),
         effect: Some(effect),
         parameters: vec![
             scalar("breakaway_minus_coulomb_nm", 0.412, 0.031),
@@ -40,6 +42,7 @@ pub fn diagnosis() -> Diagnosis {
     let payload = Finding {
         label: CauseLabel::Payload,
         location: Location::Arm,
+        joints: Vec::new(),
         effect: Some(Effect::Payload { mass_kg: 0.853, com_m: [0.01, -0.002, 0.061], inertia_kg_m2: [0.0; 6] }),
         parameters: vec![
             scalar("mass_kg", 0.853, 0.021),
@@ -58,6 +61,7 @@ pub fn diagnosis() -> Diagnosis {
     let unknown = Finding {
         label: CauseLabel::Unknown,
         location: Location::Joint(5),
+        joints: vec![5],
         effect: None,
         parameters: Vec::new(),
         signature: Some(format!("position, two periods per turn {NASTY}")),
@@ -87,6 +91,9 @@ pub fn diagnosis() -> Diagnosis {
             log: format!("tuesday {NASTY}.csv"),
             before_nm: vec![0.5, 0.4, 0.3, 0.6, 0.1, 0.1, 0.05],
             after_nm: vec![0.1, 0.09, 0.1, 0.2, 0.05, 0.05, 0.03],
+            plain_nm: vec![0.2, 0.19, 0.2, 0.3, 0.08, 0.08, 0.05],
+            full_nm: vec![0.15, 0.12, 0.2, 0.25, 0.07, 0.06, 0.04],
+            inside95: Some(0.94),
             gain: 0.64,
             gain_ci95: [0.6, 0.68],
         }],
@@ -104,6 +111,15 @@ pub fn diagnosis() -> Diagnosis {
                 reason: format!("the log has no theta_0 {NASTY}"),
             },
         ],
+        extension: Vec::new(),
+        unseen: Some(Unseen {
+            split: "each third of the log in turn",
+            nominal_nm: vec![0.5, 0.4, 0.3, 0.6, 0.1, 0.1, 0.05],
+            extended_nm: vec![0.11, 0.1, 0.12, 0.2, 0.05, 0.05, 0.03],
+            plain_nm: vec![0.21, 0.2, 0.2, 0.3, 0.08, 0.08, 0.05],
+            full_nm: vec![0.16, 0.13, 0.2, 0.25, 0.07, 0.06, 0.04],
+        }),
+        predictive_sd_nm: vec![0.12; 7],
         assumptions: vec!["torques are measured on the motor side of the gears".to_owned()],
         notes: vec![format!("joint 6 never moved {NASTY}")],
         next_experiment: Some(next_experiment()),

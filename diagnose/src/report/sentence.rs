@@ -72,6 +72,9 @@ pub fn finding_sentence(finding: &Finding) -> String {
 /// The finding with its size.
 pub fn description(finding: &Finding) -> String {
     use CauseLabel as L;
+    if finding.joints.len() > 1 || finding.links.len() > 1 {
+        return description_of_many(finding);
+    }
     let at = capital(&finding.location.to_string());
     let p = Parameters(&finding.parameters);
     match finding.label {
@@ -192,6 +195,20 @@ pub fn description(finding: &Finding) -> String {
     }
 }
 
+/// A finding of several joints or links, by its first parameter.
+fn description_of_many(finding: &Finding) -> String {
+    let (what, places) = match finding.links.is_empty() {
+        true => ("joints", &finding.joints),
+        false => ("links", &finding.links),
+    };
+    let listed = listed(places.iter().map(usize::to_string));
+    let name = capital(cause_name(finding.label));
+    let Some(parameter) = finding.parameters.first() else { return format!("{name} in {what} {listed}") };
+    let unit = tribo_figure::number::quantity_and_unit(parameter.name).1;
+    let (low, high) = parameter.value.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), x| (l.min(*x), h.max(*x)));
+    format!("{name} in {what} {listed}: {} to {} {unit}", significant(low, 3), significant(high, 3))
+}
+
 /// The name of a cause for people.
 pub fn cause_name(label: CauseLabel) -> &'static str {
     use CauseLabel as L;
@@ -229,7 +246,13 @@ pub fn cause_at(label: CauseLabel, location: Location) -> String {
 }
 
 fn short_name(finding: &Finding) -> String {
-    cause_at(finding.label, finding.location)
+    match finding.joints.len().max(finding.links.len()) {
+        0 | 1 => cause_at(finding.label, finding.location),
+        count => {
+            let what = if finding.links.is_empty() { "joints" } else { "links" };
+            format!("{} ({count} {what})", cause_name(finding.label))
+        }
+    }
 }
 
 /// `it removes 62 % [58, 66] of the residual on unseen blocks`, unless it does not.

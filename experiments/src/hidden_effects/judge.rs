@@ -136,7 +136,7 @@ fn residual(log: &RobotLog, nominal: &Nominal<7>, diagnosis: &Diagnosis) -> Resu
     let rate_hz = tribo_logs::median_period_s(&log.time_s).unwrap_or(1.0).recip();
     let average_samples = (rate_hz / diagnosis.rate_hz).round().max(1.0) as usize;
     let settings =
-        ResidualSettings { band_hz: diagnosis.band_hz.min(0.3 * rate_hz), longest_gap_s: None, average_samples };
+        ResidualSettings { band_hz: diagnosis.band_hz.min(0.3 * rate_hz), longest_gap_s: None, average_samples, ..ResidualSettings::default() };
     TorqueResidual::of_log(log, &nominal.arm, &settings)
 }
 

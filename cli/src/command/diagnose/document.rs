@@ -1,7 +1,7 @@
 //! A diagnosis as one JSON document, `tribo.diagnosis/1`.
 
 use serde_json::{Map, Value, json};
-use tribo_diagnose::{Alternative, CauseLabel, Diagnosis, Finding, JointMisfit, Location, NextExperiment, Rejected};
+use tribo_diagnose::{Alternative, CauseLabel, Diagnosis, Finding, JointMisfit, Location, NextExperiment, Rejected, Unseen};
 use tribo_experiments::ClosedLoopGain;
 
 use super::Extras;
@@ -21,12 +21,17 @@ pub(super) fn document(diagnosis: &Diagnosis, extras: &Extras) -> Value {
         },
         "gain_heldout": diagnosis.gain_heldout,
         "gain_heldout_ci95": diagnosis.gain_heldout_ci95,
+        "unseen": diagnosis.unseen.as_ref().map(unseen),
+        "predictive_sd_nm": diagnosis.predictive_sd_nm,
         "closed_loop": extras.closed_loop.as_ref().map(closed_loop),
         "next_experiment": diagnosis.next_experiment.as_ref().map(next_experiment),
         "validation": diagnosis.validation.iter().map(|validation| json!({
             "log": validation.log,
             "before_nm": validation.before_nm,
             "after_nm": validation.after_nm,
+            "plain_nm": validation.plain_nm,
+            "full_nm": validation.full_nm,
+            "inside95": validation.inside95,
             "gain": validation.gain,
             "gain_ci95": validation.gain_ci95,
         })).collect::<Vec<_>>(),
@@ -82,6 +87,8 @@ fn finding(finding: &Finding) -> Value {
         params.insert("signature".to_owned(), json!(signature));
     }
     let more = json!({
+        "joints": finding.joints,
+        "links": finding.links,
         "params": params,
         "params_ci95": params_ci95,
         "p_value": finding.p_value,
@@ -92,6 +99,19 @@ fn finding(finding: &Finding) -> Value {
         "alternatives": finding.alternatives.iter().map(alternative).collect::<Vec<_>>(),
     });
     with(located(finding.label, finding.location), more)
+}
+
+/// RMS on held-out parts by model, and how the extended model compares with the better baseline.
+fn unseen(unseen: &Unseen) -> Value {
+    json!({
+        "split": unseen.split,
+        "nominal_nm": unseen.nominal_nm,
+        "extended_nm": unseen.extended_nm,
+        "plain_nm": unseen.plain_nm,
+        "full_nm": unseen.full_nm,
+        "better_baseline": unseen.better_baseline().0,
+        "ratio_to_better_baseline": unseen.ratio(),
+    })
 }
 
 fn alternative(rival: &Alternative) -> Value {
@@ -146,6 +166,8 @@ mod tests {
         let payload = Finding {
             label: CauseLabel::Payload,
             location: Location::Arm,
+            joints: Vec::new(),
+            links: Vec::new(),
             effect: None,
             parameters: vec![
                 Parameter { name: "mass_kg", value: vec![0.85], ci95: vec![[0.83, 0.87]] },
@@ -172,6 +194,7 @@ mod tests {
         let unknown = Finding {
             label: CauseLabel::Unknown,
             location: Location::Joint(3),
+            joints: vec![3],
             parameters: Vec::new(),
             signature: Some("position order 2".to_owned()),
             alternatives: Vec::new(),
@@ -197,6 +220,9 @@ mod tests {
                 log: "b.csv".to_owned(),
                 before_nm: vec![0.4],
                 after_nm: vec![0.1],
+                plain_nm: vec![0.2],
+                full_nm: vec![0.3],
+                inside95: Some(0.95),
                 gain: 0.75,
                 gain_ci95: [0.7, 0.8],
             }],
@@ -206,6 +232,15 @@ mod tests {
                 evidence: None,
                 reason: "no theta_0".to_owned(),
             }],
+            extension: Vec::new(),
+            unseen: Some(Unseen {
+                split: "each log in turn",
+                nominal_nm: vec![0.5],
+                extended_nm: vec![0.1],
+                plain_nm: vec![0.2],
+                full_nm: vec![0.4],
+            }),
+            predictive_sd_nm: vec![0.11],
             assumptions: vec!["motor side".to_owned()],
             notes: vec!["short".to_owned()],
             next_experiment: Some(NextExperiment {

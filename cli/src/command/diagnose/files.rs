@@ -45,7 +45,7 @@ impl Outputs {
             if given[..k].iter().any(|(_, other, ..)| other == path || same_file(other, path)) {
                 return refuse("is the target of another option too".to_owned());
             }
-            let mut inputs = arguments.logs.iter().chain(&arguments.validate);
+            let mut inputs = arguments.logs.iter().chain(&arguments.validate).chain(&arguments.reference);
             if inputs.any(|input| same_file(input, path)) {
                 return refuse("is a log to be read; it is left untouched".to_owned());
             }

@@ -42,6 +42,7 @@ pub fn check_logs_differ(arguments: &Diagnose) -> anyhow::Result<()> {
         .logs
         .iter()
         .map(|path| (path, false))
+        .chain(arguments.reference.iter().map(|path| (path, false)))
         .chain(arguments.validate.iter().map(|path| (path, true)))
         .collect();
     for (k, (path, validates)) in all.iter().enumerate() {

@@ -8,7 +8,7 @@ mod show;
 use std::path::Path;
 
 use tribo_diagnose::report::{ClosedLoop, ReportContext, html};
-use tribo_diagnose::{DiagnoseError, DiagnoseSettings, Diagnosis, Verdict, diagnose};
+use tribo_diagnose::{DiagnoseError, DiagnoseSettings, Diagnosis, Verdict, diagnose_with_reference};
 use tribo_experiments::files::{AnyModel, Model, ModelFile};
 use tribo_experiments::{Believed, ClosedLoopGain, closed_loop_gain};
 use tribo_logs::RobotLog;
@@ -43,6 +43,7 @@ pub fn run(arguments: &Diagnose, common: &Common) -> anyhow::Result<()> {
     input::check_logs_differ(arguments)?;
     let logs = input::logs(&arguments.logs, common)?;
     let validate = input::logs(&arguments.validate, common)?;
+    let reference = input::logs(&arguments.reference, common)?;
     if let Some(band_hz) = arguments.band_hz.filter(|band_hz| !(*band_hz > 0.0 && band_hz.is_finite())) {
         return Err(BadInput(format!("--band-hz is {band_hz}; allowed: greater than 0")).into());
     }
@@ -50,10 +51,12 @@ pub fn run(arguments: &Diagnose, common: &Common) -> anyhow::Result<()> {
     let first = session.first().map_or(0, |log| log.joints());
     let path = arguments.logs.first().map_or(Path::new(""), |path| path);
     let (model_file, model) = given.map_or_else(|| choice.bare(path, first, &session), Ok)?;
-    for (name, log) in names.iter().zip(&session).chain(validate.iter().map(|(name, log)| (name, log))) {
+    let others = validate.iter().chain(&reference).map(|(name, log)| (name, log));
+    for (name, log) in names.iter().zip(&session).chain(others) {
         check_joints(Path::new(name), log, &model)?;
     }
-    let held = Held { names, session, validate, model_name: choice.name(model.robot()), model_file };
+    let unloaded = reference.into_iter().map(|(_, log)| log).collect();
+    let held = Held { names, session, validate, unloaded, model_name: choice.name(model.robot()), model_file };
     match &model {
         AnyModel::Six(model) => run_with(arguments, common, &outputs, &held, model),
         AnyModel::Seven(model) => run_with(arguments, common, &outputs, &held, model),
@@ -65,6 +68,8 @@ struct Held {
     names: Vec<String>,
     session: Vec<RobotLog>,
     validate: Vec<(String, RobotLog)>,
+    /// Logs with nothing at the flange.
+    unloaded: Vec<RobotLog>,
     model_name: String,
     model_file: ModelFile,
 }
@@ -83,7 +88,8 @@ fn run_with<const N: usize>(
     let settings = DiagnoseSettings { seed: arguments.seed, band_hz: arguments.band_hz };
     let result = pool.install(|| {
         let report = |stage: &str, part: f64| progress.stage(stage, part);
-        diagnose(&held.session, &model.to_nominal(), &held.validate, &settings, &report)
+        let nominal = model.to_nominal();
+        diagnose_with_reference(&held.session, &held.unloaded, &nominal, &held.validate, &settings, &report)
     });
     let diagnosis = match result {
         Ok(diagnosis) => diagnosis,
@@ -122,7 +128,9 @@ fn run_with<const N: usize>(
 
     if common.json {
         print_json(&document::document(&diagnosis, &extras));
-    } else if !common.quiet {
+    } else if common.quiet {
+        show::verdict(&diagnosis);
+    } else {
         show::show(&diagnosis, &extras, common.verbose);
     }
     for remark in extras.remarks.iter().filter(|_| common.json && !common.quiet) {

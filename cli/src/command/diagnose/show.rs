@@ -15,6 +15,11 @@ const WIDTH: usize = 110;
 /// Parts of the variance below this are not worth a word [-].
 const NOTABLE_PART: f64 = 0.05;
 
+/// Prints the answer alone.
+pub(super) fn verdict(diagnosis: &Diagnosis) {
+    paragraph("", &verdict_sentence(diagnosis));
+}
+
 /// Prints everything; `verbose` adds what was considered and rejected, and the assumptions.
 pub(super) fn show(diagnosis: &Diagnosis, extras: &Extras, verbose: bool) {
     paragraph("", &verdict_sentence(diagnosis));
@@ -22,6 +27,7 @@ pub(super) fn show(diagnosis: &Diagnosis, extras: &Extras, verbose: bool) {
         show_findings(&diagnosis.findings);
     }
     show_joints(diagnosis);
+    show_unseen(diagnosis);
     show_elsewhere(diagnosis, extras);
     show_next(diagnosis);
     if verbose && !diagnosis.rejected.is_empty() {
@@ -64,7 +70,7 @@ fn show_findings(findings: &[Finding]) {
                 &mut rows,
                 [
                     once(finding.label.to_string()),
-                    once(finding.location.to_string()),
+                    once(place(finding)),
                     name,
                     value,
                     once(probability(finding.p_value)),
@@ -85,13 +91,27 @@ fn show_findings(findings: &[Finding]) {
     }
 }
 
+/// Where a finding is.
+fn place(finding: &Finding) -> String {
+    match (finding.joints.len(), finding.links.len()) {
+        (0 | 1, 0 | 1) => finding.location.to_string(),
+        (count, 0) => format!("{count} joints"),
+        (_, count) => format!("{count} links"),
+    }
+}
+
 /// One row per component; a finding without parameters has one row all the same.
 fn parameter_rows(finding: &Finding) -> Vec<(String, String)> {
     let mut rows = Vec::new();
     for parameter in &finding.parameters {
         let unit = quantity_and_unit(parameter.name).1;
         for (k, value) in parameter.value.iter().enumerate() {
-            let index = if parameter.value.len() > 1 { format!("[{k}]") } else { String::new() };
+            let places = if finding.links.is_empty() { ("joint", &finding.joints) } else { ("link", &finding.links) };
+            let index = match parameter.value.len() {
+                0 | 1 => String::new(),
+                count if count == places.1.len() => format!(" of {} {}", places.0, places.1[k]),
+                _ => format!("[{k}]"),
+            };
             let ci95 = parameter.ci95.get(k).copied().unwrap_or([f64::NAN; 2]);
             rows.push((format!("{}{index}", parameter.name), with_interval(*value, ci95, unit)));
         }
@@ -132,6 +152,25 @@ fn goes_with(joint: &JointMisfit) -> String {
     parts.sort_by(|a, b| b.1.total_cmp(&a.1));
     let parts: Vec<String> = parts.iter().take(2).map(|(name, part)| format!("{name} {}", percent(*part))).collect();
     if parts.is_empty() { "nothing".to_owned() } else { parts.join(", ") }
+}
+
+/// What the extended model and plain fits predict where they have not looked.
+fn show_unseen(diagnosis: &Diagnosis) {
+    let Some(unseen) = &diagnosis.unseen else { return };
+    print(format_args!("\nUnseen, {} held out [Nm RMS]", unseen.split));
+    let mut rows = table(&["joint", "model given", "extended model", "plain least squares", "full refit"]);
+    for j in 0..unseen.extended_nm.len() {
+        let values = [unseen.nominal_nm[j], unseen.extended_nm[j], unseen.plain_nm[j], unseen.full_nm[j]];
+        add(&mut rows, std::iter::once(j.to_string()).chain(values.map(|value| significant(value, 3))));
+    }
+    print(rows);
+    let (name, _) = unseen.better_baseline();
+    let ratio = unseen.ratio();
+    let better = if ratio > 1.0 { " The baseline is better." } else { "" };
+    paragraph(
+        "",
+        &format!("On unseen data the extended model leaves {} of what {name} leaves (mean of joints).{better}", fixed(ratio, 2)),
+    );
 }
 
 /// What the extended model is worth on other logs and in the loop.

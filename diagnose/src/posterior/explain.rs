@@ -1,0 +1,388 @@
+//! The diagnosis of an arm whose model is wrong everywhere.
+
+use tribo_logs::RobotLog;
+use tribo_sim::Effect;
+
+use super::baseline::Baselines;
+use super::columns::Columns;
+use super::family_finding::Answer;
+use super::fit::{Fit, Start, posterior};
+use super::prior::{ArmScale, Family};
+use super::problem::{Place, Problem};
+use super::selection::{Selection, is_payload, select};
+use super::unseen::{Split, Unseen, standardised, unknown_variance};
+use super::written;
+use crate::diagnosis::{self, CauseLabel, Diagnosis, Finding, Location, Rejected, Validation, Verdict};
+use crate::held_out::gain_of_pairs;
+use crate::next_experiment::NextExperiment;
+use crate::noise_level::rms;
+use crate::plots;
+use crate::remarks::{misfits_of_squares, notes_of};
+use crate::scene::Scene;
+use crate::{DiagnoseError, DiagnoseSettings, Nominal};
+
+/// Logs to diagnose, logs of the same arm with a bare flange, and logs that nothing is fitted to.
+pub(crate) struct Given<'g> {
+    pub logs: &'g [RobotLog],
+    pub unloaded: &'g [RobotLog],
+    pub validate: &'g [(String, RobotLog)],
+}
+
+/// Band of the residual (Hz): holds the motion of an arm; the likelihood is tempered, so that it hardly matters.
+const BAND_HZ: f64 = 10.0;
+/// Cut-off of the position smoother over the band.
+const SMOOTHING_OVER_BAND: f64 = 1.0;
+/// Parts that each log is cut into.
+const PARTS: usize = 12;
+/// Most findings.
+const MOST_FINDINGS: usize = 8;
+/// Relative standard deviation of a payload's mass beyond which the log does not determine it.
+const UNSURE_PAYLOAD: f64 = 0.1;
+/// Predicted standard deviation of unseen torque, over what is left, beyond which a joint is not determined.
+const UNDETERMINED: f64 = 1.0;
+/// |z| that 95 % of a Gaussian lie within.
+const Z95: f64 = 1.96;
+
+/// One fit of everything.
+struct Fitted {
+    all: Fit,
+    selection: Selection,
+    unseen: Unseen,
+}
+
+/// Fits all families, drops those that harm on unseen data and fits anew, then asks which the log shows.
+fn fitted(
+    problem: &Problem,
+    seed: u64,
+    step: &dyn Fn(&str, f64) -> Result<(), DiagnoseError>,
+) -> Result<Fitted, DiagnoseError> {
+    let parts = problem.all_parts();
+    let mut families: Vec<Family> = Family::ALL.into_iter().filter(|family| problem.has(*family)).collect();
+    let too_short = || DiagnoseError::TooShort { got: problem.columns.samples(&parts), need: problem.places.len() };
+    loop {
+        step("posterior", 0.3)?;
+        let (all, about) = posterior(problem, &parts, &Start::of(&families)).ok_or_else(too_short)?;
+        step("unseen parts", 0.5)?;
+        let unseen = Unseen::of(problem, &all);
+        // What surely harms where it was not fitted is no property of the arm.
+        let harms = |family: &Family| {
+            let Some((_, without)) = unseen.without.iter().find(|(other, _)| other == family) else { return None };
+            let sum = |row: &[f64]| row.iter().zip(&all.variances).map(|(square, own)| square / own).sum::<f64>();
+            let pairs: Vec<[f64; 2]> =
+                without.iter().zip(&unseen.ours).map(|(without, ours)| [sum(without), sum(ours)]).collect();
+            let (gain, [_, high]) = gain_of_pairs(&pairs, seed);
+            (high < 0.0 && !family.prior(problem.scale.link_side).always).then_some(gain)
+        };
+        let worst = all.start.families.iter().filter_map(|family| Some((*family, harms(family)?)));
+        if let Some((worst, _)) = worst.min_by(|a, b| a.1.total_cmp(&b.1)) {
+            families = all.start.families.iter().copied().filter(|family| *family != worst).collect();
+            continue;
+        }
+        step("families", 0.7)?;
+        let equations = problem.normal_equations(&about, &parts);
+        let selection = select(problem, &equations, &parts, &all);
+        return Ok(Fitted { all, selection, unseen });
+    }
+}
+
+/// Explains logs by the families of [`Family`], all fitted together.
+///
+/// ```text
+/// logs → columns → posterior of all families (the file) → unseen parts → families by evidence → findings
+///      → file read back: residual after, validation
+/// ```
+///
+/// # Errors
+/// [`DiagnoseError`].
+pub(crate) fn explain<const N: usize>(
+    given: &Given<'_>,
+    nominal: &Nominal<N>,
+    settings: &DiagnoseSettings,
+    step: &dyn Fn(&str, f64) -> Result<(), DiagnoseError>,
+) -> Result<Diagnosis, DiagnoseError> {
+    let band_hz = settings.band_hz.unwrap_or(BAND_HZ);
+    let all_logs: Vec<RobotLog> = given.logs.iter().chain(given.unloaded).cloned().collect();
+    let unloaded: Vec<bool> = (0..all_logs.len()).map(|k| k >= given.logs.len()).collect();
+    let in_band = |logs: &[RobotLog], model: &Nominal<N>| Scene::smoothed(logs, model, Some(band_hz), SMOOTHING_OVER_BAND);
+    step("columns", 0.15)?;
+    let scene = in_band(&all_logs, nominal)?;
+    let scale = ArmScale::of(&scene);
+    let columns = Columns::of(&scene, &scale.speed_rad_s, PARTS);
+    let problem = Problem::of(&scene, columns, scale, unloaded.clone());
+    let Fitted { all, selection, unseen } = fitted(&problem, settings.seed, step)?;
+
+    // The file, and what it leaves of the logs when it is read back.
+    step("extended model", 0.85)?;
+    let extension = written::effects(&scene, &problem, &all.state);
+    let extended = with(nominal, &extension, true);
+    let without_payload = with(nominal, &extension, false);
+    let loaded_scene = in_band(given.logs, &extended)?;
+    let before_scene = in_band(given.logs, nominal)?;
+    let bare_scene = if given.unloaded.is_empty() { None } else { Some(in_band(given.unloaded, &without_payload)?) };
+
+    let answer = Answer { scene: &scene, problem: &problem, fit: &all, selection: &selection, unseen: &unseen, seed: settings.seed };
+    let mut selected = selection.selected.clone();
+    let worth = |family: &Family| selection.worth.get(family).copied().unwrap_or(0.0);
+    selected.sort_by(|a, b| worth(b).total_cmp(&worth(a)));
+    // A finding that surely harms where it was not fitted is none.
+    let mut findings: Vec<Finding> = selected
+        .iter()
+        .flat_map(|family| answer.findings(*family))
+        .filter(|finding| finding.held_out_gain_ci95[1] >= 0.0)
+        .collect();
+    let cut = findings.len().saturating_sub(MOST_FINDINGS);
+    findings.truncate(MOST_FINDINGS);
+    let payload_unsure = doubt_payload(&problem, &all, &mut findings, given.unloaded.is_empty());
+
+    let rms_of = |squares: &[Vec<f64>]| unseen.rms_nm(&problem, squares);
+    let report = diagnosis::Unseen {
+        split: match unseen.split {
+            Split::Logs => "each log in turn",
+            Split::Thirds => "each third of the log in turn",
+        },
+        nominal_nm: rms_of(&unseen.nominal),
+        extended_nm: rms_of(&unseen.ours),
+        plain_nm: rms_of(&unseen.plain),
+        full_nm: rms_of(&unseen.full),
+    };
+    let held_out = [report.nominal_nm.clone(), report.extended_nm.clone()];
+    let joints = misfits_of_squares(&before_scene, &before_scene.residual_nm, &loaded_scene.residual_nm, &held_out);
+    let sum = |row: &[f64]| row.iter().sum::<f64>();
+    let pairs: Vec<[f64; 2]> =
+        unseen.nominal.iter().zip(&unseen.ours).map(|(before, after)| [sum(before), sum(after)]).collect();
+    let (gain_heldout, gain_heldout_ci95) = gain_of_pairs(&pairs, settings.seed);
+
+    step("validation", 0.95)?;
+    // The band that held-out parts ask for: what is left there is no Gaussian of the fit's own width.
+    let widths: Vec<f64> = unseen.standardised.iter().map(|z| quantile(z, 0.95) / Z95).collect();
+    let baselines = Baselines::of(&problem, &problem.all_parts());
+    let validation = given
+        .validate
+        .iter()
+        .map(|(name, log)| validated(name, log, nominal, &extended, &problem, &all, &baselines, &widths, settings, &in_band))
+        .collect::<Result<Vec<_>, _>>()?;
+
+    let predictive_sd_nm: Vec<f64> = (0..N)
+        .map(|j| {
+            let unknown: Vec<f64> =
+                unseen.parts.iter().flat_map(|part| unknown_variance(&problem, &all, j, *part)).collect();
+            let mean = unknown.iter().sum::<f64>() / unknown.len().max(1) as f64;
+            widths[j] * (all.variances[j] + mean).sqrt()
+        })
+        .collect();
+    let mut notes = notes_of(&scene);
+    notes.extend(notes_on(&problem, &all, &report, cut, bare_scene.as_ref()));
+    let verdict = match () {
+        () if findings.is_empty() => Verdict::NothingMissing,
+        () if payload_unsure || findings.iter().any(|finding| !finding.alternatives.is_empty()) => Verdict::Ambiguous,
+        () => Verdict::Named,
+    };
+    Ok(Diagnosis {
+        verdict,
+        next_experiment: next_experiment(&findings, payload_unsure),
+        findings,
+        joints,
+        pattern: plots::cross_joint_pattern(&before_scene, &before_scene.residual_nm),
+        gain_heldout,
+        gain_heldout_ci95,
+        validation,
+        rejected: rejected(&selection),
+        extension,
+        unseen: Some(report),
+        predictive_sd_nm,
+        assumptions: assumptions(&scene, &all),
+        notes,
+        overview: plots::overview(&before_scene, &before_scene.residual_nm),
+        band_hz: scene.chains.first().map_or(0.0, |chain| chain.band_hz),
+        rate_hz: scene.chains.first().map_or(0.0, |chain| chain.output_rate_hz()),
+        samples: before_scene.time_s.len(),
+        bursts: before_scene.bursts.len(),
+    })
+}
+
+/// The nominal model with effects, with or without the payload among them.
+fn with<const N: usize>(nominal: &Nominal<N>, effects: &[Effect], payload: bool) -> Nominal<N> {
+    let mut extended = nominal.clone();
+    let kept = effects.iter().filter(|effect| payload || !matches!(effect, Effect::Payload { .. }));
+    extended.effects.extend(kept.cloned());
+    extended
+}
+
+/// Says of a payload that the log does not determine what else it could be.
+fn doubt_payload(problem: &Problem, all: &Fit, findings: &mut [Finding], no_reference: bool) -> bool {
+    let Some(mass) = problem.index(Place::Payload(0)).filter(|i| all.active.contains(i)) else { return false };
+    let unsure = no_reference && is_payload(problem, all) && all.sd(mass) > UNSURE_PAYLOAD * all.state[mass];
+    for finding in findings.iter_mut().filter(|finding| unsure && finding.label == CauseLabel::Payload) {
+        for label in [CauseLabel::TorqueGain, CauseLabel::LinkInertial] {
+            let known = finding.alternatives.iter().any(|other| other.label == label);
+            if !known {
+                finding.alternatives.push(diagnosis::Alternative {
+                    label,
+                    location: Location::Arm,
+                    evidence_gap: 0.0,
+                    why: "a payload, heavier links and torques of another scale load the joints nearly alike; a log of \
+                          the bare flange decides"
+                        .to_owned(),
+                });
+            }
+        }
+    }
+    unsure && findings.iter().any(|finding| finding.label == CauseLabel::Payload)
+}
+
+fn next_experiment(findings: &[Finding], payload_unsure: bool) -> Option<NextExperiment> {
+    if payload_unsure {
+        return Some(NextExperiment {
+            motion: "unloaded_reference",
+            instruction: "Record the same motion with nothing at the flange and give that log with --reference: all but the \
+                          payload is then shared by both logs."
+                .to_owned(),
+            separates: [(CauseLabel::Payload, Location::Arm), (CauseLabel::TorqueGain, Location::Arm)],
+            expected_evidence: 0.0,
+            evidence_of_this_log: 0.0,
+            via_points: Vec::new(),
+        });
+    }
+    let doubted = findings.iter().find(|finding| !finding.alternatives.is_empty())?;
+    let rival = doubted.alternatives.first()?;
+    Some(NextExperiment {
+        motion: "another_motion",
+        instruction: format!(
+            "Give a second log of another motion, with other postures and speeds, beside this one: {}.",
+            rival.why
+        ),
+        separates: [(doubted.label, doubted.location), (rival.label, rival.location)],
+        expected_evidence: 0.0,
+        evidence_of_this_log: rival.evidence_gap,
+        via_points: Vec::new(),
+    })
+}
+
+fn quantile(values: &[f64], part: f64) -> f64 {
+    let mut sorted = values.to_vec();
+    sorted.sort_by(f64::total_cmp);
+    let at = ((sorted.len() as f64 - 1.0) * part).round().max(0.0) as usize;
+    sorted.get(at).copied().unwrap_or(Z95).max(1e-3)
+}
+
+/// The written model, and the baselines, on a log that nothing was fitted to.
+fn validated<const N: usize>(
+    name: &str,
+    log: &RobotLog,
+    nominal: &Nominal<N>,
+    extended: &Nominal<N>,
+    problem: &Problem,
+    all: &Fit,
+    baselines: &Baselines,
+    widths: &[f64],
+    settings: &DiagnoseSettings,
+    in_band: &dyn Fn(&[RobotLog], &Nominal<N>) -> Result<Scene<N>, DiagnoseError>,
+) -> Result<Validation, DiagnoseError> {
+    let one = std::slice::from_ref(log);
+    let (before, after) = (in_band(one, nominal)?, in_band(one, extended)?);
+    let columns = Columns::of(&before, &problem.scale.speed_rad_s, PARTS);
+    let here = Problem::of(&before, columns, problem.scale.clone(), vec![false]);
+    let parts = here.all_parts();
+    let samples = before.time_s.len().max(1) as f64;
+    let of_state = |state| -> Vec<f64> {
+        let square = |j: usize| parts.iter().map(|part| here.unseen_square(state, j, *part)).sum::<f64>();
+        (0..N).map(|j| (square(j) / samples).sqrt()).collect()
+    };
+    let inside: usize = (0..N)
+        .map(|j| standardised(&here, all, j, &parts).iter().filter(|z| **z <= Z95 * widths[j]).count())
+        .sum();
+    let rms_of = |scene: &Scene<N>| scene.residual_nm.iter().map(|column| rms(column)).collect::<Vec<f64>>();
+    let block = |scene: &Scene<N>, part: &usize| -> f64 {
+        let samples = here.columns.parts[*part].samples.clone();
+        scene.residual_nm.iter().flat_map(|column| &column[samples.clone()]).map(|r| r * r).sum()
+    };
+    let pairs: Vec<[f64; 2]> = parts.iter().map(|part| [block(&before, part), block(&after, part)]).collect();
+    let (gain, gain_ci95) = gain_of_pairs(&pairs, settings.seed);
+    Ok(Validation {
+        log: name.to_owned(),
+        before_nm: rms_of(&before),
+        after_nm: rms_of(&after),
+        plain_nm: of_state(&baselines.plain),
+        full_nm: of_state(&baselines.full),
+        inside95: Some(inside as f64 / (samples * N as f64)),
+        gain,
+        gain_ci95,
+    })
+}
+
+fn notes_on<const N: usize>(
+    problem: &Problem,
+    all: &Fit,
+    report: &diagnosis::Unseen,
+    cut: usize,
+    bare: Option<&Scene<N>>,
+) -> Vec<String> {
+    let mut notes = Vec::new();
+    let (name, _) = report.better_baseline();
+    if report.ratio() > 1.0 {
+        notes.push(format!(
+            "{name} predicts unseen data better than the extended model, {:.2} times: prefer it, or record more motion",
+            report.ratio()
+        ));
+    }
+    let parts = problem.all_parts();
+    for j in 0..N {
+        let unknown: Vec<f64> = parts.iter().flat_map(|part| unknown_variance(problem, all, j, *part)).collect();
+        let mean = unknown.iter().sum::<f64>() / unknown.len().max(1) as f64;
+        if mean.sqrt() > UNDETERMINED * all.variances[j].sqrt() {
+            notes.push(format!(
+                "joint {j} is not determined by this motion: what the parameters leave open is {:.3} Nm, more than what the \
+                 fit leaves",
+                mean.sqrt()
+            ));
+        }
+    }
+    if cut > 0 {
+        notes.push(format!("{cut} weaker findings are in the extended model and not listed"));
+    }
+    if let Some(bare) = bare {
+        let left: Vec<String> = bare.residual_nm.iter().map(|column| format!("{:.3}", rms(column))).collect();
+        notes.push(format!("on the unloaded reference the extended model without its payload leaves {} Nm", left.join(" ")));
+    }
+    notes
+}
+
+fn assumptions<const N: usize>(scene: &Scene<N>, all: &Fit) -> Vec<String> {
+    let mut assumptions: Vec<String> = scene.chains.iter().map(ToString::to_string).collect();
+    assumptions.dedup();
+    let kappa: Vec<String> = all.kappa.iter().map(|kappa| format!("{kappa:.0}")).collect();
+    assumptions.push(
+        "more than half of the joints differ from the model: every family of causes is fitted to all joints together, with \
+         priors of usual sizes; findings are the families that make the log likelier by 10 nat"
+            .to_owned(),
+    );
+    assumptions.push(format!(
+        "what is left is correlated: a sample of joint 0 to {} counts as 1/{} of one",
+        all.kappa.len().saturating_sub(1),
+        kappa.join(", 1/")
+    ));
+    assumptions.push("the extended model holds every family, also those too weak to be named; every link stays a body".to_owned());
+    assumptions.push("RMS gains are 1 − rms after / rms before, in the band".to_owned());
+    assumptions
+}
+
+fn rejected(selection: &Selection) -> Vec<Rejected> {
+    let mut all: Vec<Rejected> = selection
+        .would_add
+        .iter()
+        .flat_map(|(family, nats)| {
+            family.labels().iter().map(move |label| Rejected {
+                label: *label,
+                location: Location::Arm,
+                evidence: nats.is_finite().then_some(2.0 * nats),
+                reason: if nats.is_finite() {
+                    "does not make the log likelier by 10 nat".to_owned()
+                } else {
+                    "only with values that physics forbids".to_owned()
+                },
+            })
+        })
+        .collect();
+    all.sort_by(|a, b| b.evidence.unwrap_or(f64::NEG_INFINITY).total_cmp(&a.evidence.unwrap_or(f64::NEG_INFINITY)));
+    all
+}

@@ -1,0 +1,162 @@
+//! What each model predicts where it has not looked: other logs, or another third of the one log.
+
+use nalgebra::DVector;
+use rayon::prelude::*;
+
+use super::baseline::Baselines;
+use super::fit::{Fit, Start, posterior};
+use super::prior::Family;
+use super::problem::{Problem, State};
+
+/// Squared residuals (Nm²) `[part][joint]` of models that were fitted without that part.
+pub(crate) struct Unseen {
+    /// Parts, in the order of the rows below.
+    pub parts: Vec<usize>,
+    /// Of the nominal model.
+    pub nominal: Vec<Vec<f64>>,
+    /// Of all families.
+    pub ours: Vec<Vec<f64>>,
+    /// Of Coulomb + viscous + offset.
+    pub plain: Vec<Vec<f64>>,
+    /// Of every base parameter.
+    pub full: Vec<Vec<f64>>,
+    /// Of all families but one.
+    pub without: Vec<(Family, Vec<Vec<f64>>)>,
+    /// |residual| over its predicted standard deviation, all samples, by joint.
+    pub standardised: Vec<Vec<f64>>,
+    /// How the parts were held out.
+    pub split: Split,
+}
+
+/// How parts are held out.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Split {
+    /// Each log in turn.
+    Logs,
+    /// Each third of the one log in turn.
+    Thirds,
+}
+
+/// Thirds of a single log.
+const THIRDS: usize = 3;
+
+/// The folds: parts that are held out together. Logs without payload are never held out: they show nothing of it.
+fn folds(problem: &Problem) -> (Split, Vec<Vec<usize>>) {
+    let parts = &problem.columns.parts;
+    let logs = parts.iter().map(|part| part.log).max().map_or(0, |log| log + 1);
+    let loaded: Vec<usize> = (0..logs).filter(|log| !problem.unloaded[*log]).collect();
+    if loaded.len() > 1 {
+        let of = |log: &usize| (0..parts.len()).filter(|part| parts[*part].log == *log).collect();
+        return (Split::Logs, loaded.iter().map(of).collect());
+    }
+    let own: Vec<usize> = (0..parts.len()).filter(|part| loaded.contains(&parts[*part].log)).collect();
+    let edge = |k: usize| k * own.len() / THIRDS;
+    (Split::Thirds, (0..THIRDS).map(|k| own[edge(k)..edge(k + 1)].to_vec()).collect())
+}
+
+/// What one fold says.
+struct Fold {
+    held_out: Vec<usize>,
+    models: [State; 3],
+    without: Vec<State>,
+    ours: Option<Fit>,
+}
+
+impl Unseen {
+    /// Fits every model to the rest of each fold; `all` lends its families, scales and noise colour.
+    pub fn of(problem: &Problem, all: &Fit) -> Self {
+        let (split, folds) = folds(problem);
+        let optional: Vec<Family> = all.start.families.clone();
+        let zero = DVector::zeros(problem.places.len());
+        let found: Vec<Fold> = folds
+            .into_iter()
+            .map(|held_out| {
+                let seen: Vec<usize> = problem.all_parts().into_iter().filter(|part| !held_out.contains(part)).collect();
+                let fitted = |without: Option<Family>| {
+                    let keep = |family: &&Family| Some(**family) != without;
+                    let families: Vec<Family> = all.start.families.iter().filter(keep).copied().collect();
+                    let scales = families.iter().map(|family| all.scale(*family).unwrap_or(1.0)).collect();
+                    let start = Start {
+                        families,
+                        pinned: all.start.pinned.clone(),
+                        kappa: Some(all.kappa.clone()),
+                        scales,
+                        variances: all.variances.clone(),
+                    };
+                    posterior(problem, &seen, &start).map(|(fit, _)| fit)
+                };
+                let baselines = Baselines::of(problem, &seen);
+                let ours = fitted(None);
+                let without: Vec<State> = optional
+                    .par_iter()
+                    .map(|family| fitted(Some(*family)).map_or_else(|| zero.clone(), |fit| fit.state))
+                    .collect();
+                let state = ours.as_ref().map_or_else(|| zero.clone(), |fit| fit.state.clone());
+                Fold { held_out, models: [state, baselines.plain, baselines.full], without, ours }
+            })
+            .collect();
+        let joints = problem.joints();
+        let squares = |state: &State, part: usize| -> Vec<f64> {
+            (0..joints).map(|j| problem.unseen_square(state, j, part)).collect()
+        };
+        let mut unseen = Self {
+            parts: Vec::new(),
+            nominal: Vec::new(),
+            ours: Vec::new(),
+            plain: Vec::new(),
+            full: Vec::new(),
+            without: optional.iter().map(|family| (*family, Vec::new())).collect(),
+            standardised: vec![Vec::new(); joints],
+            split,
+        };
+        for fold in &found {
+            for &part in &fold.held_out {
+                unseen.parts.push(part);
+                unseen.nominal.push(squares(&zero, part));
+                unseen.ours.push(squares(&fold.models[0], part));
+                unseen.plain.push(squares(&fold.models[1], part));
+                unseen.full.push(squares(&fold.models[2], part));
+                for (state, (_, rows)) in fold.without.iter().zip(&mut unseen.without) {
+                    rows.push(squares(state, part));
+                }
+            }
+            if let Some(fit) = &fold.ours {
+                for (j, all) in unseen.standardised.iter_mut().enumerate() {
+                    all.extend(standardised(problem, fit, j, &fold.held_out));
+                }
+            }
+        }
+        unseen
+    }
+
+    /// RMS of each joint over all parts (Nm).
+    pub fn rms_nm(&self, problem: &Problem, squares: &[Vec<f64>]) -> Vec<f64> {
+        let samples = problem.columns.samples(&self.parts).max(1) as f64;
+        (0..problem.joints()).map(|j| (squares.iter().map(|row| row[j]).sum::<f64>() / samples).sqrt()).collect()
+    }
+}
+
+/// |residual| of a joint over the standard deviation that a fit foretells: what it leaves, and what it does not know.
+pub(crate) fn standardised(problem: &Problem, fit: &Fit, joint: usize, parts: &[usize]) -> Vec<f64> {
+    parts
+        .iter()
+        .flat_map(|part| {
+            let loaded = problem.loaded(*part);
+            let weights = problem.residual(&fit.state, joint, loaded);
+            let residual = problem.columns.combined(joint, &weights, &[*part]);
+            let unknown = unknown_variance(problem, fit, joint, *part);
+            let own = fit.variances[joint];
+            residual.into_iter().zip(unknown).map(move |(r, v)| r.abs() / (own + v).sqrt().max(1e-12))
+        })
+        .collect()
+}
+
+/// Variance of the predicted torque of a joint along a part by what the parameters leave open (Nm²).
+pub(crate) fn unknown_variance(problem: &Problem, fit: &Fit, joint: usize, part: usize) -> Vec<f64> {
+    let slopes = problem.slopes(&fit.state, joint, &fit.active, problem.loaded(part));
+    let samples = problem.columns.parts[part].samples.clone();
+    let rows = problem.columns.joints[joint].matrix.rows(samples.start, samples.len());
+    let derivative = rows * slopes;
+    let spread = &derivative * &fit.covariance;
+    (0..samples.len()).map(|k| spread.row(k).dot(&derivative.row(k)).max(0.0)).collect()
+}
