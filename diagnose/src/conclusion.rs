@@ -30,6 +30,7 @@ pub(crate) struct Evaluated<'e, const N: usize> {
     pub original: &'e [Vec<f64>; N],
     pub lines: &'e [RippleLine],
     pub deflections: &'e [DeflectionFinding],
+    pub logs: &'e [RobotLog],
     pub chance: &'e Chance,
     pub seed: u64,
 }
@@ -80,16 +81,23 @@ pub(crate) fn conclude<const N: usize>(
     let (mut gain_heldout, mut gain_heldout_ci95) = gain_with_interval(&before, &after, &all_joints, evaluated.seed);
 
     let residual_after = subtracted(&scene.residual_nm, &held_out.plain, &coefficients);
+    // A model file takes named causes alone: they are fitted anew without the nameless.
+    let named: Vec<usize> =
+        groups.iter().copied().filter(|group| search.place(*group).0 != CauseLabel::Unknown).collect();
+    let mut alone = joint_fit(system, &system.columns_of(&named)).coefficients.into_iter();
     let mut findings = Vec::new();
     let mut first = 0;
     for member in &selected {
         let own = first..first + member.plain.len();
         first = own.end;
+        let has_name = search.place(member.group).0 != CauseLabel::Unknown;
+        let fitted_alone: Vec<f64> = if has_name { alone.by_ref().take(own.len()).collect() } else { Vec::new() };
+        let of_finding = if has_name { &fitted_alone[..] } else { &coefficients[own.clone()] };
         findings.push(finding_of(
             search,
             member,
             &own,
-            &coefficients,
+            of_finding,
             &Fitted { held_out: &held_out, after: &after, residual_after: &residual_after },
             evaluated.seed,
         ));
@@ -109,7 +117,12 @@ pub(crate) fn conclude<const N: usize>(
     findings.sort_by(|a, b| b.evidence.total_cmp(&a.evidence));
 
     // The verdict.
-    let joints = misfits(scene, evaluated.original, &residual_after, &before, &after);
+    // What is reported is what the written model leaves when it is read back.
+    let extension: Vec<Effect> = findings.iter().filter_map(|finding| finding.effect.clone()).collect();
+    let mut extended = scene.nominal.clone();
+    extended.effects.extend(extension.iter().cloned());
+    let read_back = Scene::of_logs(evaluated.logs, &extended, scene.chains.first().map(|chain| chain.band_hz))?;
+    let joints = misfits(scene, evaluated.original, &read_back.residual_nm, &before, &after);
     let mut notes = notes_of(scene);
     let doubted = |finding: &Finding| {
         let place = (finding.label, finding.location);
@@ -151,8 +164,13 @@ pub(crate) fn conclude<const N: usize>(
     let overview = plots::overview(scene, evaluated.original);
     let pattern = plots::cross_joint_pattern(scene, evaluated.original);
     step("validation", 0.97)?;
-    let effects: Vec<Effect> = findings.iter().filter_map(|finding| finding.effect.clone()).collect();
-    let validation = validated(&scene.nominal, &effects, validate, evaluated.seed)?;
+    let validation = validated(
+        &scene.nominal,
+        &extension,
+        validate,
+        scene.chains.first().map(|chain| chain.band_hz),
+        evaluated.seed,
+    )?;
     let next_experiment = if scene.transmission { None } else { next_experiment(scene, &findings, &joints) };
     Ok(Diagnosis {
         verdict,
@@ -163,7 +181,7 @@ pub(crate) fn conclude<const N: usize>(
         gain_heldout_ci95,
         validation,
         rejected,
-        extension: effects,
+        extension,
         unseen: None,
         predictive_sd_nm: Vec::new(),
         assumptions: assumptions_of(search, evaluated.chance),

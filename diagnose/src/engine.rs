@@ -151,6 +151,7 @@ pub fn diagnose_with_reference<const N: usize>(
             lines: &lines,
             deflections: &deflections(&scene),
             chance: &chance,
+            logs,
             seed: settings.seed,
         };
         let diagnosis = conclude(&mut search, &evaluated, validate, &step)?;

@@ -79,7 +79,7 @@ pub(crate) fn finding_of<const N: usize>(
     search: &Search<'_, '_, N>,
     member: &Selected<N>,
     own: &std::ops::Range<usize>,
-    coefficients: &[f64],
+    own_coefficients: &[f64],
     fitted: &Fitted<'_, N>,
     seed: u64,
 ) -> Finding {
@@ -87,7 +87,6 @@ pub(crate) fn finding_of<const N: usize>(
     let scene = system.scene;
     let group = &system.groups[member.group];
     let candidate = &group.candidate;
-    let own_coefficients = &coefficients[own.clone()];
     let effect = candidate.effect(scene, &group.shape, own_coefficients);
 
     // Gain of this finding, given the others, on the joints it acts on.
@@ -105,21 +104,29 @@ pub(crate) fn finding_of<const N: usize>(
             slope.as_ref().map(|slope| BlockGram::of(system, &columns, Some(slope), &fitted.held_out.blocks));
         let gram = with_slope.as_ref().unwrap_or(&fitted.held_out.gram);
         let kept: Vec<usize> = (0..base + usize::from(slope.is_some())).collect();
-        let draws = resampled(gram.blocks(), seed, |weights| {
+        let estimated = |weights: &[f64]| {
             let fit = gram.fit(weights, &kept);
             let mut shape = group.shape.clone();
             if slope.is_some() {
                 shape[0] = (shape[0] + fit[base]).max(1e-9);
             }
             candidate.effect(scene, &shape, &fit[own.clone()])
-        });
+        };
+        let draws = resampled(gram.blocks(), seed, estimated);
         let drawn: Vec<_> = draws.into_iter().flatten().map(|effect| parameters_of(&effect)).collect();
+        // Draws scatter about the estimate that all blocks together give, which need not be the refined one.
+        let centre = estimated(&vec![1.0; gram.blocks()]).map(|effect| parameters_of(&effect));
         parameters_of(effect)
             .into_iter()
             .enumerate()
             .map(|(p, (name, value))| {
-                let ci95 =
-                    (0..value.len()).map(|i| interval(drawn.iter().map(|draw| draw[p].1[i]).collect())).collect();
+                let ci95 = (0..value.len())
+                    .map(|i| {
+                        let [low, high] = interval(drawn.iter().map(|draw| draw[p].1[i]).collect());
+                        let shift = centre.as_ref().map_or(0.0, |centre| value[i] - centre[p].1[i]);
+                        [(low + shift).min(value[i]), (high + shift).max(value[i])]
+                    })
+                    .collect();
                 Parameter { name, value, ci95 }
             })
             .collect()

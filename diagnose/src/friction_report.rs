@@ -6,9 +6,11 @@ use nalgebra::SVector;
 use tribo_friction::FrictionModel;
 use tribo_friction::identify::{JointTorqueFit, TorqueFitError, fit_columns};
 use tribo_friction::law::smooth_sign;
+use tribo_logs::RobotLog;
 
 use crate::noise_level::rms;
-use crate::{BlockSettings, Blocks, BlocksError, SignalChain, TorqueResidual};
+use crate::scene::Scene;
+use crate::{BlockSettings, Blocks, BlocksError, DiagnoseError, ModelResidual, Nominal, SignalChain, TorqueResidual};
 
 /// How friction is fitted and judged.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -124,35 +126,88 @@ impl FrictionReport {
         settings: &FrictionSettings,
     ) -> Self {
         let epsilon = settings.smoothing_rad_s;
-        let chain = residual.chain.clone();
-        let rate_hz = chain.output_rate_hz();
-        let blocks = Blocks::cut(&residual.bursts, rate_hz, chain.memory_s(), &settings.blocks);
         let sign = residual.joint_columns(|at| SVector::from_fn(|j, _| smooth_sign(at.qd[j], epsilon)));
         let model_friction = model.map(|law| residual.joint_columns(|at| law.torque(&at.qd, epsilon)));
-        let need_s = chain.band_hz.recip();
+        let left = |j: usize, friction: &[Vec<f64>; N]| difference(&residual.residual_nm[j], &friction[j]);
+        let with_model: Option<Vec<Vec<f64>>> =
+            model_friction.map(|friction| (0..N).map(|j| left(j, &friction)).collect());
+        let columns: Vec<[&[f64]; 2]> = (0..N).map(|j| [&sign[j][..], &residual.qd_rad_s[j][..]]).collect();
+        Self::assembled(
+            &residual.residual_nm,
+            with_model.as_deref(),
+            &columns,
+            &residual.bursts,
+            residual.chain.clone(),
+            settings,
+        )
+    }
 
+    /// Judges friction on what a whole model leaves of a log: arm and effects without its friction law, then with `friction`
+    /// in the law's place.
+    ///
+    /// # Errors
+    /// [`DiagnoseError`] of a log that does not fit the model or the band.
+    pub fn of_model<const N: usize>(
+        log: &RobotLog,
+        model: &Nominal<N>,
+        friction: Option<&FrictionModel<N>>,
+        band_hz: f64,
+        settings: &FrictionSettings,
+    ) -> Result<Self, DiagnoseError> {
+        let one = std::slice::from_ref(log);
+        let without = Nominal { friction: FrictionModel::none(), ..model.clone() };
+        let scene = Scene::of_logs(one, &without, Some(band_hz))?;
+        let with = |friction: &FrictionModel<N>| {
+            let whole = Nominal { friction: *friction, ..model.clone() };
+            Ok::<_, DiagnoseError>(ModelResidual::of(one, &whole, Some(band_hz))?.residual_nm)
+        };
+        let with_model = friction.map(with).transpose()?;
+        let fine = |value: &dyn Fn(f64) -> f64, j: usize| scene.samples.iter().map(|at| value(at.qd[j])).collect();
+        let sign: Vec<Vec<f64>> =
+            (0..N).map(|j| scene.filter_own(j, fine(&|qd| smooth_sign(qd, settings.smoothing_rad_s), j))).collect();
+        let columns: Vec<[&[f64]; 2]> = (0..N).map(|j| [&sign[j][..], &scene.qd[j][..]]).collect();
+        let bursts: Vec<Range<usize>> = scene.bursts.iter().map(|burst| burst.out.clone()).collect();
+        let chain = scene.chains.first().cloned().ok_or(DiagnoseError::NoLog)?;
+        Ok(Self::assembled(&scene.residual_nm, with_model.as_deref(), &columns, &bursts, chain, settings))
+    }
+
+    /// The report on residuals (Nm) without and with a friction model, given filtered tanh(qd/ε) and qd of each joint.
+    fn assembled(
+        rigid_nm: &[Vec<f64>],
+        with_model_nm: Option<&[Vec<f64>]>,
+        columns: &[[&[f64]; 2]],
+        bursts: &[Range<usize>],
+        chain: SignalChain,
+        settings: &FrictionSettings,
+    ) -> Self {
+        let epsilon = settings.smoothing_rad_s;
+        let rate_hz = chain.output_rate_hz();
+        let blocks = Blocks::cut(bursts, rate_hz, chain.memory_s(), &settings.blocks);
+        let need_s = chain.band_hz.recip();
         let joint = |j: usize| {
-            let rigid = &residual.residual_nm[j];
+            let rigid = &rigid_nm[j];
+            let ones = vec![1.0; rigid.len()];
             let problem = JointProblem {
-                columns: [&sign[j], &residual.qd_rad_s[j], &vec![1.0; rigid.len()]],
+                columns: [columns[j][0], columns[j][1], &ones],
                 residual: rigid,
                 rate_hz,
                 need_s,
                 speed_rad_s: MOVING_OVER_SMOOTHING * epsilon,
             };
-            let with_model = model_friction.as_ref().map(|friction| difference(rigid, &friction[j]));
+            let with_model = with_model_nm.map(|left| &left[j][..]);
             JointReport {
                 joint: j,
                 rms_rigid_nm: rms(rigid),
                 sd_rigid_nm: sd(rigid),
-                rms_with_model_nm: with_model.as_deref().map(rms),
-                sd_with_model_nm: with_model.as_deref().map(sd),
-                fit: problem.fit(&residual.bursts),
+                rms_with_model_nm: with_model.map(rms),
+                sd_with_model_nm: with_model.map(sd),
+                fit: problem.fit(bursts),
                 held_out: blocks.as_ref().map_err(|&error| error.into()).and_then(|blocks| problem.hold_out(blocks)),
             }
         };
-        let joints = (0..N).map(joint).collect();
-        Self { joints, samples: residual.samples(), smoothing_rad_s: epsilon, chain, blocks }
+        let joints = (0..rigid_nm.len()).map(joint).collect();
+        let samples = rigid_nm.first().map_or(0, Vec::len);
+        Self { joints, samples, smoothing_rad_s: epsilon, chain, blocks }
     }
 }
 

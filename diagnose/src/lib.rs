@@ -42,6 +42,7 @@ pub mod filter;
 mod finding;
 mod friction_report;
 mod held_out;
+mod model_residual;
 mod next_experiment;
 mod noise_level;
 mod nominal;
@@ -71,6 +72,7 @@ pub use diagnosis::{
 pub use engine::{DiagnoseSettings, diagnose, diagnose_with_reference};
 pub use error::DiagnoseError;
 pub use friction_report::{FrictionReport, FrictionSettings, HeldOut, HeldOutError, JointFitError, JointReport};
+pub use model_residual::ModelResidual;
 pub use next_experiment::NextExperiment;
 pub use noise_level::white_noise_sd;
 pub use nominal::Nominal;

@@ -1,8 +1,8 @@
 //! The model that a log is held against.
 
+use tribo_friction::law::smooth_sign;
 use tribo_friction::{FrictionModel, JointFriction};
 use tribo_robot::Arm;
-use tribo_friction::law::smooth_sign;
 use tribo_sim::{Effect, TorqueSide, Truth};
 
 /// `tau = M qdd + C qd + g + Ir qdd + friction(qd) + effects`, what the user's simulation believes.

@@ -94,7 +94,8 @@ fn add_to<const N: usize>(joints: &mut [JointEffects; N], effect: &Effect) -> Re
         }
         Effect::FrictionCurve { amplitude_nm, width_rad_s, .. } => {
             let slot = joint.curves.iter_mut().find(|curve| curve.amplitude_nm == 0.0);
-            *slot.ok_or("the compensator keeps only the first curves of a joint")? = Curve { amplitude_nm, width_rad_s };
+            *slot.ok_or("the compensator keeps only the first curves of a joint")? =
+                Curve { amplitude_nm, width_rad_s };
         }
         Effect::CoulombAsymmetry { asymmetry_nm, .. } => joint.asymmetry_nm += asymmetry_nm,
         Effect::TorqueOffset { offset_nm, .. } => joint.offset_nm += offset_nm,

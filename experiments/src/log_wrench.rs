@@ -3,8 +3,8 @@
 use nalgebra::{SVector, Vector6};
 use serde_json::{Value, json};
 use tribo_friction::{Bristles, Compensator, CompensatorInput, VelocitySource};
-use tribo_logs::{GAP_TOLERANCE, LogError, RobotLog, bursts};
-use tribo_robot::{ControlTerms, EstimatorInput, SensorFrame, Wrench, WrenchEstimate, WrenchEstimator, bias_torque};
+use tribo_logs::{GAP_TOLERANCE, RobotLog, bursts};
+use tribo_robot::{ControlTerms, EstimatorInput, SensorFrame, Wrench, WrenchEstimate, WrenchEstimator};
 
 use crate::Believed;
 
@@ -90,35 +90,6 @@ pub fn wrench_on_log<const N: usize, E: WrenchEstimator<N>>(
         }
     }
     result
-}
-
-/// The log with the torques of the believed effects taken off tau_J; the friction law stays in it.
-pub fn without_effects<const N: usize>(
-    log: &RobotLog,
-    believed: &Believed<N>,
-    smoothing_rad_s: f64,
-) -> Result<RobotLog, LogError> {
-    let law = Compensator { smoothing_rad_s, ..Compensator::new(believed.friction, VelocitySource::Measured) };
-    let with = law.with_effects(believed.effects);
-    if with == law {
-        return Ok(log.clone());
-    }
-    let mut columns = log.clone().into_columns();
-    for burst in bursts(&log.time_s, GAP_TOLERANCE.max(LONGEST_GAP_PERIODS)) {
-        let mut bristles = Bristles::default();
-        let first = burst.start;
-        for k in burst {
-            let (q, qd) = (at(&log.q_rad, k), at(&log.dq_rad_s, k));
-            let load_nm = bias_torque(&believed.arm, &q, &qd);
-            let dt_s = if k == first { 0.0 } else { log.time_s[k] - log.time_s[k - 1] };
-            let input = CompensatorInput { q, qd_measured: qd, qd_reference: qd, load_nm, dt_s };
-            let effects = with.tick(&mut bristles, &input).effects_nm;
-            for j in 0..N {
-                columns.tau_j_nm[j][k] -= effects[j];
-            }
-        }
-    }
-    columns.validate()
 }
 
 /// Row k of a log as a sample of the joint sensors.

@@ -66,7 +66,8 @@ fn balanced_arms_stand_still() {
 /// Two names of one truth: presliding on Coulomb friction, and the LuGre law.
 #[test]
 fn presliding_is_lugre() {
-    let effects = (0..7).map(|joint| Effect::Presliding { joint, presliding_distance_rad: 5e-4, amplitude_nm: None }).collect();
+    let effects =
+        (0..7).map(|joint| Effect::Presliding { joint, presliding_distance_rad: 5e-4, amplitude_nm: None }).collect();
     let mut a = plant(Truth { effects, ..Truth::panda_coulomb_viscous() });
     let mut b = plant(Truth::panda_lugre());
     let gravity = gravity_torque(&presets::panda(), a.q());

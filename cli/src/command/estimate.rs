@@ -3,19 +3,17 @@
 use std::path::{Path, PathBuf};
 
 use serde_json::{Map, Value, json};
-use tribo_diagnose::{
-    BlockSettings, FrictionReport, FrictionSettings, JointReport, ResidualError, ResidualSettings, TorqueResidual,
-};
+use tribo_diagnose::{BlockSettings, FrictionReport, FrictionSettings, JointReport};
 use tribo_ekf::WrenchEkfSettings;
 use tribo_experiments::files::{AnyModel, Model, ModelChoice, SIGN_SMOOTHING_RAD_S};
 use tribo_experiments::{
     AnyEstimator, Believed, Calibration, ContactPrior, EstimatorError, EstimatorName, LogWrench, TransmissionFriction,
-    WrenchSummary, believed_band, without_effects, wrench_on_log,
+    WrenchSummary, believed_band, wrench_on_log,
 };
 use tribo_friction::{FrictionBand, FrictionModel, JointFriction};
 use tribo_logs::{LogSummary, RobotLog, Table, read_log, write_table};
 use tribo_residual::{OBSERVER_GAIN_RAD_S, identify_band};
-use tribo_sim::panda_gaz_joints;
+use tribo_sim::{Effect, panda_gaz_joints};
 
 use super::{check_joints, named, transmission, warn_not_cancelled};
 use crate::arguments::{Common, Estimate};
@@ -87,14 +85,18 @@ fn estimate<const N: usize>(
     }
     // Two encoders see the gears, behind the friction of the motors.
     let feels_friction = !matches!(arguments.residual.as_str(), "torque" | "double_encoder");
-    if model.friction == FrictionModel::none() && feels_friction && !common.quiet {
+    let has_friction = model
+        .effects
+        .iter()
+        .any(|effect| matches!(effect, Effect::Coulomb { .. } | Effect::Viscous { .. } | Effect::FrictionCurve { .. }));
+    if model.friction == FrictionModel::none() && !has_friction && feels_friction && !common.quiet {
         eprintln!(
             "tribo: no friction is believed, so that of the arm counts as wrench, outside of the intervals too; --model says what it has"
         );
     }
     let everything = arguments.residual == "all";
     let wants = |name: &str| everything || arguments.residual == name;
-    let torque = wants("torque").then(|| torque_residual(arguments, log, model, &believed)).transpose()?;
+    let torque = wants("torque").then(|| torque_residual(arguments, log, model)).transpose()?;
     let free = arguments.free.as_deref().map(|path| FreeLog::read(path, &believed)).transpose()?;
     let one_encoder = wants(EstimatorName::DoubleEncoder.as_str())
         .then(|| [Some((&arguments.log, log)), free.as_ref().map(|free| (&free.path, &free.log))])
@@ -193,23 +195,20 @@ fn comparison<const N: usize>(arguments: &Estimate, model: &Model<N>) -> Frictio
     published.map_or(model.friction, |joints| FrictionModel { joints })
 }
 
+/// What the model leaves of the torque, by the path of a diagnosis.
 fn torque_residual<const N: usize>(
     arguments: &Estimate,
     log: &RobotLog,
     model: &Model<N>,
-    believed: &Believed<N>,
 ) -> anyhow::Result<FrictionReport> {
-    let settings = ResidualSettings { band_hz: arguments.band_hz, ..ResidualSettings::default() };
-    let bad = |error: ResidualError| BadInput(format!("{}: {error}", arguments.log.display()));
-    let log = without_effects(log, believed, model.smoothing_rad_s)?;
-    let residual = TorqueResidual::of_log(&log, &believed.arm, &settings).map_err(bad)?;
     let settings = FrictionSettings {
         smoothing_rad_s: model.smoothing_rad_s,
         blocks: BlockSettings { length_s: arguments.block_s, ..BlockSettings::default() },
     };
     let friction = comparison(arguments, model);
-    let none = FrictionModel::none();
-    Ok(FrictionReport::of(&residual, (friction != none).then_some(&friction), &settings))
+    let judged = (arguments.model.is_some() || friction != FrictionModel::none()).then_some(&friction);
+    FrictionReport::of_model(log, &model.to_nominal(), judged, arguments.band_hz, &settings)
+        .map_err(|error| BadInput(format!("{}: {error}", arguments.log.display())).into())
 }
 
 fn show_torque(report: &FrictionReport, rigid: &str, model_label: &str) {

@@ -29,8 +29,8 @@ mod torque_ripple;
 mod unknown;
 mod viscous;
 
-pub(crate) use base_tilt::{base_tilt_columns, tilt_of};
 pub(crate) use backlash::{Backlash, transmitted_sign};
+pub(crate) use base_tilt::{base_tilt_columns, tilt_of};
 pub(crate) use external_contact::ExternalContact;
 pub(crate) use joint_elasticity::JointElasticity;
 pub(crate) use payload::link_from_flange;

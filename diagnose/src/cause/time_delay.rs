@@ -61,7 +61,11 @@ impl<const N: usize> Candidate<N> for TimeDelay {
 }
 
 /// Linear interpolation at a fractional index, held at the ends.
-pub(crate) fn interpolated<const N: usize>(len: usize, index: f64, value: impl Fn(usize) -> SVector<f64, N>) -> SVector<f64, N> {
+pub(crate) fn interpolated<const N: usize>(
+    len: usize,
+    index: f64,
+    value: impl Fn(usize) -> SVector<f64, N>,
+) -> SVector<f64, N> {
     let last = len.saturating_sub(1);
     let index = index.clamp(0.0, last as f64);
     let (row, fraction) = (index.floor() as usize, index.fract());

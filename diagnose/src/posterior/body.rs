@@ -128,7 +128,10 @@ mod tests {
     #[test]
     fn distances_do_not_depend_on_the_frame() {
         let link = presets::panda().links[2];
-        let moved = link.placed(&nalgebra::Rotation3::from_euler_angles(0.3, -0.5, 0.9).into_inner(), &Vector3::new(0.2, 0.1, -0.4));
+        let moved = link.placed(
+            &nalgebra::Rotation3::from_euler_angles(0.3, -0.5, 0.9).into_inner(),
+            &Vector3::new(0.2, 0.1, -0.4),
+        );
         for body in [link, moved] {
             let pi = body.parameters();
             let square = (pi.transpose() * metric(&pseudo_inertia(&pi)).unwrap() * pi)[0];

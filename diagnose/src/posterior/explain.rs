@@ -103,9 +103,10 @@ pub(crate) fn explain<const N: usize>(
     let band_hz = settings.band_hz.unwrap_or(BAND_HZ);
     let all_logs: Vec<RobotLog> = given.logs.iter().chain(given.unloaded).cloned().collect();
     let unloaded: Vec<bool> = (0..all_logs.len()).map(|k| k >= given.logs.len()).collect();
-    let in_band = |logs: &[RobotLog], model: &Nominal<N>| Scene::smoothed(logs, model, Some(band_hz), SMOOTHING_OVER_BAND);
+    // Fitted behind a narrower smoother than everything is judged behind.
+    let in_band = |logs: &[RobotLog], model: &Nominal<N>| Scene::of_logs(logs, model, Some(band_hz));
     step("columns", 0.15)?;
-    let scene = in_band(&all_logs, nominal)?;
+    let scene = Scene::smoothed(&all_logs, nominal, Some(band_hz), SMOOTHING_OVER_BAND)?;
     let scale = ArmScale::of(&scene);
     let columns = Columns::of(&scene, &scale.speed_rad_s, PARTS);
     let problem = Problem::of(&scene, columns, scale, unloaded.clone());
@@ -120,7 +121,14 @@ pub(crate) fn explain<const N: usize>(
     let before_scene = in_band(given.logs, nominal)?;
     let bare_scene = if given.unloaded.is_empty() { None } else { Some(in_band(given.unloaded, &without_payload)?) };
 
-    let answer = Answer { scene: &scene, problem: &problem, fit: &all, selection: &selection, unseen: &unseen, seed: settings.seed };
+    let answer = Answer {
+        scene: &scene,
+        problem: &problem,
+        fit: &all,
+        selection: &selection,
+        unseen: &unseen,
+        seed: settings.seed,
+    };
     let mut selected = selection.selected.clone();
     let worth = |family: &Family| selection.worth.get(family).copied().unwrap_or(0.0);
     selected.sort_by(|a, b| worth(b).total_cmp(&worth(a)));
@@ -159,7 +167,9 @@ pub(crate) fn explain<const N: usize>(
     let validation = given
         .validate
         .iter()
-        .map(|(name, log)| validated(name, log, nominal, &extended, &problem, &all, &baselines, &widths, settings, &in_band))
+        .map(|(name, log)| {
+            validated(name, log, nominal, &extended, &problem, &all, &baselines, &widths, settings, &in_band)
+        })
         .collect::<Result<Vec<_>, _>>()?;
 
     let predictive_sd_nm: Vec<f64> = (0..N)
@@ -220,9 +230,10 @@ fn doubt_payload(problem: &Problem, all: &Fit, findings: &mut [Finding], no_refe
                     label,
                     location: Location::Arm,
                     evidence_gap: 0.0,
-                    why: "a payload, heavier links and torques of another scale load the joints nearly alike; a log of \
+                    why:
+                        "a payload, heavier links and torques of another scale load the joints nearly alike; a log of \
                           the bare flange decides"
-                        .to_owned(),
+                            .to_owned(),
                 });
             }
         }
@@ -234,9 +245,10 @@ fn next_experiment(findings: &[Finding], payload_unsure: bool) -> Option<NextExp
     if payload_unsure {
         return Some(NextExperiment {
             motion: "unloaded_reference",
-            instruction: "Record the same motion with nothing at the flange and give that log with --reference: all but the \
+            instruction:
+                "Record the same motion with nothing at the flange and give that log with --reference: all but the \
                           payload is then shared by both logs."
-                .to_owned(),
+                    .to_owned(),
             separates: [(CauseLabel::Payload, Location::Arm), (CauseLabel::TorqueGain, Location::Arm)],
             expected_evidence: 0.0,
             evidence_of_this_log: 0.0,
@@ -288,9 +300,8 @@ fn validated<const N: usize>(
         let square = |j: usize| parts.iter().map(|part| here.unseen_square(state, j, *part)).sum::<f64>();
         (0..N).map(|j| (square(j) / samples).sqrt()).collect()
     };
-    let inside: usize = (0..N)
-        .map(|j| standardised(&here, all, j, &parts).iter().filter(|z| **z <= Z95 * widths[j]).count())
-        .sum();
+    let inside: usize =
+        (0..N).map(|j| standardised(&here, all, j, &parts).iter().filter(|z| **z <= Z95 * widths[j]).count()).sum();
     let rms_of = |scene: &Scene<N>| scene.residual_nm.iter().map(|column| rms(column)).collect::<Vec<f64>>();
     let block = |scene: &Scene<N>, part: &usize| -> f64 {
         let samples = here.columns.parts[*part].samples.clone();
@@ -342,7 +353,10 @@ fn notes_on<const N: usize>(
     }
     if let Some(bare) = bare {
         let left: Vec<String> = bare.residual_nm.iter().map(|column| format!("{:.3}", rms(column))).collect();
-        notes.push(format!("on the unloaded reference the extended model without its payload leaves {} Nm", left.join(" ")));
+        notes.push(format!(
+            "on the unloaded reference the extended model without its payload leaves {} Nm",
+            left.join(" ")
+        ));
     }
     notes
 }
@@ -361,7 +375,9 @@ fn assumptions<const N: usize>(scene: &Scene<N>, all: &Fit) -> Vec<String> {
         all.kappa.len().saturating_sub(1),
         kappa.join(", 1/")
     ));
-    assumptions.push("the extended model holds every family, also those too weak to be named; every link stays a body".to_owned());
+    assumptions.push(
+        "the extended model holds every family, also those too weak to be named; every link stays a body".to_owned(),
+    );
     assumptions.push("RMS gains are 1 − rms after / rms before, in the band".to_owned());
     assumptions
 }

@@ -141,9 +141,7 @@ impl<const N: usize> Answer<'_, N> {
     }
 
     fn own(&self, joint: usize, term: JointTerm) -> (f64, f64) {
-        self.problem
-            .index(Place::Own(joint, term))
-            .map_or((0.0, 0.0), |i| (self.fit.state[i], self.fit.sd(i)))
+        self.problem.index(Place::Own(joint, term)).map_or((0.0, 0.0), |i| (self.fit.state[i], self.fit.sd(i)))
     }
 
     /// Σ of several terms of one joint.
@@ -209,9 +207,8 @@ impl<const N: usize> Answer<'_, N> {
     }
 
     fn of_gains(&self) -> Option<(Vec<usize>, Vec<usize>, Vec<Parameter>, f64)> {
-        let value = |j: usize| {
-            self.problem.index(Place::Gain(j)).map_or((0.0, 0.0), |i| (self.fit.state[i], self.fit.sd(i)))
-        };
+        let value =
+            |j: usize| self.problem.index(Place::Gain(j)).map_or((0.0, 0.0), |i| (self.fit.state[i], self.fit.sd(i)));
         let rms = |x: &[f64]| crate::noise_level::rms(x);
         let size = |j: usize| value(j).0.abs() * rms(&self.scene.measured_nm[j]);
         let shows = |j: &usize| value(*j).0.abs() > SURE * value(*j).1 && size(*j) > NOTABLE * self.left_nm(*j);

@@ -34,13 +34,7 @@ pub(crate) struct Start {
 impl Start {
     /// Families, and nothing known.
     pub fn of(families: &[Family]) -> Self {
-        Self {
-            families: families.to_vec(),
-            pinned: Vec::new(),
-            kappa: None,
-            scales: Vec::new(),
-            variances: Vec::new(),
-        }
+        Self { families: families.to_vec(), pinned: Vec::new(), kappa: None, scales: Vec::new(), variances: Vec::new() }
     }
 }
 
@@ -190,7 +184,9 @@ pub(crate) fn fit(problem: &Problem, equations: &NormalEquations, parts: &[usize
     let mut kappas = start.kappa.clone().unwrap_or_else(|| vec![FIRST_KAPPA; joints]);
     let (mut mean, mut covariance) = (DVector::zeros(active.len()), DMatrix::zeros(0, 0));
     let prior = |scales: &[f64]| {
-        DMatrix::from_fn(active.len(), active.len(), |r, c| unit[(r, c)] / (scales[family_of[r]] * scales[family_of[c]]))
+        DMatrix::from_fn(active.len(), active.len(), |r, c| {
+            unit[(r, c)] / (scales[family_of[r]] * scales[family_of[c]])
+        })
     };
     let weights_of = |kappas: &[f64], variances: &[f64]| -> Vec<f64> {
         kappas.iter().zip(variances).map(|(k, v)| 1.0 / (k * v)).collect()
@@ -388,7 +384,9 @@ pub(crate) fn posterior(problem: &Problem, parts: &[usize], start: &Start) -> Op
             .filter_map(|i| {
                 let value = found.state[*i];
                 match problem.places[*i] {
-                    Place::Own(_, super::columns::JointTerm::Spring | super::columns::JointTerm::Load) if value < 0.0 => {
+                    Place::Own(_, super::columns::JointTerm::Spring | super::columns::JointTerm::Load)
+                        if value < 0.0 =>
+                    {
                         Some((*i, 0.0))
                     }
                     Place::Own(j, super::columns::JointTerm::Rotor) if problem.rotor_kg_m2[j] + value < 0.0 => {
@@ -438,9 +436,8 @@ pub(crate) fn plain_state(problem: &Problem, parts: &[usize]) -> State {
             let value = gram[(terms[r], terms[c])];
             if r == c { value * (1.0 + PLAIN_RIDGE) + f64::MIN_POSITIVE } else { value }
         });
-        let score = DVector::from_fn(3, |r, _| {
-            gram[(terms[r], columns.measured())] - gram[(terms[r], columns.nominal())]
-        });
+        let score =
+            DVector::from_fn(3, |r, _| gram[(terms[r], columns.measured())] - gram[(terms[r], columns.nominal())]);
         let Some(inverse) = spd::inverse(&square) else { continue };
         let found = inverse.matrix * score;
         for (k, term) in [JointTerm::Offset, JointTerm::Coulomb, JointTerm::Viscous].into_iter().enumerate() {

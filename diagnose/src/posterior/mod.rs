@@ -31,9 +31,8 @@ impl ArmScale {
             .map(|j| if same && N > 1 { STRONGEST_OVER_SEEN * seen * taper(j, N) } else { limits.tau_max_nm[j] })
             .map(|torque: f64| torque.max(1e-3))
             .collect();
-        let speed_rad_s = (0..N)
-            .map(|j| if limits.qd_max_rad_s[j] <= 20.0 { limits.qd_max_rad_s[j] } else { 3.0 })
-            .collect();
+        let speed_rad_s =
+            (0..N).map(|j| if limits.qd_max_rad_s[j] <= 20.0 { limits.qd_max_rad_s[j] } else { 3.0 }).collect();
         Self {
             torque_nm,
             speed_rad_s,
@@ -54,4 +53,3 @@ fn taper(joint: usize, joints: usize) -> f64 {
         _ => 0.2,
     }
 }
-

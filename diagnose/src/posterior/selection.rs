@@ -44,7 +44,14 @@ impl Evidence<'_> {
         let scales = set.iter().map(|family| self.all.scale(*family).unwrap_or(1.0)).collect();
         let start = Start {
             families: set.to_vec(),
-            pinned: self.all.start.pinned.iter().copied().filter(|(i, _)| set.contains(&self.problem.places[*i].family())).collect(),
+            pinned: self
+                .all
+                .start
+                .pinned
+                .iter()
+                .copied()
+                .filter(|(i, _)| set.contains(&self.problem.places[*i].family()))
+                .collect(),
             kappa: Some(self.all.kappa.clone()),
             scales,
             variances: self.all.variances.clone(),

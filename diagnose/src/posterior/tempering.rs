@@ -46,9 +46,8 @@ pub(crate) fn spectral_peak(x: &[f64]) -> f64 {
     if n < m || square <= 0.0 {
         return 1.0;
     }
-    let window: Vec<f64> = (0..m)
-        .map(|k| 0.5 - 0.5 * (2.0 * std::f64::consts::PI * k as f64 / (m - 1) as f64).cos())
-        .collect();
+    let window: Vec<f64> =
+        (0..m).map(|k| 0.5 - 0.5 * (2.0 * std::f64::consts::PI * k as f64 / (m - 1) as f64).cos()).collect();
     let window_square: f64 = window.iter().map(|w| w * w).sum();
     let mut power = vec![0.0; m / 2 + 1];
     let mut segments = 0.0;

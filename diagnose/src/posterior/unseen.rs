@@ -71,7 +71,8 @@ impl Unseen {
         let found: Vec<Fold> = folds
             .into_iter()
             .map(|held_out| {
-                let seen: Vec<usize> = problem.all_parts().into_iter().filter(|part| !held_out.contains(part)).collect();
+                let seen: Vec<usize> =
+                    problem.all_parts().into_iter().filter(|part| !held_out.contains(part)).collect();
                 let fitted = |without: Option<Family>| {
                     let keep = |family: &&Family| Some(**family) != without;
                     let families: Vec<Family> = all.start.families.iter().filter(keep).copied().collect();

@@ -66,11 +66,9 @@ fn own_effect(problem: &Problem, joint: usize, term: JointTerm, value: f64) -> E
         },
         JointTerm::Load => Effect::LoadFriction { joint, load_coefficient: value },
         JointTerm::Rotor => Effect::RotorInertia { joint, delta_rotor_inertia_kg_m2: value },
-        JointTerm::Presliding(k) => Effect::Presliding {
-            joint,
-            presliding_distance_rad: PRESLIDING_RAD[k],
-            amplitude_nm: Some(value),
-        },
+        JointTerm::Presliding(k) => {
+            Effect::Presliding { joint, presliding_distance_rad: PRESLIDING_RAD[k], amplitude_nm: Some(value) }
+        }
         JointTerm::Spring => Effect::PositionSpring { joint, stiffness_nm_per_rad: value, rest_rad: 0.0 },
     }
 }

@@ -205,7 +205,8 @@ fn description_of_many(finding: &Finding) -> String {
     let name = capital(cause_name(finding.label));
     let Some(parameter) = finding.parameters.first() else { return format!("{name} in {what} {listed}") };
     let unit = tribo_figure::number::quantity_and_unit(parameter.name).1;
-    let (low, high) = parameter.value.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), x| (l.min(*x), h.max(*x)));
+    let (low, high) =
+        parameter.value.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), x| (l.min(*x), h.max(*x)));
     format!("{name} in {what} {listed}: {} to {} {unit}", significant(low, 3), significant(high, 3))
 }
 

@@ -183,19 +183,14 @@ fn merged(old: &Effect, new: &Effect) -> Option<Effect> {
         (
             E::FrictionCurve { joint, amplitude_nm: a, width_rad_s },
             E::FrictionCurve { joint: other, amplitude_nm: b, width_rad_s: width },
-        ) if width == width_rad_s => {
-            E::FrictionCurve { joint: place(joint, other)?, amplitude_nm: a + b, width_rad_s }
-        }
+        ) if width == width_rad_s => E::FrictionCurve { joint: place(joint, other)?, amplitude_nm: a + b, width_rad_s },
         (
             E::Presliding { joint, presliding_distance_rad, amplitude_nm: Some(a) },
             E::Presliding { joint: other, presliding_distance_rad: distance, amplitude_nm: Some(b) },
         ) if distance == presliding_distance_rad => {
             E::Presliding { joint: place(joint, other)?, presliding_distance_rad, amplitude_nm: Some(a + b) }
         }
-        (
-            E::Presliding { joint, amplitude_nm: None, .. },
-            E::Presliding { joint: other, amplitude_nm: None, .. },
-        )
+        (E::Presliding { joint, amplitude_nm: None, .. }, E::Presliding { joint: other, amplitude_nm: None, .. })
         | (E::JointElasticity { joint, .. }, E::JointElasticity { joint: other, .. })
         | (E::Backlash { joint, .. }, E::Backlash { joint: other, .. }) => {
             place(joint, other)?;

@@ -135,8 +135,12 @@ fn truth_gain(case: &HiddenCase, diagnosis: &Diagnosis) -> Result<f64, ResidualE
 fn residual(log: &RobotLog, nominal: &Nominal<7>, diagnosis: &Diagnosis) -> Result<TorqueResidual<7>, ResidualError> {
     let rate_hz = tribo_logs::median_period_s(&log.time_s).unwrap_or(1.0).recip();
     let average_samples = (rate_hz / diagnosis.rate_hz).round().max(1.0) as usize;
-    let settings =
-        ResidualSettings { band_hz: diagnosis.band_hz.min(0.3 * rate_hz), longest_gap_s: None, average_samples, ..ResidualSettings::default() };
+    let settings = ResidualSettings {
+        band_hz: diagnosis.band_hz.min(0.3 * rate_hz),
+        longest_gap_s: None,
+        average_samples,
+        ..ResidualSettings::default()
+    };
     TorqueResidual::of_log(log, &nominal.arm, &settings)
 }
 

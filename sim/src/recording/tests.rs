@@ -191,7 +191,8 @@ fn presliding_follows_the_way() {
 /// A LuGre law and a Coulomb-viscous law with the presliding effect are one truth.
 #[test]
 fn a_lugre_law_is_presliding() {
-    let effects = (0..7).map(|joint| Effect::Presliding { joint, presliding_distance_rad: 5e-4, amplitude_nm: None }).collect();
+    let effects =
+        (0..7).map(|joint| Effect::Presliding { joint, presliding_distance_rad: 5e-4, amplitude_nm: None }).collect();
     let a = record(&truth(effects), SMOOTHING, &stroke(), &clean(), 1).unwrap();
     let b = record(&Truth::panda_lugre(), SMOOTHING, &stroke(), &clean(), 1).unwrap();
     assert_eq!(a, b);

@@ -1,7 +1,9 @@
 //! A diagnosis as one JSON document, `tribo.diagnosis/1`.
 
 use serde_json::{Map, Value, json};
-use tribo_diagnose::{Alternative, CauseLabel, Diagnosis, Finding, JointMisfit, Location, NextExperiment, Rejected, Unseen};
+use tribo_diagnose::{
+    Alternative, CauseLabel, Diagnosis, Finding, JointMisfit, Location, NextExperiment, Rejected, Unseen,
+};
 use tribo_experiments::ClosedLoopGain;
 
 use super::Extras;

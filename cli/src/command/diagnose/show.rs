@@ -169,7 +169,10 @@ fn show_unseen(diagnosis: &Diagnosis) {
     let better = if ratio > 1.0 { " The baseline is better." } else { "" };
     paragraph(
         "",
-        &format!("On unseen data the extended model leaves {} of what {name} leaves (mean of joints).{better}", fixed(ratio, 2)),
+        &format!(
+            "On unseen data the extended model leaves {} of what {name} leaves (mean of joints).{better}",
+            fixed(ratio, 2)
+        ),
     );
 }
 
