@@ -275,7 +275,7 @@ fn the_plant_has_the_recorded_friction_on_a_swing() {
 /// A steep curve stops the joint as dry friction does: the speed dies and does not change sides.
 #[test]
 fn a_steep_curve_does_not_chatter() {
-    let curve = Effect::FrictionCurve { joint: 6, amplitude_nm: 0.5, width_rad_s: 1e-3 };
+    let curve = Effect::FrictionCurve { joint: 6, amplitude_nm: 0.5, width_rad_s: 1e-4 };
     let mut truth = frictionless(vec![curve]);
     truth.arm.gravity_m_s2 = Vector3::zeros();
     let mut plant = plant(truth).with_velocity(Vector::ith(6, 0.5));
