@@ -159,6 +159,11 @@ impl JointEffects {
         self.offset_nm + ripple + self.spring_nm_per_rad * (q - self.spring_rest_rad)
     }
 
+    /// Whether any friction bends with speed.
+    pub fn has_curves(&self) -> bool {
+        self.curves.iter().any(|curve| curve.amplitude_nm != 0.0)
+    }
+
     /// Friction that bends with speed (Nm) at qd [rad/s].
     #[inline]
     pub fn curve_torque_nm(&self, qd: f64) -> f64 {
