@@ -10,7 +10,7 @@ use tribo_control::{GuardSettings, ImpedanceSettings, PAPER_PHASES_RAD, Sinusoid
 use tribo_ekf::{WrenchEkf, WrenchEkfSettings};
 use tribo_experiments::{CostMeasure, PenaltyLimits, Trial};
 use tribo_friction::law::CoulombViscous;
-use tribo_friction::{Compensator, FrictionModel, JointEffects, Ripple, VelocitySource};
+use tribo_friction::{BristlePart, Compensator, Curve, FrictionModel, JointEffects, Ripple, VelocitySource};
 use tribo_robot::{Kinematics, Plant, Pose, SensorFrame, presets};
 use tribo_runtime::{ControlLoop, LoopSettings};
 use tribo_sim::{BoxFrictionPlant, DEFAULT_SUB_STEPS, Sensors, Truth, WrenchPulses};
@@ -51,6 +51,8 @@ pub fn all_effects() -> [JointEffects; 7] {
         spring_nm_per_rad: 0.3,
         spring_rest_rad: 0.1,
         presliding_distance_rad: 1e-3,
+        curves: [0.02, 0.1, 0.5].map(|width_rad_s| Curve { amplitude_nm: 0.02, width_rad_s }),
+        bristles: [3e-4, 3e-3, 3e-2].map(|distance_rad| BristlePart { amplitude_nm: 0.02, distance_rad }),
     };
     [effects; 7]
 }

@@ -13,7 +13,7 @@ use crate::files::Model;
 /// ```text
 /// payload base_tilt link_inertial rotor_inertia                                          → arm
 /// coulomb viscous stribeck coulomb_asymmetry torque_offset load_friction
-/// torque_ripple position_spring presliding                                               → effects of the compensator
+/// torque_ripple position_spring presliding friction_curve                                → effects of the compensator
 /// torque_gain thermal_friction joint_elasticity backlash time_delay external_contact     → not cancelled, with the reason
 /// ```
 #[derive(Clone, Debug, PartialEq)]
@@ -158,6 +158,8 @@ mod tests {
             Effect::TorqueRipple { joint, cycles_per_rev: 7.0, amplitude_nm: 0.08, phase_rad: 0.9 },
             Effect::PositionSpring { joint, stiffness_nm_per_rad: 1.1, rest_rad: -1.2 },
             Effect::Presliding { joint, presliding_distance_rad: 1e-3, amplitude_nm: None },
+            Effect::Presliding { joint, presliding_distance_rad: 2e-2, amplitude_nm: Some(-0.07) },
+            Effect::FrictionCurve { joint, amplitude_nm: 0.09, width_rad_s: 0.4 },
             Effect::Payload { mass_kg: 1.0, com_m: [0.0, 0.0, 0.05], inertia_kg_m2: [0.0; 6] },
             Effect::BaseTilt { angle_rad: 0.1, axis: [1.0, 0.0, 0.0] },
             Effect::LinkInertial {
@@ -195,7 +197,7 @@ mod tests {
         }
         let [arm, joints, left] = places;
         assert_eq!(arm, ["payload", "base_tilt", "link_inertial", "rotor_inertia"]);
-        assert_eq!(joints.len(), 9);
+        assert_eq!(joints.len(), 11);
         let expected =
             ["torque_gain", "thermal_friction", "joint_elasticity", "backlash", "time_delay", "external_contact"];
         assert_eq!(left, expected);
@@ -212,6 +214,23 @@ mod tests {
         assert_eq!([it.asymmetry_nm, it.offset_nm, it.load_coefficient], [0.04, -0.5, 0.06]);
         assert_eq!(it.ripples[0], Ripple { cycles_per_rev: 7.0, amplitude_nm: 0.08, phase_rad: 0.9 });
         assert_eq!([it.spring_nm_per_rad, it.spring_rest_rad, it.presliding_distance_rad], [1.1, -1.2, 1e-3]);
+        assert_eq!(it.bristles[0], BristlePart { amplitude_nm: -0.07, distance_rad: 2e-2 });
+        assert_eq!(it.curves[0], Curve { amplitude_nm: 0.09, width_rad_s: 0.4 });
+        assert_eq!((it.bristles[1], it.curves[1]), (BristlePart::default(), Curve::default()));
+    }
+
+    /// What a joint has no place for is said, and what it has keeps its order.
+    #[test]
+    fn a_joint_keeps_three_curves_and_three_bristles() {
+        let curve = |k: u32| Effect::FrictionCurve { joint: 2, amplitude_nm: f64::from(k), width_rad_s: 0.1 };
+        let part =
+            |k: u32| Effect::Presliding { joint: 2, presliding_distance_rad: 1e-3, amplitude_nm: Some(f64::from(k)) };
+        let effects: Vec<Effect> = (1..=4).flat_map(|k| [curve(k), part(k)]).collect();
+        let (joints, left) = joint_effects::<7>(&effects);
+        assert_eq!(joints[2].curves.map(|curve| curve.amplitude_nm), [1.0, 2.0, 3.0]);
+        assert_eq!(joints[2].bristles.map(|part| part.amplitude_nm), [1.0, 2.0, 3.0]);
+        let seen: Vec<Effect> = left.iter().map(|left| left.effect.clone()).collect();
+        assert_eq!(seen, [curve(4), part(4)]);
     }
 
     #[test]

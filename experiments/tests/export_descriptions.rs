@@ -284,7 +284,22 @@ fn losses_say_how_much_torque_they_are_worth() {
     close(attribute(&sigmoid(1e4), "frictionloss"), 0.6);
     close(attribute(&sigmoid(1e-2), "damping"), 1.2 * 1e-2 / 4.0);
 
+    // A narrow curve over speed is Coulomb friction, one that hardly bends within the speed limit is viscous friction A/w.
     let mut file = tuned("panda", laws::<7>()[0], VelocitySource::Hybrid);
+    let plain = friction_of_urdf(&exported(&file, Format::Urdf, None).text);
+    let curves = "- {cause: friction_curve, joint: 0, amplitude_nm: 0.3, width_rad_s: 1e-4}\n\
+                  - {cause: friction_curve, joint: 1, amplitude_nm: 40, width_rad_s: 80}\n";
+    file.model = Some(model(&format!("robot: panda\neffects:\n{curves}")));
+    let urdf = exported(&file, Format::Urdf, None);
+    let [damping, friction] = friction_of_urdf(&urdf.text);
+    close(friction[0], plain[1][0] + 0.3);
+    close(damping[0], plain[0][0]);
+    close(friction[1], plain[1][1]);
+    close(damping[1], plain[0][1] + 0.5);
+    assert_eq!((&damping[2..], &friction[2..]), (&plain[0][2..], &plain[1][2..]));
+    // All of it at speeds far below the narrow curve's width, where friction of the description has its step.
+    close(largest_nm(&urdf, "curve over speed")[0], 0.3);
+
     file.model = Some(model(&format!("robot: panda\n{}", common::EFFECTS)));
     let lost = |format| exported(&file, format, None);
     let urdf = lost(Format::Urdf);
@@ -293,7 +308,9 @@ fn losses_say_how_much_torque_they_are_worth() {
     close(largest_nm(&urdf, "torque ripple")[3], 0.1);
     close(largest_nm(&urdf, "position spring")[5], 1.1 * (3.7525 + 1.2));
     let coulomb_nm = file.friction.joints[4].coulomb_nm.expect("dry");
-    close(largest_nm(&urdf, "presliding")[4], 2.0 * coulomb_nm);
+    close(largest_nm(&urdf, "presliding")[4], 2.0 * (coulomb_nm + 0.06));
+    // Parts below zero pull the other way.
+    close(largest_nm(&urdf, "presliding")[1], 2.0 * 0.3);
     close(largest_nm(&urdf, "Stribeck curve and difference")[3], 0.3);
     close(largest_nm(&urdf, "Stribeck curve and difference")[4], 0.04);
     // MuJoCo has springs.

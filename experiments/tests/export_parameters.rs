@@ -79,7 +79,16 @@ fn ros2_parameters_have_every_effect() {
             assert_eq!(seen("amplitude_nm"), Some(ripple.amplitude_nm));
             assert_eq!(seen("phase_rad"), Some(ripple.phase_rad));
         }
+        for (k, (curve, part)) in joint.curves.iter().zip(&joint.bristles).enumerate().take(2) {
+            let seen = |group: &str, name: &str| effects[format!("{group}_{k}")][name][j].as_f64();
+            assert_eq!(seen("curve", "amplitude_nm"), Some(curve.amplitude_nm));
+            assert_eq!(seen("curve", "width_rad_s"), Some(curve.width_rad_s));
+            assert_eq!(seen("bristle", "amplitude_nm"), Some(part.amplitude_nm));
+            assert_eq!(seen("bristle", "distance_rad"), Some(part.distance_rad));
+        }
     }
+    assert_eq!(it.compensator.effects[6].curves[1].amplitude_nm, -0.1);
+    assert!(effects.get("curve_2").is_none() && effects.get("bristle_2").is_none(), "{text}");
 }
 
 /// Prints every number of the parameters that is no `float`, and the parameters again as JSON.

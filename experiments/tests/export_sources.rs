@@ -138,10 +138,11 @@ fn c_program(at: &Path, variants: &[Variant]) {
             false => format!("v{k}_compensate(s + 7, s + 14, tau)"),
             true => format!("v{k}_compensate(s, s + 7, s + 14, s + 21, s[28], z, tau)"),
         };
+        let memory = if variant.effects { format!("double z[V{k}_BRISTLES] = {{0}};") } else { String::new() };
         calls.push_str(&format!(
-            "    {{\n        double z[7] = {{0, 0, 0, 0, 0, 0, 0}};\n        double tau[V{k}_JOINTS];\n        \
+            "    {{\n        {memory}\n        double tau[V{k}_JOINTS];\n        \
              for (i = 0; i < {STATES}; ++i) {{\n            const double *s = states + {WIDTH} * i;\n            {call};\n            \
-             (void)z;\n            fwrite(tau, sizeof(double), V{k}_JOINTS, stdout);\n        }}\n    }}\n"
+             fwrite(tau, sizeof(double), V{k}_JOINTS, stdout);\n        }}\n    }}\n"
         ));
     }
     let main = format!(
@@ -193,7 +194,7 @@ fn exported_sources_are_the_compensator() {
             false => format!("v{k}::compensate(part(s, 1), part(s, 2))"),
             true => format!("v{k}::compensate(part(s, 0), part(s, 1), part(s, 2), part(s, 3), s[28], &mut z)"),
         };
-        let memory = if variant.effects { format!("let mut z = [0.0; v{k}::JOINTS];") } else { String::new() };
+        let memory = if variant.effects { format!("let mut z = [0.0; v{k}::BRISTLES];") } else { String::new() };
         calls.push_str(&format!(
             "    {{\n        {memory}\n        for s in states.chunks({WIDTH}) {{\n            \
              let tau: [f64; v{k}::JOINTS] = {call};\n            print(&tau);\n        }}\n    }}\n"
@@ -259,6 +260,7 @@ fn effects_change_the_signature() {
     tuned.model = Some(model(&format!("robot: panda\n{EFFECTS}- {{cause: time_delay, delay_s: 0.001}}\n")));
     let with_effects = exported(&tuned, Format::C, Some("left_arm"));
     assert!(with_effects.text.contains("left_arm_compensate(const double q[LEFT_ARM_JOINTS]"), "{}", with_effects.text);
+    assert!(with_effects.text.contains("#define LEFT_ARM_BRISTLES 21\n"), "two more per joint: {}", with_effects.text);
     let lost =
         |tuned: &TunedFile| exported(tuned, Format::C, None).losses.iter().map(ToString::to_string).collect::<Vec<_>>();
     assert!(matches!(&lost(&tuned)[..], [one] if one.starts_with("time_delay: not cancelled by Tribo either")));

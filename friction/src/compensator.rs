@@ -4,7 +4,7 @@ use nalgebra::SVector;
 use serde::{Deserialize, Serialize};
 
 use crate::law::smooth_sign;
-use crate::{FrictionModel, JointEffects, JointFriction};
+use crate::{FrictionModel, JointEffects, JointFriction, MAX_BRISTLES};
 
 /// Which velocity the compensator believes near zero speed. This matters more than the parameters.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
@@ -29,7 +29,8 @@ pub enum VelocitySource {
 /// ```
 ///
 /// A joint with a presliding distance d has `Fc z` in place of `Fc s`, in its law too: z is the deflection of a bristle,
-/// `dz/dt = (qd_believed − |qd_believed| z)/d`, integrated exactly over each period ([`Bristles`]).
+/// `dz/dt = (qd_believed − |qd_believed| z)/d`, integrated exactly over each period ([`Bristles`]). A part a of dry friction
+/// with a bristle of its own adds `a (z_a − s)`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Compensator<const N: usize> {
     /// The friction believed to act.
@@ -76,13 +77,18 @@ impl<const N: usize> Compensation<N> {
     }
 }
 
-/// The only memory of a compensator: the deflection of each joint's bristle over its largest, within ±1; at rest 0.
+/// The only memory of a compensator: deflections of bristles over their largest, within ±1; at rest 0.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Bristles<const N: usize>(pub SVector<f64, N>);
+pub struct Bristles<const N: usize> {
+    /// Of each joint's whole Coulomb friction.
+    pub whole: SVector<f64, N>,
+    /// Of its parts ([`JointEffects::bristles`]), joint by joint.
+    pub parts: [[f64; MAX_BRISTLES]; N],
+}
 
 impl<const N: usize> Default for Bristles<N> {
     fn default() -> Self {
-        Self(SVector::zeros())
+        Self { whole: SVector::zeros(), parts: [[0.0; MAX_BRISTLES]; N] }
     }
 }
 
@@ -132,14 +138,23 @@ impl<const N: usize> Compensator<N> {
             let qd = self.believed(input.qd_measured[j], input.qd_reference[j]);
             let steady = effects.steady_torque_nm(input.q[j], qd, input.load_nm[j], self.smoothing_rad_s);
             // A velocity that is not finite must not stay in the memory; the torque shows it.
-            let distance_rad = effects.presliding_distance_rad;
-            if distance_rad <= 0.0 || !qd.is_finite() {
+            if !qd.is_finite() {
                 return steady;
             }
-            let z = bristle_after(bristles.0[j], qd, input.dt_s, distance_rad);
-            bristles.0[j] = z;
-            let coulomb_nm = coulomb_nm(&self.friction.joints[j], qd) + effects.coulomb_nm;
-            steady + coulomb_nm * (z - smooth_sign(qd, self.smoothing_rad_s))
+            let sign = smooth_sign(qd, self.smoothing_rad_s);
+            let mut torque_nm = steady;
+            if effects.presliding_distance_rad > 0.0 {
+                let z = &mut bristles.whole[j];
+                *z = bristle_after(*z, qd, input.dt_s, effects.presliding_distance_rad);
+                torque_nm += (coulomb_nm(&self.friction.joints[j], qd) + effects.coulomb_nm) * (*z - sign);
+            }
+            for (part, z) in effects.bristles.iter().zip(&mut bristles.parts[j]) {
+                if part.amplitude_nm != 0.0 {
+                    *z = bristle_after(*z, qd, input.dt_s, part.distance_rad);
+                    torque_nm += part.amplitude_nm * (*z - sign);
+                }
+            }
+            torque_nm
         });
         Compensation { law_nm, effects_nm }
     }
@@ -178,8 +193,8 @@ fn bristle_after(z: f64, qd: f64, dt_s: f64, distance_rad: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::Ripple;
     use crate::law::CoulombViscous;
+    use crate::{BristlePart, Curve, Ripple};
 
     fn coulomb(coulomb_nm: f64) -> FrictionModel<1> {
         FrictionModel::uniform(CoulombViscous { coulomb_nm, viscous_nm_s_per_rad: 0.3 }.into())
@@ -231,13 +246,20 @@ mod tests {
             spring_nm_per_rad: 4.0,
             spring_rest_rad: 0.25,
             presliding_distance_rad: 0.0,
+            curves: [
+                Curve { amplitude_nm: 0.4, width_rad_s: 0.1 },
+                Curve { amplitude_nm: -0.3, width_rad_s: 0.5 },
+                Curve::default(),
+            ],
+            bristles: Default::default(),
         };
         let compensator = Compensator::new(coulomb(0.7), VelocitySource::Measured).with_effects([effects]);
         for qd in [-0.2_f64, 0.2] {
             let s = qd.signum();
             let dry = 0.7 + 0.1 + 0.3 * (-1.0_f64).exp() + 0.01 * 30.0;
             let position = -0.02 + 0.2 * (3.0 * 1.1_f64 + 0.4).sin() + 4.0 * (1.1 - 0.25);
-            let expected = dry * s + 0.8 * qd + 0.05 + position;
+            let bent = 0.4 * (10.0 * qd).tanh() - 0.3 * (2.0 * qd).tanh();
+            let expected = dry * s + 0.8 * qd + 0.05 + position + bent;
             let torque = compensator.tick(&mut Bristles::default(), &input(1.1, qd, -30.0)).total()[0];
             assert!((torque - expected).abs() < 1e-12, "{qd}: {torque} {expected}");
         }
@@ -254,13 +276,54 @@ mod tests {
             torque = compensator.tick(&mut bristles, &input(0.0, 0.05, 0.0)).total()[0];
         }
         let z = 1.0 - (-1.0_f64).exp();
-        assert!((bristles.0[0] - z).abs() < 1e-12);
+        assert!((bristles.whole[0] - z).abs() < 1e-12);
         assert!((torque - (0.7 * z + 0.3 * 0.05)).abs() < 1e-12);
         // Any step length keeps it within ±1, standing keeps it where it is, and a broken signal leaves no trace.
         compensator.tick(&mut bristles, &input(0.0, -1e9, 0.0));
-        assert_eq!(bristles.0[0], -1.0);
+        assert_eq!(bristles.whole[0], -1.0);
         compensator.tick(&mut bristles, &input(0.0, 0.0, 0.0));
         assert!(compensator.tick(&mut bristles, &input(0.0, f64::NAN, 0.0)).total()[0].is_nan());
-        assert_eq!(bristles.0[0], -1.0);
+        assert_eq!(bristles.whole[0], -1.0);
+    }
+
+    /// Closed form: after a travel x forwards and y back, `z = −1 + (2 − exp(−x/d)) exp(−y/d)` of every part by its own d,
+    /// on top of Coulomb friction that stays with s, or follows a bristle of its own.
+    #[test]
+    fn parts_of_dry_friction_follow_bristles_of_their_own() {
+        let parts = [(0.4, 0.01), (-0.1, 0.03), (0.2, 0.002)];
+        let bristles = parts.map(|(amplitude_nm, distance_rad)| BristlePart { amplitude_nm, distance_rad });
+        for whole_rad in [0.0, 0.005] {
+            let effects = JointEffects { presliding_distance_rad: whole_rad, bristles, ..JointEffects::default() };
+            let compensator = Compensator::new(coulomb(0.7), VelocitySource::Measured).with_effects([effects]);
+            let mut bristles = Bristles::default();
+            for _ in 0..300 {
+                compensator.tick(&mut bristles, &input(0.0, 0.05, 0.0));
+            }
+            let mut torque = 0.0;
+            for _ in 0..60 {
+                torque = compensator.tick(&mut bristles, &input(0.0, -0.05, 0.0)).total()[0];
+            }
+            let z = |distance: f64| -1.0 + (2.0 - (-0.015 / distance).exp()) * (-0.003 / distance).exp();
+            let whole = if whole_rad > 0.0 { 0.7 * z(whole_rad) } else { -0.7 };
+            let bent: f64 = parts.iter().map(|&(amplitude, distance)| amplitude * (z(distance) + 1.0)).sum();
+            // The smoothed sign is −1 to exp(−20).
+            assert!((torque - (whole - 0.3 * 0.05 + bent)).abs() < 1e-8, "{whole_rad}: {torque}");
+        }
+    }
+
+    /// Any step length keeps parts within ±1, standing keeps them, and a broken signal leaves no trace.
+    #[test]
+    fn parts_remember_no_broken_signal() {
+        let part = BristlePart { amplitude_nm: 0.4, distance_rad: 0.01 };
+        let effects = JointEffects { bristles: [part; 3], ..JointEffects::default() };
+        let compensator = Compensator::new(coulomb(0.7), VelocitySource::Measured).with_effects([effects]);
+        let mut bristles = Bristles::default();
+        compensator.tick(&mut bristles, &input(0.0, 1e9, 0.0));
+        compensator.tick(&mut bristles, &input(0.0, 0.0, 0.0));
+        assert_eq!(bristles.parts, [[1.0; 3]]);
+        for broken in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
+            assert!(!compensator.tick(&mut bristles, &input(0.0, broken, 0.0)).total()[0].is_finite());
+            assert_eq!(bristles.parts, [[1.0; 3]]);
+        }
     }
 }

@@ -26,8 +26,29 @@ pub const MAX_BRISTLES: usize = 3;
 pub struct Curve {
     /// Torque far above the width (Nm); 0 is none.
     pub amplitude_nm: f64,
-    /// Speed at which three quarters are reached [rad/s].
+    /// Speed at which three quarters are reached [rad/s]; above 0 where there is an amplitude.
     pub width_rad_s: f64,
+}
+
+impl Curve {
+    /// Torque (Nm) at qd [rad/s].
+    #[inline]
+    pub fn torque_nm(&self, qd: f64) -> f64 {
+        // An unused curve has no width.
+        if self.amplitude_nm == 0.0 { 0.0 } else { self.amplitude_nm * (qd / self.width_rad_s).tanh() }
+    }
+
+    /// Torque per velocity [Nm s/rad] at qd [rad/s], `A tanh(qd/w)/qd`: the slope of the chord from standstill, A/w there.
+    ///
+    /// As viscous friction it never turns a velocity round, as the tangent of a steep curve would.
+    #[inline]
+    pub fn chord_nm_s_per_rad(&self, qd: f64) -> f64 {
+        if self.amplitude_nm == 0.0 {
+            return 0.0;
+        }
+        let x = qd / self.width_rad_s;
+        if x == 0.0 { self.amplitude_nm / self.width_rad_s } else { self.amplitude_nm * x.tanh() / qd }
+    }
 }
 
 /// A part of dry friction that builds up over a distance: `amplitude (z − s)`, `dz/dt = (qd − |qd| z)/distance`.
@@ -43,10 +64,12 @@ pub struct BristlePart {
 ///
 /// ```text
 /// tau = dFc s + dFv qd + dF exp(−(qd/vs)²) s + a |s| + offset + γ |tau_link| s + Σ A sin(n q + φ) + k (q − rest)
+///     + Σ A tanh(qd/w) + Fc (z − s) + Σ b (z_b − s)
 /// ```
 ///
-/// s is the sign of qd, smoothed. With a presliding distance the dry part follows a bristle instead of s (see
-/// [`crate::law::Lugre`]); that needs a state, so [`Self::torque_nm`] takes s from the caller.
+/// s is the sign of qd, smoothed. With a presliding distance the whole Coulomb friction Fc, the law's included, follows a
+/// bristle z instead of s (see [`crate::law::Lugre`]), and each part b of dry friction one of its own, z_b. Bristles need a
+/// state, so the last two terms are the caller's; [`Self::torque_nm`] is all before them. They vanish in steady sliding.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct JointEffects {
     /// Added Coulomb friction (Nm).
@@ -136,13 +159,25 @@ impl JointEffects {
         self.offset_nm + ripple + self.spring_nm_per_rad * (q - self.spring_rest_rad)
     }
 
+    /// Whether any friction bends with speed.
+    pub fn has_curves(&self) -> bool {
+        self.curves.iter().any(|curve| curve.amplitude_nm != 0.0)
+    }
+
+    /// Friction that bends with speed (Nm) at qd [rad/s].
+    #[inline]
+    pub fn curve_torque_nm(&self, qd: f64) -> f64 {
+        self.curves.iter().map(|curve| curve.torque_nm(qd)).sum()
+    }
+
     /// The whole added torque (Nm) at q (rad), qd [rad/s] and link-side torque `load_nm` (Nm), given the (smoothed)
-    /// sign of qd.
+    /// sign of qd; bristles as in steady sliding.
     #[inline]
     pub fn torque_nm(&self, q: f64, qd: f64, sign: f64, load_nm: f64) -> f64 {
         self.dry_limit_nm(qd, load_nm) * sign
             + self.viscous_nm_s_per_rad * qd
             + self.asymmetry_nm * sign.abs()
+            + self.curve_torque_nm(qd)
             + self.position_torque_nm(q)
     }
 
@@ -150,5 +185,36 @@ impl JointEffects {
     #[inline]
     pub fn steady_torque_nm(&self, q: f64, qd: f64, load_nm: f64, smoothing_rad_s: f64) -> f64 {
         self.torque_nm(q, qd, smooth_sign(qd, smoothing_rad_s), load_nm)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The chord ends on the curve, at standstill it is the tangent, and a curve that is not there is nothing.
+    #[test]
+    fn the_chord_ends_on_the_curve() {
+        let curve = Curve { amplitude_nm: -0.7, width_rad_s: 0.3 };
+        for qd in [-1.0, -0.2, 0.05, 0.4] {
+            assert!((curve.chord_nm_s_per_rad(qd) * qd - curve.torque_nm(qd)).abs() < 1e-15, "{qd}");
+        }
+        for qd in [0.0, 1e-9, -1e-300] {
+            assert!((curve.chord_nm_s_per_rad(qd) + 0.7 / 0.3).abs() < 1e-12, "{qd}");
+        }
+        assert!((curve.torque_nm(0.3) + 0.7 * 0.761_594_155_955_765).abs() < 1e-15);
+        let unused = Curve::default();
+        assert_eq!([unused.torque_nm(0.0), unused.torque_nm(2.0), unused.chord_nm_s_per_rad(0.0)], [0.0; 3]);
+    }
+
+    #[test]
+    fn one_curve_or_bristle_is_not_nothing() {
+        let mut effects = JointEffects::default();
+        assert!(effects.is_none());
+        effects.curves[2].amplitude_nm = -1e-3;
+        assert!(!effects.is_none());
+        effects = JointEffects::default();
+        effects.bristles[2].amplitude_nm = 1e-3;
+        assert!(!effects.is_none());
     }
 }

@@ -214,7 +214,13 @@ impl Effect {
         }
     }
 
-    /// How many of this cause one joint takes; the others simply add up.
+    /// Whether the other takes the same places on a joint: of the same cause, and both the whole presliding or both a part.
+    fn same_kind(&self, other: &Self) -> bool {
+        let part = |effect: &Self| matches!(effect, Self::Presliding { amplitude_nm: Some(_), .. });
+        self.cause() == other.cause() && part(self) == part(other)
+    }
+
+    /// How many of this kind one joint takes; the others simply add up.
     fn most_per_joint(&self) -> usize {
         match self {
             Self::TorqueRipple { .. } => MAX_RIPPLES,
@@ -237,7 +243,7 @@ pub(crate) fn validate_together(effects: &[Effect], joints: usize) -> Result<(),
         effect.validate(joints)?;
         if let Some(joint) = effect.joint() {
             let (cause, most) = (effect.cause(), effect.most_per_joint());
-            let count = effects.iter().filter(|e| e.joint() == Some(joint) && e.cause() == cause).count();
+            let count = effects.iter().filter(|e| e.joint() == Some(joint) && e.same_kind(effect)).count();
             if count > most {
                 return Err(EffectError::TooMany { cause, joint, count, most });
             }
@@ -279,10 +285,38 @@ mod tests {
 
     #[test]
     fn a_joint_takes_each_nonlinear_cause_once() {
-        let presliding = Effect::Presliding { joint: 1, presliding_distance_rad: 1e-3 };
+        let bristle = |amplitude_nm| Effect::Presliding { joint: 1, presliding_distance_rad: 1e-3, amplitude_nm };
+        let presliding = bristle(None);
         assert!(validate_together(&[presliding.clone(), presliding.clone()], 7).is_err());
         let offset = Effect::TorqueOffset { joint: 1, offset_nm: 0.1 };
-        assert!(validate_together(&[offset.clone(), offset, presliding], 7).is_ok());
+        assert!(validate_together(&[offset.clone(), offset, presliding.clone()], 7).is_ok());
+        // Three curves, and three bristles of parts beside that of the whole.
+        let curve = Effect::FrictionCurve { joint: 1, amplitude_nm: 0.1, width_rad_s: 0.2 };
+        let mut most = vec![bristle(Some(0.1)); 3];
+        most.extend([presliding.clone(), curve.clone(), curve.clone(), curve.clone()]);
+        assert_eq!(validate_together(&most, 7), Ok(()));
+        for one_more in [bristle(Some(-0.1)), presliding, curve] {
+            let cause = one_more.cause();
+            let error = validate_together(&[&most[..], &[one_more]].concat(), 7).unwrap_err();
+            assert!(matches!(error, EffectError::TooMany { cause: of, joint: 1, .. } if of == cause), "{error}");
+        }
+    }
+
+    #[test]
+    fn curves_and_bristles_have_ranges() {
+        let curve = |amplitude_nm, width_rad_s| Effect::FrictionCurve { joint: 0, amplitude_nm, width_rad_s };
+        assert!(curve(-0.2, 0.1).validate(7).is_ok());
+        let refused = |effect: Effect| effect.validate(7).unwrap_err().to_string();
+        assert_eq!(refused(curve(0.1, 0.0)), "friction_curve: width_rad_s: 0 is outside 1e-5..100");
+        assert_eq!(refused(curve(f64::NAN, 0.1)), "friction_curve: amplitude_nm: NaN is outside -1000..1000");
+        let bristle = |amplitude_nm, presliding_distance_rad| Effect::Presliding {
+            joint: 0,
+            presliding_distance_rad,
+            amplitude_nm: Some(amplitude_nm),
+        };
+        assert!(bristle(-0.2, 1e-3).validate(7).is_ok());
+        assert_eq!(refused(bristle(0.1, 0.0)), "presliding: presliding_distance_rad: 0 is outside 1e-6..1");
+        assert_eq!(refused(bristle(2e3, 1e-3)), "presliding: amplitude_nm: 2000 is outside -1000..1000");
     }
 
     /// The name in errors is the name in files.

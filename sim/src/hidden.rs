@@ -2,7 +2,7 @@
 
 use nalgebra::{SVector, Vector3};
 use tribo_friction::law::smooth_sign;
-use tribo_friction::{BristlePart, Curve, JointEffects, JointFriction, Ripple};
+use tribo_friction::{BristlePart, Curve, JointEffects, JointFriction, MAX_BRISTLES, Ripple};
 use tribo_robot::{Arm, LinkInertia, Payload, Wrench, so3};
 
 use crate::effect_check::{symmetric, validate_together};
@@ -238,18 +238,28 @@ pub(crate) fn presliding_rad(law: &JointFriction, effects: &JointEffects) -> f64
     }
 }
 
+/// Deflections z of one joint's bristles over their largest [-].
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(crate) struct JointBristles {
+    /// Of the whole Coulomb friction; `None` where that is the sign itself.
+    pub whole: Option<f64>,
+    /// Of its parts, in the order of [`JointEffects::bristles`]; 0 where there is none.
+    pub parts: [f64; MAX_BRISTLES],
+}
+
 /// Friction and further torques of one joint in prescribed motion (Nm):
 ///
 /// ```text
-/// scale (law(q̇, s) + dFc s + dFv q̇ + Fc (z − s)) + the other effects(q, q̇, s, load),   s = tanh(q̇/smoothing)
+/// scale (law(q̇, s) + dFc s + dFv q̇ + Fc (z − s)) + Σ b (z_b − s) + the other effects(q, q̇, s, load),   s = tanh(q̇/smoothing)
 /// ```
 ///
-/// `bristle` is z, `None` where dry friction is s itself; Fc is the whole Coulomb friction, dFc included.
+/// Fc is the whole Coulomb friction, dFc included; z is there if it has a bristle. `scale` is that of the warmth: it applies
+/// to the law, dFc, dFv and Fc, and to nothing else: not to friction curves, not to the parts b.
 pub(crate) fn joint_torque_nm(
     law: &JointFriction,
     effects: &JointEffects,
     [q, qd]: [f64; 2],
-    bristle: Option<f64>,
+    bristles: &JointBristles,
     scale: f64,
     load_nm: f64,
     smoothing_rad_s: f64,
@@ -257,12 +267,15 @@ pub(crate) fn joint_torque_nm(
     let s = smooth_sign(qd, smoothing_rad_s);
     let mut friction = law.torque(qd, smoothing_rad_s);
     let mut added = effects.torque_nm(q, qd, s, load_nm);
-    if let Some(z) = bristle {
+    for (part, z) in effects.bristles.iter().zip(bristles.parts) {
+        added += part.amplitude_nm * (z - s);
+    }
+    if let Some(z) = bristles.whole {
         friction += coulomb_nm(law) * (z - s);
         added += effects.coulomb_nm * (z - s);
     }
     if scale != 1.0 {
-        let dry = bristle.unwrap_or(s);
+        let dry = bristles.whole.unwrap_or(s);
         added += (scale - 1.0) * (effects.coulomb_nm * dry + effects.viscous_nm_s_per_rad * qd);
         friction *= scale;
     }

@@ -1,13 +1,13 @@
 //! Time-stepping plant with set-valued friction.
 
 use nalgebra::{SMatrix, SVector};
-use tribo_friction::law::{Bristle, Lugre};
+use tribo_friction::law::Bristle;
 use tribo_friction::{JointFriction, SetValued};
 use tribo_robot::{ControlTerms, Plant, SensorFrame, SpdFactor, Wrench, product, transposed_product};
 
 use crate::friction_map::FrictionMap;
 use crate::hidden::Hidden;
-use crate::plant_effects::PlantEffects;
+use crate::plant_effects::{PlantEffects, travelled};
 use crate::projected_gauss_seidel::solve_friction;
 use crate::sensors::SensorState;
 use crate::{Sensors, TorqueSide, Truth, WrenchPulses};
@@ -33,8 +33,9 @@ pub const DEFAULT_SUB_STEPS: usize = 5;
 /// | payload, link_inertial, rotor_inertia, base_tilt | the arm, once |
 /// | coulomb, viscous, stribeck, coulomb_asymmetry, load_friction | the set-valued map; the load is that of the last period, contact included |
 /// | torque_offset, torque_ripple, position_spring | the map's offset, explicitly in q |
-/// | thermal_friction | scales dry and viscous friction by the time since the start (or [`crate::WarmUp::operated_s`]), as if at work throughout |
-/// | presliding | the whole Coulomb friction becomes a LuGre bristle |
+/// | friction_curve | viscous friction of its chord from standstill, implicit in the velocity |
+/// | thermal_friction | scales dry and viscous friction of the law and of coulomb and viscous by the time since the start (or [`crate::WarmUp::operated_s`]), as if at work throughout |
+/// | presliding | the whole Coulomb friction becomes a LuGre bristle; with an amplitude, so much of the dry friction does |
 /// | joint_elasticity | motors on implicit springs (Spong): friction and the only encoder sit at the motors, contact and gravity at the links |
 /// | backlash | the encoders only: they lead by the half gap on the side of the load; the free flight inside the gap is left out |
 /// | torque_gain, time_delay | the torque sensor only; a negative delay is none |
@@ -192,9 +193,10 @@ impl<const N: usize> BoxFrictionPlant<N> {
                 (None, _) => 0.0,
             };
             if presliding_distance_rad > 0.0 {
-                // The travel of a bristle does not depend on its strength.
-                let law = Lugre { coulomb_nm: 0.0, viscous_nm_s_per_rad: 0.0, presliding_distance_rad };
-                self.bristles[j] = law.advanced(self.bristles[j], qd[j], qd_new[j], h);
+                self.bristles[j] = travelled(self.bristles[j], presliding_distance_rad, [qd[j], qd_new[j]], h);
+            }
+            if let Some(effects) = &mut self.effects {
+                effects.advance_parts(j, qd[j], qd_new[j], h);
             }
         }
     }

@@ -2,7 +2,7 @@
 
 use nalgebra::SVector;
 use tribo_friction::law::{Bristle, Lugre};
-use tribo_friction::{JointFriction, SetValued};
+use tribo_friction::{JointFriction, MAX_BRISTLES, SetValued};
 use tribo_robot::{Wrench, gravity_torque};
 
 use crate::delay_line::DelayLine;
@@ -20,9 +20,19 @@ pub(crate) struct PlantEffects<const N: usize> {
     pub flexible: Option<FlexibleJoints<N>>,
     /// Torque through the gears' output during the last period (Nm), contact included.
     pub load: SVector<f64, N>,
+    /// Bristles of parts of dry friction.
+    parts: [[Bristle; MAX_BRISTLES]; N],
     gaps: [Gap; N],
     delay: DelayLine<N>,
     late_torque: SVector<f64, N>,
+}
+
+/// A bristle of so much presliding (rad) after a step of h (s) that took the motor from the first to the second velocity
+/// [rad/s]. Its travel does not depend on its strength.
+#[inline]
+pub(crate) fn travelled(bristle: Bristle, presliding_distance_rad: f64, [qd, qd_new]: [f64; 2], h: f64) -> Bristle {
+    let law = Lugre { coulomb_nm: 0.0, viscous_nm_s_per_rad: 0.0, presliding_distance_rad };
+    law.advanced(bristle, qd, qd_new, h)
 }
 
 impl<const N: usize> PlantEffects<N> {
@@ -34,6 +44,7 @@ impl<const N: usize> PlantEffects<N> {
             gaps: std::array::from_fn(|j| Gap::under(hidden.half_gap_rad[j], load[j])),
             delay: DelayLine::new(hidden.delay_s, dt_s),
             late_torque: SVector::zeros(),
+            parts: [[Bristle::default(); MAX_BRISTLES]; N],
             hidden,
             load,
         }
@@ -60,10 +71,16 @@ impl<const N: usize> PlantEffects<N> {
     ///
     /// ```text
     /// scale (law + dFc s + dFv v + Fc (z − s)) + (dF exp(−(qd/vs)²) + γ |load|) s + a |s| + position torque
+    ///     + Σ A tanh(v/w) + Σ b (z_b − s)
     /// ```
     ///
     /// s is the set-valued sign, z the bristle of joints with presliding. `scale` is the arm's warm-up, times the joint's
     /// own after `worked_s` (s).
+    ///
+    /// A curve is its chord from standstill to qd. The bristle z_b of a part of dry friction is implicit as that of
+    /// [`Lugre`], but not damped, and the box is smaller by b; never below zero: friction of more parts than there is dry
+    /// friction is above that of prescribed motion. Of falling curves and parts, the slope that would leave the whole below
+    /// zero is taken at qd.
     #[inline]
     pub fn set_valued(
         &self,
@@ -98,12 +115,39 @@ impl<const N: usize> PlantEffects<N> {
             map.lower_nm -= effects.coulomb_nm;
             map.upper_nm += effects.coulomb_nm;
         }
-        let added = effects.dry_limit_nm(qd, self.load[j]) - effects.coulomb_nm;
+        let mut added = effects.dry_limit_nm(qd, self.load[j]) - effects.coulomb_nm;
+        // Bristles of parts and curves: their torque (Nm) if qd stays, and its slope in the new velocity.
+        let (mut bent, mut slope) = (0.0, 0.0);
+        for (part, bristle) in effects.bristles.iter().zip(&self.parts[j]) {
+            if part.amplitude_nm != 0.0 {
+                let stiffness = part.amplitude_nm / part.distance_rad / (1.0 + h * qd.abs() / part.distance_rad);
+                bent += stiffness * (bristle.deflection_rad + h * qd);
+                slope += stiffness * h;
+                added -= part.amplitude_nm;
+            }
+        }
+        for curve in &effects.curves {
+            bent += curve.torque_nm(qd);
+            slope += curve.chord_nm_s_per_rad(qd);
+        }
+        let viscous = scale * (map.viscous_nm_s_per_rad + effects.viscous_nm_s_per_rad);
+        let slope = slope.max(-viscous.max(0.0));
         SetValued {
-            viscous_nm_s_per_rad: scale * (map.viscous_nm_s_per_rad + effects.viscous_nm_s_per_rad),
-            offset_nm: scale * map.offset_nm + effects.position_torque_nm(q),
+            viscous_nm_s_per_rad: viscous + slope,
+            offset_nm: scale * map.offset_nm + effects.position_torque_nm(q) + bent - slope * qd,
             lower_nm: (scale * map.lower_nm - added + asymmetry).min(0.0),
             upper_nm: (scale * map.upper_nm + added + asymmetry).max(0.0),
+        }
+    }
+
+    /// Moves the bristles of parts of joint j's dry friction by a sub-step of h (s) that took its motor from `qd` to
+    /// `qd_new` [rad/s].
+    #[inline]
+    pub fn advance_parts(&mut self, j: usize, qd: f64, qd_new: f64, h: f64) {
+        for (part, bristle) in self.hidden.joints[j].bristles.iter().zip(&mut self.parts[j]) {
+            if part.amplitude_nm != 0.0 {
+                *bristle = travelled(*bristle, part.distance_rad, [qd, qd_new], h);
+            }
         }
     }
 

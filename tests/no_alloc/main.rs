@@ -18,7 +18,7 @@ use tribo_residual::{
 };
 use tribo_robot::{ControlTerms, EstimatorInput, SensorFrame, Wrench, WrenchEstimator, presets};
 use tribo_runtime::{Clock, LoopTiming, OverrunPolicy, RealTimeLoop, record_ring};
-use tribo_sim::{BoxFrictionPlant, Sensors, Truth, WrenchPulses};
+use tribo_sim::{BoxFrictionPlant, Effect, Sensors, Truth, WrenchPulses};
 use tribo_tests::{DT_S, TamperedPlant, all_effects, five_truths, loop_with, ready_flange};
 
 /// Ticks watched before and after the fault.
@@ -40,10 +40,19 @@ fn no_tick_allocates_healthy_or_faulted() {
     }
 }
 
-/// The same with a compensator that believes every effect it knows, presliding and its bristle included.
+/// The same with a compensator that believes every effect it knows, curves and all bristles included, and with a plant
+/// whose friction has both.
 #[test]
 fn no_tick_allocates_with_effects() {
-    watch("effects", &Truth::panda_coulomb_viscous(), all_effects());
+    let mut truth = Truth::panda_coulomb_viscous();
+    watch("believed effects", &truth, all_effects());
+    for joint in 0..7 {
+        truth.effects.push(Effect::FrictionCurve { joint, amplitude_nm: 0.05, width_rad_s: 0.1 });
+        for (presliding_distance_rad, amplitude_nm) in [(3e-4, Some(0.05)), (3e-3, Some(-0.02)), (1e-3, None)] {
+            truth.effects.push(Effect::Presliding { joint, presliding_distance_rad, amplitude_nm });
+        }
+    }
+    watch("true effects", &truth, all_effects());
 }
 
 /// The other wrench estimators by themselves: a moving arm, a standing one (friction in its band, all twelve limits), a

@@ -10,7 +10,7 @@ const PREFIX: &str = "tribo";
 
 /// One `static inline` function in C99 that C++ takes as well, in need of `math.h` alone: `PREFIX_compensate`. Without
 /// effects it maps two velocities to torques; with effects (see [`crate::Believed`]) it also takes position, load, period
-/// and the bristles' memory. It is the compensator to rounding: 1e-12 Nm.
+/// and the bristles' memory, `PREFIX_BRISTLES` numbers. It is the compensator to rounding: 1e-12 Nm.
 pub(super) fn export<const N: usize>(tuned: &TunedCompensator<N>, name: Option<&str>) -> Result<Exported, ExportError> {
     let prefix = name.unwrap_or(PREFIX);
     if !is_identifier(prefix) || prefix.starts_with('_') {
@@ -24,15 +24,19 @@ pub(super) fn export<const N: usize>(tuned: &TunedCompensator<N>, name: Option<&
         text.push_str(&format!(" * {}\n", in_comment(remark)));
     }
     text.push_str(&format!(
-        " */\n#ifndef {macros}_COMPENSATOR_H\n#define {macros}_COMPENSATOR_H\n\n#include <math.h>\n\n#define {macros}_JOINTS {N}\n\n"
+        " */\n#ifndef {macros}_COMPENSATOR_H\n#define {macros}_COMPENSATOR_H\n\n#include <math.h>\n\n#define {macros}_JOINTS {N}\n"
     ));
+    if program.effects {
+        text.push_str(&format!("#define {macros}_BRISTLES {}\n", program.memory));
+    }
+    text.push('\n');
 
     let vector = |name: &str| format!("const double {name}[{macros}_JOINTS]");
     let velocities = format!("{}, {}", vector("dq_measured"), vector("dq_reference"));
     let arguments = match program.effects {
         false => velocities,
         true => {
-            format!("{}, {velocities}, {}, double dt, double z[{macros}_JOINTS]", vector("q"), vector("load"))
+            format!("{}, {velocities}, {}, double dt, double z[{macros}_BRISTLES]", vector("q"), vector("load"))
         }
     };
     text.push_str(&format!("static inline void {prefix}_compensate({arguments}, double tau[{macros}_JOINTS])\n{{\n"));

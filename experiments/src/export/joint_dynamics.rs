@@ -1,8 +1,8 @@
 //! Friction as robot descriptions know it.
 
 use nalgebra::{DMatrix, DVector};
-use tribo_friction::JointFriction;
 use tribo_friction::identify::minimize_in_box;
+use tribo_friction::{JointEffects, JointFriction};
 
 use super::loss::{beyond_velocity, not_cancelled, shapes};
 use super::{ExportError, Format, Loss, TunedCompensator};
@@ -14,7 +14,7 @@ use super::{ExportError, Format, Loss, TunedCompensator};
 /// ```
 ///
 /// of a law with a dry part: the dry friction left at the speed limit, and the slope, both the mean of the directions; of
-/// the Gaz sigmoid: least squares over ± the speed limit, neither below zero.
+/// the Gaz sigmoid, and of a joint with curves over speed: least squares over ± the speed limit, neither below zero.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct JointDynamics<const N: usize> {
     /// Coulomb friction (Nm).
@@ -31,6 +31,7 @@ impl<const N: usize> JointDynamics<N> {
     pub fn of(tuned: &TunedCompensator<N>, format: Format) -> Result<Self, ExportError> {
         let closest: [[f64; 2]; N] = std::array::from_fn(|j| match tuned.compensator.friction.joints[j] {
             JointFriction::GazSigmoid(_) => fitted(tuned, j),
+            _ if tuned.compensator.effects[j].has_curves() => fitted(tuned, j),
             _ => [tuned.dry_limit_nm(j), tuned.viscous_nm_s_per_rad(j)],
         });
         for (joint, friction) in closest.iter().enumerate() {
@@ -49,9 +50,14 @@ impl<const N: usize> JointDynamics<N> {
         // A description is about the robot: where a compensator smooths the sign, the robot's friction has a step.
         let described = |j: usize, qd: f64| self.coulomb_nm[j].copysign(qd) + self.viscous_nm_s_per_rad[j] * qd;
         let sigmoid = matches!(tuned.compensator.friction.joints[0], JointFriction::GazSigmoid(_));
-        let instead = match sigmoid {
-            true => "Coulomb and viscous friction closest to it in least squares over the speed range",
-            false => "Coulomb friction is what is left at the speed limit, the mean of both directions",
+        let bent = tuned.compensator.effects.iter().any(JointEffects::has_curves);
+        let instead = match (sigmoid, bent) {
+            (true, _) => "Coulomb and viscous friction closest to it in least squares over the speed range",
+            (false, false) => "Coulomb friction is what is left at the speed limit, the mean of both directions",
+            (false, true) => {
+                "Coulomb friction is what is left at the speed limit, the mean of both directions; of joints with a curve \
+                 over speed, Coulomb and viscous friction are those closest in least squares over the speed range"
+            }
         };
         let difference = tuned.largest_difference_nm(0.0, described);
         let mut losses: Vec<Loss> = Loss::of_torque(shapes(tuned), instead, difference).into_iter().collect();

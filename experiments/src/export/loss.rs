@@ -56,6 +56,7 @@ pub(super) fn shapes<const N: usize>(tuned: &TunedCompensator<N>) -> String {
         (law == LawName::Stribeck || any(&|it| it.breakaway_minus_coulomb_nm != 0.0), "Stribeck curve"),
         (law == LawName::Asymmetric || any(&|it| it.asymmetry_nm != 0.0), "difference of directions"),
         (law == LawName::GazSigmoid, "sigmoid"),
+        (any(&|it| it.has_curves()), "curve over speed"),
     ];
     let present: Vec<&str> = named.into_iter().filter_map(|(present, name)| present.then_some(name)).collect();
     if present.is_empty() { "shape of the curve".to_owned() } else { present.join(" and ") }
@@ -87,9 +88,12 @@ pub(super) fn beyond_velocity<const N: usize>(tuned: &TunedCompensator<N>, sprin
         let spring = |j: usize, it: &JointEffects| it.spring_nm_per_rad * stretch(j, it.spring_rest_rad);
         losses.push(Loss::of_torque("position spring", "left out", each(&spring)));
     }
-    // Right after a reversal the bristle still pulls the old way.
-    let presliding =
-        |j: usize, it: &JointEffects| if it.presliding_distance_rad > 0.0 { 2.0 * tuned.dry_limit_nm(j) } else { 0.0 };
+    // Right after a reversal bristles still pull the old way; those of parts below zero pull against the others.
+    let presliding = |j: usize, it: &JointEffects| {
+        let whole = if it.presliding_distance_rad > 0.0 { tuned.dry_limit_nm(j) } else { 0.0 };
+        let sum = |sign: f64| it.bristles.iter().map(|part| (sign * part.amplitude_nm).max(0.0)).sum::<f64>();
+        2.0 * (whole + sum(1.0)).max(sum(-1.0))
+    };
     losses.push(Loss::of_torque("presliding", "dry friction turns at once at a reversal", each(&presliding)));
     losses.into_iter().flatten().collect()
 }

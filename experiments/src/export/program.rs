@@ -3,7 +3,7 @@
 use tribo_friction::VelocitySource;
 
 use super::loss::{believed_arm, not_cancelled};
-use super::terms::{Statement, Term, effect_terms, law_term, sign, velocity};
+use super::terms::{Statement, Term, effect_terms, law_term, memory, sign, velocity};
 use super::{Loss, TunedCompensator};
 
 /// A compensator as a program: its terms, what they need, and the words at the head of the file.
@@ -14,6 +14,8 @@ pub(super) struct Program<const N: usize> {
     pub terms: Vec<Term<N>>,
     /// Whether there are effects: then the function takes position, load, period and memory too.
     pub effects: bool,
+    /// Bristles in the memory.
+    pub memory: usize,
     /// Whether it takes the measured velocity, and the reference velocity.
     pub takes: [bool; 2],
     /// What the file does not say.
@@ -27,7 +29,7 @@ impl<const N: usize> Program<N> {
     pub fn of(tuned: &TunedCompensator<N>) -> Self {
         let mut terms = vec![law_term(tuned)];
         terms.extend(effect_terms(tuned));
-        let effects = tuned.has_effects();
+        let (effects, memory) = (tuned.has_effects(), memory(tuned));
         let mut losses = not_cancelled(tuned);
         losses.extend(believed_arm(tuned));
 
@@ -55,10 +57,13 @@ impl<const N: usize> Program<N> {
                 "load is the torque that the gears pass to the links: gravity, Coriolis and link inertia. dt is the control period."
                     .to_owned(),
             );
-            remarks.push(
-                "z is the memory of the compensator, one bristle per joint: zero at the start, then left alone."
-                    .to_owned(),
-            );
+            let parts = match memory > N {
+                true => format!(", then in the same order those of parts b of dry friction ({memory} in all)"),
+                false => String::new(),
+            };
+            remarks.push(format!(
+                "z is the memory of the compensator, one bristle per joint{parts}: zero at the start, then left alone."
+            ));
         }
         remarks.extend(losses.iter().map(|loss| format!("Not in this file: {loss}")));
         let mut opening = vec![velocity(tuned)];
@@ -70,7 +75,7 @@ impl<const N: usize> Program<N> {
             VelocitySource::Reference => [false, true],
             VelocitySource::Hybrid => [true, true],
         };
-        Self { opening, terms, effects, takes, losses, remarks }
+        Self { opening, terms, effects, memory, takes, losses, remarks }
     }
 
     /// The tables of all terms, each once.

@@ -1,6 +1,6 @@
 //! A parameter file for a controller of yours.
 
-use tribo_friction::{JointEffects, MAX_RIPPLES};
+use tribo_friction::{JointEffects, MAX_BRISTLES, MAX_CURVES, MAX_RIPPLES};
 
 use super::columns::law_columns;
 use super::float::float;
@@ -29,7 +29,8 @@ const SCALARS: [Scalar; 10] = [
 
 /// Everything of the compensator as ROS 2 parameters: `law`, `velocity_source`, `hybrid_threshold_rad_s`,
 /// `smoothing_rad_s`, one array per parameter of the law under `friction`, and where the model has effects, one array per
-/// number of them under `effects` (ripples of amplitude 0 are none).
+/// number of them under `effects`, and one group each for the first ripples, curves and bristles of the joints, the second,
+/// and so on (those of amplitude 0 are none).
 pub(super) fn export<const N: usize>(tuned: &TunedCompensator<N>, name: Option<&str>) -> Result<Exported, ExportError> {
     let mut losses = not_cancelled(tuned);
     losses.extend(believed_arm(tuned));
@@ -64,6 +65,18 @@ pub(super) fn export<const N: usize>(tuned: &TunedCompensator<N>, name: Option<&
             file.array("cycles_per_rev", effects.iter().map(|it| it.ripples[k].cycles_per_rev));
             file.array("amplitude_nm", effects.iter().map(|it| it.ripples[k].amplitude_nm));
             file.array("phase_rad", effects.iter().map(|it| it.ripples[k].phase_rad));
+            file.close();
+        }
+        for k in (0..MAX_CURVES).filter(|&k| effects.iter().any(|it| it.curves[k].amplitude_nm != 0.0)) {
+            file.open(&format!("curve_{k}"));
+            file.array("amplitude_nm", effects.iter().map(|it| it.curves[k].amplitude_nm));
+            file.array("width_rad_s", effects.iter().map(|it| it.curves[k].width_rad_s));
+            file.close();
+        }
+        for k in (0..MAX_BRISTLES).filter(|&k| effects.iter().any(|it| it.bristles[k].amplitude_nm != 0.0)) {
+            file.open(&format!("bristle_{k}"));
+            file.array("amplitude_nm", effects.iter().map(|it| it.bristles[k].amplitude_nm));
+            file.array("distance_rad", effects.iter().map(|it| it.bristles[k].distance_rad));
             file.close();
         }
     }

@@ -7,7 +7,7 @@ use super::{ExportError, Exported, TunedCompensator};
 
 /// A module without dependencies, `JOINTS` and `compensate`, as a file of its own or by `include!`. Without effects
 /// `compensate` maps two velocities to torques; with effects (see [`crate::Believed`]) it also takes position, load, period
-/// and the bristles' memory. It is the compensator to rounding: 1e-12 Nm.
+/// and the bristles' memory, `BRISTLES` numbers. It is the compensator to rounding: 1e-12 Nm.
 pub(super) fn export<const N: usize>(tuned: &TunedCompensator<N>) -> Result<Exported, ExportError> {
     let program = Program::of(tuned);
     let mut text = String::new();
@@ -15,6 +15,10 @@ pub(super) fn export<const N: usize>(tuned: &TunedCompensator<N>) -> Result<Expo
         text.push_str(&format!("// {}\n", in_comment(remark)));
     }
     text.push_str(&format!("\n/// Number of joints.\npub const JOINTS: usize = {N};\n\n"));
+    if program.effects {
+        let memory = program.memory;
+        text.push_str(&format!("/// Number of bristles in the memory.\npub const BRISTLES: usize = {memory};\n\n"));
+    }
     text.push_str("/// Friction compensation torque (Nm) of every joint.\n#[allow(clippy::needless_range_loop)]\n");
 
     let argument = |name: &str, used: bool, kind: &str| format!("{}{name}: {kind}", if used { "" } else { "_" });
@@ -25,7 +29,7 @@ pub(super) fn export<const N: usize>(tuned: &TunedCompensator<N>) -> Result<Expo
         arguments.insert(0, argument("q", program.uses("q"), vector));
         arguments.push(argument("load", program.uses("load"), vector));
         arguments.push(argument("dt", program.uses("dt"), "f64"));
-        arguments.push(argument("z", program.uses("z"), "&mut [f64; JOINTS]"));
+        arguments.push(argument("z", program.uses("z"), "&mut [f64; BRISTLES]"));
     }
     text.push_str(&format!("pub fn compensate(\n    {},\n) -> [f64; JOINTS] {{\n", arguments.join(",\n    ")));
     for (table, values) in program.tables() {

@@ -1,6 +1,6 @@
 //! The terms of a compensator, each in C and in Rust side by side.
 
-use tribo_friction::{JointEffects, MAX_RIPPLES, VelocitySource};
+use tribo_friction::{JointEffects, MAX_BRISTLES, MAX_CURVES, MAX_RIPPLES, VelocitySource};
 
 use super::TunedCompensator;
 use super::columns::law_columns;
@@ -8,7 +8,7 @@ use super::float::float;
 
 /// One term of the torque of joint j: its tables, one value per joint, and the statement that adds it to `torque`, in both
 /// languages. Statements know `j`, `dq` [rad/s], `s` (the smoothed sign of dq), `q` (rad), `load` (Nm), `dt` (s) and the
-/// bristles `z`; tables have their name in capitals in Rust.
+/// bristles `z`, those of whole joints first, then those of parts ([`memory`]); tables have their name in capitals in Rust.
 pub(super) struct Term<const N: usize> {
     /// Name and values of the tables.
     pub tables: Vec<(String, [f64; N])>,
@@ -178,12 +178,63 @@ pub(super) fn effect_terms<const N: usize>(tuned: &TunedCompensator<N>) -> Vec<T
         ];
         terms.push(Term { tables, formula: "A sin(n q + phase)", c, rust });
     }
+    for k in 0..MAX_CURVES {
+        let [amplitude, width] = ["amplitude_nm", "width_rad_s"].map(|part| format!("curve_{k}_{part}"));
+        let tables = vec![
+            column(&amplitude, &|it| it.curves[k].amplitude_nm),
+            // Where there is no curve its width matters nothing, but must not be zero.
+            column(&width, &|it| if it.curves[k].amplitude_nm == 0.0 { 1.0 } else { it.curves[k].width_rad_s }),
+        ];
+        let [c_amplitude, c_width] = [&tables[0].0, &tables[1].0];
+        let c = format!("torque += {c_amplitude}[j] * tanh(dq / {c_width}[j]);");
+        let [amplitude, width] = [c_amplitude.to_uppercase(), c_width.to_uppercase()];
+        let rust = format!("torque += {amplitude}[j] * (dq / {width}[j]).tanh();");
+        terms.push(Term { tables, formula: "A tanh(dq / w)", c, rust });
+    }
     // The first table of a term is its size.
-    terms.retain(|term| term.tables[0].1.iter().any(|size| *size != 0.0));
+    let any = |term: &Term<N>| term.tables[0].1.iter().any(|size| *size != 0.0);
+    terms.retain(any);
     if slides {
         terms.push(presliding_term(tuned, presliding, coulomb()));
     }
+    terms.extend((0..MAX_BRISTLES).map(|k| part_term(tuned, k)).filter(any));
     terms
+}
+
+/// Bristles in the memory: one per joint, and one more per joint for every part of dry friction that any joint has.
+pub(super) fn memory<const N: usize>(tuned: &TunedCompensator<N>) -> usize {
+    let effects = &tuned.compensator.effects;
+    let used = |k: &usize| effects.iter().any(|it| it.bristles[*k].amplitude_nm != 0.0);
+    N * (1 + (0..MAX_BRISTLES).rev().find(used).map_or(0, |last| last + 1))
+}
+
+/// The k-th parts of dry friction, each behind a bristle of its own.
+fn part_term<const N: usize>(tuned: &TunedCompensator<N>, k: usize) -> Term<N> {
+    let effects = &tuned.compensator.effects;
+    let (amplitude, distance) = (format!("added_bristle_{k}_amplitude_nm"), format!("added_bristle_{k}_distance_rad"));
+    let (upper_amplitude, upper_distance) = (amplitude.to_uppercase(), distance.to_uppercase());
+    let first = N * (k + 1);
+    let c = format!(
+        "/* A velocity that is not finite must not stay in the memory. */\n    \
+         if ({amplitude}[j] != 0.0 && dq - dq == 0.0) {{\n        \
+         const double way = dq > 0.0 ? 1.0 : dq < 0.0 ? -1.0 : 0.0;\n        \
+         double *const part = &z[{first} + j];\n        \
+         *part = way + (*part - way) * exp(-fabs(dq) * dt / {distance}[j]);\n        \
+         torque += {amplitude}[j] * (*part - s);\n    }}"
+    );
+    let rust = format!(
+        "// A velocity that is not finite must not stay in the memory.\n        \
+         if {upper_amplitude}[j] != 0.0 && dq.is_finite() {{\n            \
+         let way = if dq == 0.0 {{ 0.0 }} else {{ dq.signum() }};\n            \
+         let part = &mut z[{first} + j];\n            \
+         *part = way + (*part - way) * (-dq.abs() * dt / {upper_distance}[j]).exp();\n            \
+         torque += {upper_amplitude}[j] * (*part - s);\n        }}"
+    );
+    let tables = vec![
+        (amplitude, effects.each_ref().map(|it| it.bristles[k].amplitude_nm)),
+        (distance, effects.each_ref().map(|it| it.bristles[k].distance_rad)),
+    ];
+    Term { tables, formula: "b (z_b - s)", c, rust }
 }
 
 /// Presliding: dry friction follows a bristle in place of s, integrated exactly over each period.

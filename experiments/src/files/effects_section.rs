@@ -1,7 +1,7 @@
 //! The `effects` section of a model file: its check, and how findings join it.
 
 use nalgebra::Cholesky;
-use tribo_friction::MAX_RIPPLES;
+use tribo_friction::{MAX_BRISTLES, MAX_CURVES, MAX_RIPPLES};
 use tribo_robot::mass_matrix;
 use tribo_sim::{Effect, EffectError};
 
@@ -66,7 +66,7 @@ impl ModelFile {
     /// ```
     ///
     /// Means are weighted by size and not exact, but a joint has one such curve. All else (a second payload, say) becomes
-    /// an entry of its own; of more ripples than a joint can have the weakest goes.
+    /// an entry of its own; of more ripples, curves or bristles than a joint can have the weakest goes.
     pub fn extended(&self, findings: &[Effect]) -> Self {
         let mut file = self.clone();
         for finding in findings {
@@ -75,7 +75,7 @@ impl ModelFile {
                 Some((k, effect)) => file.effects[k] = effect,
                 None => file.effects.push(finding.clone()),
             }
-            if let Some(weakest) = weakest_ripple_too_many(&file.effects, finding) {
+            if let Some(weakest) = weakest_too_many(&file.effects, finding) {
                 file.effects.remove(weakest);
             }
         }
@@ -83,16 +83,27 @@ impl ModelFile {
     }
 }
 
-/// Index of the weakest ripple of the finding's joint, if it has more than a joint can have.
-fn weakest_ripple_too_many(effects: &[Effect], finding: &Effect) -> Option<usize> {
-    let amplitude = |effect: &Effect| match effect {
-        Effect::TorqueRipple { joint, amplitude_nm, .. } if finding.joint() == Some(*joint) => Some(amplitude_nm.abs()),
-        _ => None,
+/// Index of the weakest of the finding's kind on its joint, if there are more ripples, curves or bristles than a joint can
+/// have.
+fn weakest_too_many(effects: &[Effect], finding: &Effect) -> Option<usize> {
+    let (_, most) = several(finding)?;
+    let size = |effect: &Effect| {
+        let same = effect.cause() == finding.cause() && effect.joint() == finding.joint();
+        several(effect).filter(|_| same).map(|(amplitude_nm, _)| amplitude_nm.abs())
     };
-    let ripples: Vec<(usize, f64)> =
-        effects.iter().enumerate().filter_map(|(k, it)| Some((k, amplitude(it)?))).collect();
-    let weakest = ripples.iter().min_by(|a, b| a.1.total_cmp(&b.1))?;
-    (ripples.len() > MAX_RIPPLES).then_some(weakest.0)
+    let sizes: Vec<(usize, f64)> = effects.iter().enumerate().filter_map(|(k, it)| Some((k, size(it)?))).collect();
+    let weakest = sizes.iter().min_by(|a, b| a.1.total_cmp(&b.1))?;
+    (sizes.len() > most).then_some(weakest.0)
+}
+
+/// Amplitude (Nm) of an effect of which a joint can have several, and how many.
+fn several(effect: &Effect) -> Option<(f64, usize)> {
+    match *effect {
+        Effect::TorqueRipple { amplitude_nm, .. } => Some((amplitude_nm, MAX_RIPPLES)),
+        Effect::FrictionCurve { amplitude_nm, .. } => Some((amplitude_nm, MAX_CURVES)),
+        Effect::Presliding { amplitude_nm: Some(amplitude_nm), .. } => Some((amplitude_nm, MAX_BRISTLES)),
+        _ => None,
+    }
 }
 
 /// Mean of x and y with weights |a| and |b|.
@@ -205,6 +216,10 @@ mod tests {
     use super::*;
     use crate::files::{YamlDocument, to_yaml};
     use crate::joint_effects;
+    use tribo_friction::law::CoulombViscous;
+    use tribo_friction::{Bristles, Compensator, CompensatorInput, FrictionModel, VelocitySource};
+
+    type Vector7 = nalgebra::SVector<f64, 7>;
 
     const BARE: &str = "schema: tribo.model/1\nrobot: panda\n";
 
@@ -229,6 +244,8 @@ mod tests {
 - {cause: rotor_inertia, joint: 0, delta_rotor_inertia_kg_m2: -0.05}
 - {cause: torque_ripple, joint: 5, cycles_per_rev: 160, amplitude_nm: 0.1, phase_rad: 0.3333333333333333}
 - {cause: presliding, joint: 6, presliding_distance_rad: 0.001}
+- {cause: presliding, joint: 6, presliding_distance_rad: 0.02, amplitude_nm: -0.15}
+- {cause: friction_curve, joint: 2, amplitude_nm: 0.3333333333333333, width_rad_s: 0.2}
 - {cause: joint_elasticity, joint: 2, stiffness_nm_per_rad: 10000, damping_nm_s_per_rad: 12}
 - {cause: backlash, joint: 3, half_gap_rad: 0.0007}
 - {cause: time_delay, delay_s: 0.002}
@@ -275,7 +292,8 @@ mod tests {
                 Effect::Stribeck { joint: 2, breakaway_minus_coulomb_nm: 0.1, stribeck_velocity_rad_s: 0.1 },
             ),
         ];
-        for (old, new) in pairs {
+        let curve = |amplitude_nm, width_rad_s| Effect::FrictionCurve { joint: 2, amplitude_nm, width_rad_s };
+        for (old, new) in pairs.into_iter().chain([(curve(0.3, 0.2), curve(-0.4, 0.2))]) {
             let file = bare().extended(std::slice::from_ref(&old)).extended(std::slice::from_ref(&new));
             assert_eq!(file.effects.len(), 1, "{old:?}");
             let torque =
@@ -285,6 +303,43 @@ mod tests {
                 assert!((torque(&file.effects, q, qd) - apart).abs() < 1e-12, "{old:?} and {new:?}");
             }
         }
+    }
+
+    /// Second route: the compensator's torque along a swing. Parts of one distance are one, others stand side by side, and
+    /// the bristle of the whole stays.
+    #[test]
+    fn merged_bristles_are_sums() {
+        let part = |presliding_distance_rad, amplitude_nm| Effect::Presliding {
+            joint: 2,
+            presliding_distance_rad,
+            amplitude_nm: Some(amplitude_nm),
+        };
+        let whole = Effect::Presliding { joint: 2, presliding_distance_rad: 2e-3, amplitude_nm: None };
+        let findings = [whole.clone(), part(2e-3, 0.3), part(1e-2, 0.2), part(2e-3, -0.1)];
+        let file = findings.iter().fold(bare(), |file, finding| file.extended(std::slice::from_ref(finding)));
+        assert_eq!(file.effects, [whole, part(2e-3, 0.3 - 0.1), part(1e-2, 0.2)]);
+        assert!(file.validate::<7>().is_ok());
+
+        let law = CoulombViscous { coulomb_nm: 0.6, viscous_nm_s_per_rad: 0.4 };
+        let compensator = Compensator::new(FrictionModel::<7>::uniform(law.into()), VelocitySource::Reference);
+        let swing = |effects: &[Effect]| {
+            let compensator = compensator.with_effects(joint_effects(effects).0);
+            let mut bristles = Bristles::default();
+            let torque = |tick: u32| {
+                let qd = Vector7::repeat(0.2 * (0.01 * f64::from(tick)).cos());
+                let (q, load_nm) = (Vector7::zeros(), Vector7::zeros());
+                let input = CompensatorInput { q, qd_measured: qd, qd_reference: qd, load_nm, dt_s: 1e-3 };
+                compensator.tick(&mut bristles, &input).effects_nm[2]
+            };
+            (0..1000).map(torque).collect::<Vec<f64>>()
+        };
+        let together = swing(&file.effects);
+        let apart = findings.each_ref().map(|finding| swing(std::slice::from_ref(finding)));
+        for (k, torque) in together.iter().enumerate() {
+            let sum: f64 = apart.iter().map(|torques| torques[k]).sum();
+            assert!((torque - sum).abs() < 1e-12, "{torque} for {sum} at tick {k}");
+        }
+        assert!(together.iter().any(|torque| torque.abs() > 0.3));
     }
 
     /// Whatever findings come on top, the file stays one that can be read.
@@ -304,6 +359,20 @@ mod tests {
         };
         let ripples: Vec<Effect> = [3, 1, 5, 2, 4].map(ripple).into();
         assert_eq!(bare().extended(&ripples).effects, [3, 5, 2, 4].map(ripple));
+        let curve = |k: u32| Effect::FrictionCurve {
+            joint: 1,
+            amplitude_nm: -0.1 * f64::from(k),
+            width_rad_s: 0.1 * f64::from(k),
+        };
+        assert_eq!(bare().extended(&[3, 1, 5, 2].map(curve)).effects, [3, 5, 2].map(curve));
+        let part = |k: u32| Effect::Presliding {
+            joint: 1,
+            presliding_distance_rad: 0.1 * f64::from(k),
+            amplitude_nm: Some(0.1 * f64::from(k)),
+        };
+        let whole = Effect::Presliding { joint: 1, presliding_distance_rad: 0.1, amplitude_nm: None };
+        let findings = [part(3), whole.clone(), part(1), part(5), part(2)];
+        assert_eq!(bare().extended(&findings).effects, [part(3), whole, part(5), part(2)]);
     }
 
     #[test]
@@ -341,6 +410,14 @@ mod tests {
                 "- {cause: presliding, joint: 1, presliding_distance_rad: 0.1}\n\
               - {cause: presliding, joint: 1, presliding_distance_rad: 0.1}\n",
                 &["m.yaml:5: ", "`effects[1].joint` is 1", "at most 1 presliding per joint"],
+            ),
+            (
+                &"- {cause: presliding, joint: 1, presliding_distance_rad: 0.1, amplitude_nm: 1}\n".repeat(4),
+                &["m.yaml:7: ", "`effects[3].joint` is 1", "at most 3 presliding per joint"],
+            ),
+            (
+                "- {cause: friction_curve, joint: 1, amplitude_nm: 1, width_rad_s: 0}\n",
+                &["m.yaml:4: ", "`effects[0].width_rad_s` is 0", "1e-5..100"],
             ),
             ("- {cause: coulomb, joint: 1, delta_coulomb_nm: 1, color: red}\n", &["m.yaml:4", "`color`"]),
             (

@@ -88,6 +88,12 @@ effects:
 - {cause: position_spring, joint: 5, stiffness_nm_per_rad: 1.1, rest_rad: -1.2}
 - {cause: presliding, joint: 0, presliding_distance_rad: 0.001}
 - {cause: presliding, joint: 4, presliding_distance_rad: 0.003}
+- {cause: friction_curve, joint: 6, amplitude_nm: 0.3, width_rad_s: 0.02}
+- {cause: friction_curve, joint: 6, amplitude_nm: -0.1, width_rad_s: 0.7}
+- {cause: friction_curve, joint: 1, amplitude_nm: 0.2, width_rad_s: 0.4}
+- {cause: presliding, joint: 4, presliding_distance_rad: 0.03, amplitude_nm: 0.06}
+- {cause: presliding, joint: 1, presliding_distance_rad: 0.002, amplitude_nm: 0.2}
+- {cause: presliding, joint: 1, presliding_distance_rad: 0.05, amplitude_nm: -0.3}
 ";
 
 #[track_caller]

@@ -1,11 +1,12 @@
 //! What moves inside the joints while the encoders follow the prescribed motion.
 
 use nalgebra::SVector;
+use tribo_friction::MAX_BRISTLES;
 use tribo_robot::mass_matrix;
 
 use super::true_torque::TrueTorque;
 use crate::gap::Gap;
-use crate::hidden::presliding_rad;
+use crate::hidden::{JointBristles, presliding_rad};
 use crate::oscillator::oscillator_step;
 
 /// Step of the integration (s): 5 kHz, a tenth of the period of the stiffest wrist.
@@ -14,8 +15,8 @@ const STEP_S: f64 = 2e-4;
 /// Internal state at one time.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Internal<const N: usize> {
-    /// Bristle ratio z [-] of the joints that have one.
-    pub bristles: [Option<f64>; N],
+    /// Bristle ratios z [-].
+    pub bristles: [JointBristles; N],
     /// Motor less link angle through the spring (rad), and its derivatives.
     pub deflection: SVector<f64, N>,
     pub deflection_rate: SVector<f64, N>,
@@ -27,14 +28,15 @@ pub(super) struct Internal<const N: usize> {
 impl<const N: usize> Internal<N> {
     fn none() -> Self {
         let zero = SVector::zeros();
-        Self { bristles: [None; N], deflection: zero, deflection_rate: zero, deflection_acceleration: zero, gap: zero }
+        let bristles = [JointBristles::default(); N];
+        Self { bristles, deflection: zero, deflection_rate: zero, deflection_acceleration: zero, gap: zero }
     }
 }
 
 /// Internal states on a fine grid, empty for joints without any:
 ///
 /// ```text
-/// bristle             ż = (q̇ − |q̇| z)/distance,  z(0) as given                    exact per step
+/// bristle, each       ż = (q̇ − |q̇| z)/distance,  z(0) as given                    exact per step
 /// one encoder         M_jj δ̈ + D δ̇ + K δ = tau_link(motor angles)                  exact per step
 /// two encoders        D δ̇ + K δ = tau_link(link angles)                            exact per step
 /// gap                 half gap × sign(tau_link), behind two lags of 4 ms
@@ -45,6 +47,8 @@ impl<const N: usize> Internal<N> {
 pub(super) struct InternalMotion<const N: usize> {
     start_s: f64,
     bristles: [Vec<f64>; N],
+    /// Bristles of parts of dry friction.
+    parts: [[Vec<f64>; MAX_BRISTLES]; N],
     /// δ, δ̇, δ̈.
     deflections: [Vec<[f64; 3]>; N],
     gaps: [Vec<f64>; N],
@@ -52,17 +56,19 @@ pub(super) struct InternalMotion<const N: usize> {
 
 impl<const N: usize> InternalMotion<N> {
     /// From `start_s` to `end_s` (s), time of the motion; bristles start at `bristles`.
-    pub fn integrate(torque: &TrueTorque<'_, N>, start_s: f64, end_s: f64, bristles: &[f64; N]) -> Self {
+    pub fn integrate(torque: &TrueTorque<'_, N>, start_s: f64, end_s: f64, bristles: &[JointBristles; N]) -> Self {
         let mut motion = Self {
             start_s,
             bristles: std::array::from_fn(|_| Vec::new()),
+            parts: std::array::from_fn(|_| std::array::from_fn(|_| Vec::new())),
             deflections: std::array::from_fn(|_| Vec::new()),
             gaps: std::array::from_fn(|_| Vec::new()),
         };
         let (truth, hidden) = (torque.truth, &torque.hidden);
         let distance: [f64; N] = std::array::from_fn(|j| presliding_rad(&truth.friction.joints[j], &hidden.joints[j]));
         let loaded = (0..N).any(|j| hidden.elasticity[j].is_some() || hidden.half_gap_rad[j] > 0.0);
-        if !loaded && distance.iter().all(|&d| d == 0.0) {
+        let parted = hidden.joints.iter().flat_map(|effects| &effects.bristles).any(|part| part.amplitude_nm != 0.0);
+        if !loaded && !parted && distance.iter().all(|&d| d == 0.0) {
             return motion;
         }
 
@@ -107,16 +113,15 @@ impl<const N: usize> InternalMotion<N> {
             }
             // Bristles by the mean speed of the step.
             for j in 0..N {
+                let speed = 0.5 * (state.qd[j] + last_speed[j]);
                 if distance[j] > 0.0 {
-                    let speed = 0.5 * (state.qd[j] + last_speed[j]);
-                    let next = match motion.bristles[j].last() {
-                        None => bristles[j],
-                        Some(&z) => {
-                            let sign = if speed == 0.0 { 0.0 } else { speed.signum() };
-                            sign + (z - sign) * (-speed.abs() * STEP_S / distance[j]).exp()
-                        }
-                    };
-                    motion.bristles[j].push(next);
+                    let start = bristles[j].whole.unwrap_or(0.0);
+                    push_bristle(&mut motion.bristles[j], start, speed, distance[j]);
+                }
+                for (k, part) in hidden.joints[j].bristles.iter().enumerate() {
+                    if part.amplitude_nm != 0.0 {
+                        push_bristle(&mut motion.parts[j][k], bristles[j].parts[k], speed, part.distance_rad);
+                    }
                 }
             }
             (last_load, last_speed) = (load, state.qd);
@@ -133,7 +138,9 @@ impl<const N: usize> InternalMotion<N> {
         let (k, u) = (x.floor() as usize, x.fract());
         let mut internal = Internal::none();
         for j in 0..N {
-            internal.bristles[j] = between(&self.bristles[j], k, u, |a, b, u| a + (b - a) * u);
+            let ratio = |z: &[f64]| between(z, k, u, |a, b, u| a + (b - a) * u);
+            let parts = self.parts[j].each_ref().map(|z| ratio(z).unwrap_or(0.0));
+            internal.bristles[j] = JointBristles { whole: ratio(&self.bristles[j]), parts };
             if let Some([d, v, a]) =
                 between(&self.deflections[j], k, u, |a, b, u| std::array::from_fn(|i| a[i] + (b[i] - a[i]) * u))
             {
@@ -145,6 +152,15 @@ impl<const N: usize> InternalMotion<N> {
         }
         internal
     }
+}
+
+/// Adds the bristle ratio after one more step at the mean `speed` [rad/s], the first time as it starts.
+fn push_bristle(ratios: &mut Vec<f64>, start: f64, speed: f64, distance_rad: f64) {
+    let next = ratios.last().map_or(start, |z| {
+        let sign = if speed == 0.0 { 0.0 } else { speed.signum() };
+        sign + (z - sign) * (-speed.abs() * STEP_S / distance_rad).exp()
+    });
+    ratios.push(next);
 }
 
 /// The value a share u of a step after grid point k, if there is any.

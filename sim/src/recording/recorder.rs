@@ -12,7 +12,7 @@ use super::true_torque::TrueTorque;
 use super::velocity_filter::VelocityFilter;
 use super::{Recording, RecordingError};
 use crate::excitation::JointTrajectory;
-use crate::hidden::{Hidden, JointThermal};
+use crate::hidden::{Hidden, JointBristles, JointThermal};
 use crate::{TorqueSide, Truth};
 
 /// A torque (Nm) of log time (s), q (rad), q̇ [rad/s] and q̈ [rad/s²].
@@ -112,7 +112,7 @@ impl<const N: usize> Recorder<'_, N> {
         self.truth.validate()?;
         let mut rng = Pcg64::seed_from_u64(seed);
         let mut rows = Rows::new(&self.recording);
-        let mut bristles = [0.0; N];
+        let mut bristles = [JointBristles::default(); N];
         for &start_s in starts_s {
             bristles = self.burst(trajectory, start_s, &bristles, &mut rng, &mut rows);
         }
@@ -124,10 +124,10 @@ impl<const N: usize> Recorder<'_, N> {
         &self,
         trajectory: &dyn JointTrajectory<N>,
         start_s: f64,
-        bristles: &[f64; N],
+        bristles: &[JointBristles; N],
         rng: &mut Pcg64,
         rows: &mut Rows<N>,
-    ) -> [f64; N] {
+    ) -> [JointBristles; N] {
         let recording = &self.recording;
         let torque = self.true_torque(trajectory, start_s);
         let (delay_s, skew_s) = (torque.hidden.delay_s, recording.encoder_skew_s);
@@ -155,8 +155,7 @@ impl<const N: usize> Recorder<'_, N> {
                 rows.push_temperatures(start_s + time_s, &torque.hidden, recording, rng);
             }
         }
-        let end = internal.at(trajectory.duration_s());
-        std::array::from_fn(|j| end.bristles[j].unwrap_or(0.0))
+        internal.at(trajectory.duration_s()).bristles
     }
 
     pub(super) fn true_torque<'b>(

@@ -83,7 +83,7 @@ impl<const N: usize> TrueTorque<'_, N> {
                 &self.truth.friction.joints[j],
                 &self.hidden.joints[j],
                 [motor.q[j], motor.qd[j]],
-                internal.bristles[j],
+                &internal.bristles[j],
                 scale,
                 load[j],
                 self.smoothing_rad_s,
