@@ -18,6 +18,9 @@ const LEAST_RMS_NM: f64 = 2.5e-3;
 /// The same over the torque sensor's noise in the band.
 const LEAST_OVER_NOISE: f64 = 0.25;
 
+/// Difference of evidence that is none.
+const AS_MUCH: f64 = 1.0;
+
 /// Of two causes with the same torque by physics, tells the likelier story: a payload rather than a heavier last link, a
 /// rotor rather than the first link, any other constant rather than friction with a preferred direction that is never seen.
 pub(crate) fn prefer_likelier<const N: usize>(search: &mut Search<'_, '_, N>) {
@@ -29,7 +32,9 @@ pub(crate) fn prefer_likelier<const N: usize>(search: &mut Search<'_, '_, N>) {
             let other = search.place(rival);
             let constant = matches!(other.0, CauseLabel::Coulomb | CauseLabel::TorqueOffset) && other.1 == own.1;
             match own {
-                (CauseLabel::LinkInertial, _) => same_by_physics::<N>(own, other) && other != own,
+                (CauseLabel::LinkInertial, _) => {
+                    (same_by_physics::<N>(own, other) && other != own) || other.0 == CauseLabel::Payload
+                }
                 (CauseLabel::CoulombAsymmetry, Location::Joint(joint)) => constant && one_way(joint),
                 _ => false,
             }
@@ -37,8 +42,14 @@ pub(crate) fn prefer_likelier<const N: usize>(search: &mut Search<'_, '_, N>) {
         let others = search.others(group);
         let evidence = search.member_evidence(group);
         let likelier = standing_in(search, &others, alike).max_by(|a, b| a.1.total_cmp(&b.1));
+        // Another link than the last gives way to a payload that explains as much, and to nothing less.
+        let needed = match likelier {
+            Some((rival, _)) if same_by_physics::<N>(own, search.place(rival)) => RIVAL_EVIDENCE,
+            Some(_) if own.0 == CauseLabel::LinkInertial => AS_MUCH,
+            _ => RIVAL_EVIDENCE,
+        };
         if let Some((rival, value)) = likelier
-            && value > evidence - RIVAL_EVIDENCE
+            && value > evidence - needed
         {
             search.selected[place] = rival;
         }

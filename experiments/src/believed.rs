@@ -65,6 +65,33 @@ impl fmt::Display for NotCancelled {
     }
 }
 
+/// What is not cancelled, one sentence per cause and reason: `torque_gain of joints 0, 1 and 2 is not cancelled: …`.
+pub fn not_cancelled_sentences(left: &[NotCancelled]) -> Vec<String> {
+    let mut groups: Vec<(&NotCancelled, Vec<usize>)> = Vec::new();
+    for one in left {
+        let same = |other: &NotCancelled| other.effect.cause() == one.effect.cause() && other.why == one.why;
+        match groups.iter_mut().find(|(other, joints)| same(other) && !joints.is_empty()) {
+            Some((_, joints)) => joints.extend(one.effect.joint()),
+            None => groups.push((one, one.effect.joint().into_iter().collect())),
+        }
+    }
+    groups
+        .into_iter()
+        .map(|(one, joints)| match &joints[..] {
+            [] | [_] => one.to_string(),
+            [first @ .., last] => {
+                let first: Vec<String> = first.iter().map(usize::to_string).collect();
+                format!(
+                    "{} of joints {} and {last} is not cancelled: {}",
+                    one.effect.cause(),
+                    first.join(", "),
+                    one.why
+                )
+            }
+        })
+        .collect()
+}
+
 /// The torques of every joint that a compensator can add, and the effects that are no such torques.
 pub fn joint_effects<const N: usize>(effects: &[Effect]) -> ([JointEffects; N], Vec<NotCancelled>) {
     let mut joints = [JointEffects::default(); N];
@@ -201,6 +228,15 @@ mod tests {
         let expected =
             ["torque_gain", "thermal_friction", "joint_elasticity", "backlash", "time_delay", "external_contact"];
         assert_eq!(left, expected);
+    }
+
+    #[test]
+    fn one_reason_is_one_sentence() {
+        let gain = |joint| Effect::TorqueGain { joint, gain_error: 0.1 };
+        let (_, left) = joint_effects::<7>(&[gain(0), gain(3), Effect::TimeDelay { delay_s: 1e-3 }, gain(5)]);
+        let sentences = not_cancelled_sentences(&left);
+        assert_eq!(sentences.len(), 2);
+        assert!(sentences[0].starts_with("torque_gain of joints 0, 3 and 5 is not cancelled: "), "{}", sentences[0]);
     }
 
     #[test]

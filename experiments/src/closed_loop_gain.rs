@@ -7,6 +7,7 @@ use tribo_friction::{JointEffects, VelocitySource};
 use tribo_robot::Kinematics;
 use tribo_sim::{DEFAULT_SUB_STEPS, Sensors, WrenchPulses};
 
+use crate::believed::not_cancelled_sentences;
 use crate::files::Model;
 use crate::{AbortReason, Believed, CostMeasure, PenaltyLimits, Trial, TrialOutcome, run_trial_observed};
 
@@ -53,7 +54,7 @@ pub fn closed_loop_gain<const N: usize>(nominal: &Model<N>, extended: &Model<N>,
         tracking_rms_mrad_after: runs[1].rms_mrad,
         aborted_before: runs[0].outcome.aborted,
         aborted_after: runs[1].outcome.aborted,
-        not_cancelled: after.not_cancelled.iter().map(ToString::to_string).collect(),
+        not_cancelled: not_cancelled_sentences(&after.not_cancelled),
     }
 }
 

@@ -67,7 +67,7 @@ pub mod watch;
 pub use against_ekf::{AgainstEkf, against_ekf};
 pub use ask_tell::{Asked, JudgeError, JudgedLog, SentTorque, Told, UserCampaign, UserTrials, judge_log};
 pub use batches::Batches;
-pub use believed::{Believed, NotCancelled, joint_effects};
+pub use believed::{Believed, NotCancelled, joint_effects, not_cancelled_sentences};
 pub use by_joints::ByJoints;
 pub use calibration::Calibration;
 pub use campaign::{Campaign, CampaignObserver, CampaignResult};

@@ -12,7 +12,9 @@ use super::problem::{Place, Problem};
 use super::selection::{Selection, is_payload, select};
 use super::unseen::{Split, Unseen, standardised, unknown_variance};
 use super::written;
+use crate::deflection::deflections;
 use crate::diagnosis::{self, CauseLabel, Diagnosis, Finding, Location, Rejected, Validation, Verdict};
+use crate::finding::deflection_finding;
 use crate::held_out::gain_of_pairs;
 use crate::next_experiment::NextExperiment;
 use crate::noise_level::rms;
@@ -114,7 +116,7 @@ pub(crate) fn explain<const N: usize>(
 
     // The file, and what it leaves of the logs when it is read back.
     step("extended model", 0.85)?;
-    let extension = written::effects(&scene, &problem, &all.state);
+    let mut extension = written::effects(&scene, &problem, &all.state);
     let extended = with(nominal, &extension, true);
     let without_payload = with(nominal, &extension, false);
     let loaded_scene = in_band(given.logs, &extended)?;
@@ -140,6 +142,11 @@ pub(crate) fn explain<const N: usize>(
         .collect();
     let cut = findings.len().saturating_sub(MOST_FINDINGS);
     findings.truncate(MOST_FINDINGS);
+    // Two encoders show springs and gaps without any torque model.
+    let seen: Vec<Finding> =
+        deflections(&before_scene).iter().map(|found| deflection_finding(found, settings.seed)).collect();
+    extension.extend(seen.iter().filter_map(|finding| finding.effect.clone()));
+    findings.extend(seen);
     let payload_unsure = doubt_payload(&problem, &all, &mut findings, given.unloaded.is_empty());
 
     let rms_of = |squares: &[Vec<f64>]| unseen.rms_nm(&problem, squares);

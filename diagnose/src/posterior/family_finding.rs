@@ -19,8 +19,10 @@ use crate::scene::Scene;
 const SURE: f64 = 2.0;
 /// RMS of that torque over what is left of the joint.
 const NOTABLE: f64 = 0.3;
-/// Change of a link's mass or first moment, relative to its mass and to 0.1 m of it, from which on the link is named.
-const NOTABLE_LINK: f64 = 0.1;
+/// Change of a link's mass, relative to it, from which on the link is named.
+const NOTABLE_MASS: f64 = 0.1;
+/// Change of its first moment over its mass from which on the link is named (m).
+const NOTABLE_SHIFT_M: f64 = 0.02;
 /// Half-width of a 95 % interval over a standard deviation.
 const HALF_WIDTH: f64 = 1.96;
 
@@ -165,8 +167,11 @@ impl<const N: usize> Answer<'_, N> {
             _ => return None,
         };
         let sizes: Vec<Size> = (0..N).map(|j| self.size(j, terms)).collect();
+        // Dry, viscous and bent friction are one function of speed: how it is split among them is the least sure of it.
+        let sliding = [T::Coulomb, T::Viscous, T::Curve(0), T::Curve(1), T::Curve(2)];
+        let shown = if matches!(label, CauseLabel::Coulomb | CauseLabel::Viscous) { &sliding[..] } else { terms };
         let shows = |j: &usize| {
-            let size = &sizes[*j];
+            let size = self.size(*j, shown);
             size.rms_nm > SURE * size.sd_nm && size.rms_nm > NOTABLE * self.left_nm(*j)
         };
         let joints: Vec<usize> = (0..N).filter(shows).collect();
@@ -273,8 +278,8 @@ impl<const N: usize> Answer<'_, N> {
             let mass_kg = self.problem.typical[*link][(3, 3)];
             let moment = (1..4).map(|i| at(*link, i).0.powi(2)).sum::<f64>().sqrt();
             let mass = at(*link, 0);
-            (mass.0.abs() > NOTABLE_LINK * mass_kg && mass.0.abs() > SURE * mass.1)
-                || moment > NOTABLE_LINK * 0.1 * mass_kg
+            (mass.0.abs() > NOTABLE_MASS * mass_kg && mass.0.abs() > SURE * mass.1)
+                || moment > NOTABLE_SHIFT_M * mass_kg
         };
         let links: Vec<usize> = (0..N).filter(notable).collect();
         let mass = Self::table("delta_mass_kg", links.iter().map(|link| at(*link, 0)).collect());

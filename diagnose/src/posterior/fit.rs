@@ -3,6 +3,7 @@
 //! ```text
 //! Λ = Σ_j A_jᵀA_j/(κ_j σ_j²) + Q/α²,   μ = Λ⁻¹h
 //! γ_f = d_f − tr(Q_f S_ff)/α_f²,   α_f² ← (μ_fᵀQ_fμ_f + .1 α0²)/(γ_f + 1)
+//! β_fj² ← (μ_fjᵀQ_fjμ_fj/α_f² + 3)/(γ_fj + 3): the joint's own factor on the family's scale
 //! ln Z = −½(Σ w bᵀb − μᵀh) − ½ Σ (n/κ_j) ln 2πσ_j² − ½(ln|Λ| − ln|Q/α²|) − ½ Σ (ln(α_f/α0)/1.5)² + Σ ln odds_f
 //! ```
 //!
@@ -50,6 +51,8 @@ pub(crate) struct Fit {
     pub covariance: DMatrix<f64>,
     /// Scales of the families.
     pub scales: Vec<f64>,
+    /// Factor on its family's scale of every parameter.
+    pub factors: Vec<f64>,
     /// σ² of each joint (Nm²).
     pub variances: Vec<f64>,
     pub kappa: Vec<f64>,
@@ -81,6 +84,10 @@ const SETTLED: f64 = 5e-3;
 const USUAL_WEIGHT: f64 = 0.1;
 /// Standard deviation of a scale's logarithm.
 const SCALE_SD: f64 = 1.5;
+/// Weight of the family's scale in a joint's own.
+const FACTOR_WEIGHT: f64 = 3.0;
+/// Least and largest factor of a joint on its family's scale.
+const FACTORS: [f64; 2] = [0.05, 3.0];
 /// Least scale over the usual.
 const LEAST_SCALE: f64 = 1e-4;
 /// κ before the first look.
@@ -183,17 +190,18 @@ pub(crate) fn fit(problem: &Problem, equations: &NormalEquations, parts: &[usize
     };
     let mut kappas = start.kappa.clone().unwrap_or_else(|| vec![FIRST_KAPPA; joints]);
     let (mut mean, mut covariance) = (DVector::zeros(active.len()), DMatrix::zeros(0, 0));
-    let prior = |scales: &[f64]| {
-        DMatrix::from_fn(active.len(), active.len(), |r, c| {
-            unit[(r, c)] / (scales[family_of[r]] * scales[family_of[c]])
-        })
+    // Joints of one family differ: each has a factor of its own on the family's scale.
+    let mut factors = vec![1.0; active.len()];
+    let prior = |scales: &[f64], factors: &[f64]| {
+        let of = |i: usize| scales[family_of[i]] * factors[i];
+        DMatrix::from_fn(active.len(), active.len(), |r, c| unit[(r, c)] / (of(r) * of(c)))
     };
     let weights_of = |kappas: &[f64], variances: &[f64]| -> Vec<f64> {
         kappas.iter().zip(variances).map(|(k, v)| 1.0 / (k * v)).collect()
     };
     for round in 0..ROUNDS {
         let sum = weighted(&equations_of, &weights_of(&kappas, &variances), active.len());
-        covariance = spd::inverse(&(&sum.gram + prior(&scales)))?.matrix;
+        covariance = spd::inverse(&(&sum.gram + prior(&scales, &factors)))?.matrix;
         mean = &covariance * &sum.score;
         let before = (scales.clone(), variances.clone());
         // Noise.
@@ -217,13 +225,26 @@ pub(crate) fn fit(problem: &Problem, equations: &NormalEquations, parts: &[usize
             let (mut square, mut trace) = (0.0, 0.0);
             for r in &own {
                 for c in &own {
-                    square += mean[*r] * unit[(*r, *c)] * mean[*c];
-                    trace += unit[(*r, *c)] * covariance[(*r, *c)];
+                    let unit = unit[(*r, *c)] / (factors[*r] * factors[*c]);
+                    square += mean[*r] * unit * mean[*c];
+                    trace += unit * covariance[(*r, *c)];
                 }
             }
             let told = (own.len() as f64 - trace / scales[f].powi(2)).max(0.0);
             let scale = ((square + USUAL_WEIGHT * usual * usual) / (told + 1.0)).sqrt();
             scales[f] = scale.clamp(LEAST_SCALE * usual, rules.most_scale * usual);
+            for joint in 0..joints {
+                let of_joint: Vec<usize> =
+                    own.iter().copied().filter(|i| problem.places[active[*i]].joint() == Some(joint)).collect();
+                let (mut square, mut trace) = (0.0, 0.0);
+                for i in &of_joint {
+                    square += mean[*i] * unit[(*i, *i)] * mean[*i] / scales[f].powi(2);
+                    trace += unit[(*i, *i)] * covariance[(*i, *i)] / (scales[f] * factors[*i]).powi(2);
+                }
+                let told = (of_joint.len() as f64 - trace).max(0.0);
+                let factor = ((square + FACTOR_WEIGHT) / (told + FACTOR_WEIGHT)).sqrt();
+                of_joint.iter().for_each(|i| factors[*i] = factor.clamp(FACTORS[0], FACTORS[1]));
+            }
         }
         let moved = |a: &[f64], b: &[f64]| a.iter().zip(b).any(|(a, b)| (a / b - 1.0).abs() > SETTLED);
         let settled = !moved(&before.0, &scales) && !moved(&before.1, &variances);
@@ -234,7 +255,7 @@ pub(crate) fn fit(problem: &Problem, equations: &NormalEquations, parts: &[usize
 
     let weights = weights_of(&kappas, &variances);
     let sum = weighted(&equations_of, &weights, active.len());
-    let prior = prior(&scales);
+    let prior = prior(&scales, &factors);
     let posterior = spd::inverse(&(&sum.gram + &prior))?;
     mean.copy_from(&(&posterior.matrix * &sum.score));
     covariance.clone_from(&posterior.matrix);
@@ -254,9 +275,21 @@ pub(crate) fn fit(problem: &Problem, equations: &NormalEquations, parts: &[usize
             rules.log10_odds * std::f64::consts::LN_10 - 0.5 * ((scale / usual(*family)).ln() / SCALE_SD).powi(2)
         })
         .sum();
+    let mut all_factors = vec![1.0; problem.places.len()];
+    active.iter().zip(&factors).for_each(|(i, factor)| all_factors[*i] = *factor);
     let log_evidence = -0.5 * (squares - mean.dot(&sum.score)) - 0.5 * spread - 0.5 * occam + hyper;
     let state = state_of(problem, &active, &mean, &start.pinned);
-    Some(Fit { start: start.clone(), state, active, covariance, scales, variances, kappa: kappas, log_evidence })
+    Some(Fit {
+        start: start.clone(),
+        state,
+        active,
+        covariance,
+        scales,
+        factors: all_factors,
+        variances,
+        kappa: kappas,
+        log_evidence,
+    })
 }
 
 /// Every parameter, from the active and the pinned ones.
@@ -287,7 +320,10 @@ pub(crate) fn feasible(problem: &Problem, equations: &NormalEquations, fit: &Fit
     let equations_of = active_equations(equations, &places, &fit.start.pinned);
     let weights: Vec<f64> = fit.kappa.iter().zip(&fit.variances).map(|(k, v)| 1.0 / (k * v)).collect();
     let sum = weighted(&equations_of, &weights, fit.active.len());
-    let scale = |i: usize| fit.scale(problem.places[fit.active[i]].family()).unwrap_or(1.0);
+    let scale = |i: usize| {
+        let parameter = fit.active[i];
+        fit.scale(problem.places[parameter].family()).unwrap_or(1.0) * fit.factors[parameter]
+    };
     let prior = DMatrix::from_fn(fit.active.len(), fit.active.len(), |r, c| {
         problem.precision[(fit.active[r], fit.active[c])] / (scale(r) * scale(c))
     });

@@ -12,7 +12,7 @@ const PARTS: usize = 4;
 /// Posterior standard deviations from which on a joint's own friction or offset is surely another than the model's.
 const SURE: f64 = 5.0;
 /// RMS of that torque over the sensors' noise in the band from which on it matters.
-const NOTABLE: f64 = 0.5;
+const NOTABLE: f64 = 1.0;
 /// What every family together leaves, over the sensors' noise, from which on a joint has more than noise left.
 const MUCH_LEFT: f64 = 2.0;
 

@@ -33,6 +33,14 @@ pub(crate) enum Place {
 }
 
 impl Place {
+    /// The joint, of a parameter that one joint has.
+    pub fn joint(self) -> Option<usize> {
+        match self {
+            Self::Own(joint, _) | Self::Gain(joint) => Some(joint),
+            _ => None,
+        }
+    }
+
     /// The family that it belongs to.
     pub fn family(self) -> Family {
         match self {

@@ -8,9 +8,9 @@ mod show;
 use std::path::Path;
 
 use tribo_diagnose::report::{ClosedLoop, ReportContext, html};
-use tribo_diagnose::{DiagnoseError, DiagnoseSettings, Diagnosis, Verdict, diagnose_with_reference};
+use tribo_diagnose::{CauseLabel, DiagnoseError, DiagnoseSettings, Diagnosis, Verdict, diagnose_with_reference};
 use tribo_experiments::files::{AnyModel, Model, ModelFile};
-use tribo_experiments::{Believed, ClosedLoopGain, closed_loop_gain};
+use tribo_experiments::{Believed, ClosedLoopGain, closed_loop_gain, not_cancelled_sentences};
 use tribo_logs::RobotLog;
 use tribo_robot::Arm;
 
@@ -112,7 +112,7 @@ fn run_with<const N: usize>(
         extras.remarks.push(format!("--band-hz {asked} does not fit these logs; the band used is {used:.1} Hz"));
     }
     if let Ok(better) = &valid {
-        extras.not_cancelled = Believed::by_controller(better).not_cancelled.iter().map(ToString::to_string).collect();
+        extras.not_cancelled = not_cancelled_sentences(&Believed::by_controller(better).not_cancelled);
         if arguments.closed_loop {
             progress.stage("closed loop", 0.0);
             extras.closed_loop = pool.install(|| closed_loop(model, better, arguments.seed, &mut extras.remarks));
@@ -202,7 +202,7 @@ fn write<const N: usize>(
         if diagnosis.effects().is_empty() {
             extras.remarks.push(format!("{}: the old model, nothing was found to add", path.display()));
         }
-        if diagnosis.findings.iter().any(|finding| finding.effect.is_none()) {
+        if diagnosis.findings.iter().any(|finding| finding.label == CauseLabel::Unknown) {
             extras.remarks.push(format!("{}: without the torque that no named cause describes", path.display()));
         }
     }
