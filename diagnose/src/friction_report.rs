@@ -10,7 +10,10 @@ use tribo_logs::RobotLog;
 
 use crate::noise_level::rms;
 use crate::scene::Scene;
-use crate::{BlockSettings, Blocks, BlocksError, DiagnoseError, ModelResidual, Nominal, SignalChain, TorqueResidual};
+use crate::{
+    BlockSettings, Blocks, BlocksError, DiagnoseError, ModelResidual, Nominal, ResidualSettings, SignalChain,
+    TorqueResidual,
+};
 
 /// How friction is fitted and judged.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -155,6 +158,8 @@ impl FrictionReport {
         settings: &FrictionSettings,
     ) -> Result<Self, DiagnoseError> {
         let one = std::slice::from_ref(log);
+        // A diagnosis bends its band to the log; here somebody asked for this one.
+        SignalChain::resolve(log, &ResidualSettings { band_hz, ..ResidualSettings::default() })?;
         let without = Nominal { friction: FrictionModel::none(), ..model.clone() };
         let scene = Scene::of_logs(one, &without, Some(band_hz))?;
         let with = |friction: &FrictionModel<N>| {
