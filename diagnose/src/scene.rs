@@ -473,7 +473,7 @@ impl<const N: usize> Scene<N> {
         let arm = &self.nominal.arm;
         let block = |at: &Sample<N>| inverse_dynamics_regressor(arm, &at.q, &at.qd, &at.qdd)[link];
         let blocks: Vec<SMatrix<f64, N, 10>> = self.samples.par_iter().map(block).collect();
-        let mut filtered: Vec<Vec<Vec<f64>>> = vec![vec![Vec::with_capacity(self.time_s.len()); 10]; link + 1];
+        let mut filtered: Vec<Vec<Vec<f64>>> = vec![vec![Vec::new(); 10]; link + 1];
         for burst in &self.bursts {
             let chain = &self.chains[burst.log];
             let of_joint: Vec<Vec<Vec<f64>>> = (0..=link)

@@ -30,31 +30,34 @@ impl Baselines {
         let plain = plain_state(problem, parts);
         let sd: Vec<f64> = problem.mean_squares(&plain, parts).iter().map(|square| square.sqrt().max(1e-6)).collect();
         let own: Vec<usize> = (0..problem.places.len())
-            .filter(|i| match problem.places[*i] {
-                Place::Own(_, JointTerm::Offset | JointTerm::Coulomb | JointTerm::Viscous | JointTerm::Rotor) => true,
-                Place::Link(..) => true,
-                _ => false,
+            .filter(|i| {
+                matches!(
+                    problem.places[*i],
+                    Place::Own(_, JointTerm::Offset | JointTerm::Coulomb | JointTerm::Viscous | JointTerm::Rotor)
+                        | Place::Link(..)
+                )
             })
             .collect();
         let normal = |parts: &[usize]| Refit::of(problem, &own, &sd, parts);
         let whole = normal(parts);
-        let each: Vec<Refit> = parts.iter().map(|part| normal(std::slice::from_ref(part))).collect();
-        let unseen = |truncation: f64| -> f64 {
-            (0..parts.len())
-                .map(|k| {
-                    let others: Vec<usize> = (0..parts.len()).filter(|other| *other != k).map(|k| parts[k]).collect();
-                    let state = normal(&others).solve(problem, &own, truncation);
-                    let squares = problem.mean_squares(&state, std::slice::from_ref(&parts[k]));
-                    squares.iter().zip(&sd).map(|(square, sd)| square / sd.powi(2)).sum::<f64>() * each[k].samples
-                })
-                .sum()
-        };
+        // Squares of what is left of each part by the refit to all others, truncation by truncation.
+        let mut unseen = [0.0; TRUNCATIONS.len()];
+        for part in parts {
+            let own_part = std::slice::from_ref(part);
+            let left_out = normal(own_part);
+            let rest = Truncated::of(&whole.without(&left_out));
+            for (sum, truncation) in unseen.iter_mut().zip(TRUNCATIONS) {
+                let squares = problem.mean_squares(&rest.state(problem, &own, truncation), own_part);
+                let weighted = squares.iter().zip(&sd).map(|(square, sd)| square / sd.powi(2)).sum::<f64>();
+                *sum += weighted * left_out.samples;
+            }
+        }
         let best = TRUNCATIONS
             .into_iter()
-            .map(|truncation| (truncation, unseen(truncation)))
+            .zip(unseen)
             .min_by(|a, b| a.1.total_cmp(&b.1))
             .map_or(TRUNCATIONS[0], |(truncation, _)| truncation);
-        Self { full: whole.solve(problem, &own, best), plain }
+        Self { full: Truncated::of(&whole).state(problem, &own, best), plain }
     }
 }
 
@@ -87,22 +90,41 @@ impl Refit {
         sum
     }
 
-    fn solve(&self, problem: &Problem, own: &[usize], truncation: f64) -> State {
-        let n = own.len();
-        let scale: Vec<f64> =
-            (0..n).map(|i| if self.gram[(i, i)] > 0.0 { self.gram[(i, i)].sqrt().recip() } else { 0.0 }).collect();
-        let unit = DMatrix::from_fn(n, n, |r, c| self.gram[(r, c)] * scale[r] * scale[c]);
-        let eigen = unit.symmetric_eigen();
-        let largest = eigen.eigenvalues.max();
-        let score = DVector::from_fn(n, |i, _| self.score[i] * scale[i]);
+    /// The equations of all parts but these.
+    fn without(&self, part: &Self) -> Self {
+        Self { gram: &self.gram - &part.gram, score: &self.score - &part.score, samples: self.samples - part.samples }
+    }
+}
+
+/// Normal equations of unit columns in their own directions.
+struct Truncated {
+    directions: DMatrix<f64>,
+    values: DVector<f64>,
+    /// Score along each direction.
+    along: DVector<f64>,
+    scale: Vec<f64>,
+}
+
+impl Truncated {
+    fn of(refit: &Refit) -> Self {
+        let n = refit.score.len();
+        let unit = |i: usize| refit.gram[(i, i)].max(0.0).sqrt();
+        let scale: Vec<f64> = (0..n).map(|i| if unit(i) > 0.0 { unit(i).recip() } else { 0.0 }).collect();
+        let eigen = DMatrix::from_fn(n, n, |r, c| refit.gram[(r, c)] * scale[r] * scale[c]).symmetric_eigen();
+        let score = DVector::from_fn(n, |i, _| refit.score[i] * scale[i]);
+        let along = eigen.eigenvectors.tr_mul(&score);
+        Self { directions: eigen.eigenvectors, values: eigen.eigenvalues, along, scale }
+    }
+
+    /// Least squares in the directions whose singular value is above `truncation` of the largest.
+    fn state(&self, problem: &Problem, own: &[usize], truncation: f64) -> State {
+        let least = truncation.powi(2) * self.values.max();
+        let kept = DVector::from_fn(self.values.len(), |k, _| {
+            if self.values[k] > least { self.along[k] / self.values[k] } else { 0.0 }
+        });
+        let found = &self.directions * kept;
         let mut state = DVector::zeros(problem.places.len());
-        for (k, value) in eigen.eigenvalues.iter().enumerate() {
-            if *value > truncation.powi(2) * largest {
-                let direction = eigen.eigenvectors.column(k);
-                let along = direction.dot(&score) / value;
-                own.iter().enumerate().for_each(|(i, parameter)| state[*parameter] += direction[i] * along * scale[i]);
-            }
-        }
+        own.iter().enumerate().for_each(|(i, parameter)| state[*parameter] = found[i] * self.scale[i]);
         state
     }
 }

@@ -1,6 +1,6 @@
 //! The diagnosis of an arm whose model is wrong everywhere.
 
-use tribo_logs::RobotLog;
+use tribo_logs::{RobotLog, median_period_s};
 use tribo_sim::Effect;
 
 use super::baseline::Baselines;
@@ -32,6 +32,8 @@ pub(crate) struct Given<'g> {
 
 /// Band of the residual (Hz): holds the motion of an arm; the likelihood is tempered, so that it hardly matters.
 const BAND_HZ: f64 = 10.0;
+/// Widest band over the rate of a log: beyond it differences of positions are no accelerations.
+const WIDEST_BAND: f64 = 0.2;
 /// Cut-off of the position smoother over the band.
 const SMOOTHING_OVER_BAND: f64 = 1.0;
 /// Parts that each log is cut into.
@@ -68,7 +70,7 @@ fn fitted(
         let unseen = Unseen::of(problem, &all);
         // What surely harms where it was not fitted is no property of the arm.
         let harms = |family: &Family| {
-            let Some((_, without)) = unseen.without.iter().find(|(other, _)| other == family) else { return None };
+            let (_, without) = unseen.without.iter().find(|(other, _)| other == family)?;
             let sum = |row: &[f64]| row.iter().zip(&all.variances).map(|(square, own)| square / own).sum::<f64>();
             let pairs: Vec<[f64; 2]> =
                 without.iter().zip(&unseen.ours).map(|(without, ours)| [sum(without), sum(ours)]).collect();
@@ -102,7 +104,9 @@ pub(crate) fn explain<const N: usize>(
     settings: &DiagnoseSettings,
     step: &dyn Fn(&str, f64) -> Result<(), DiagnoseError>,
 ) -> Result<Diagnosis, DiagnoseError> {
-    let band_hz = settings.band_hz.unwrap_or(BAND_HZ);
+    let rates = given.logs.iter().filter_map(|log| median_period_s(&log.time_s)).map(f64::recip);
+    let slowest_hz = rates.fold(f64::INFINITY, f64::min);
+    let band_hz = settings.band_hz.unwrap_or_else(|| BAND_HZ.min(WIDEST_BAND * slowest_hz));
     let all_logs: Vec<RobotLog> = given.logs.iter().chain(given.unloaded).cloned().collect();
     let unloaded: Vec<bool> = (0..all_logs.len()).map(|k| k >= given.logs.len()).collect();
     // Fitted behind a narrower smoother than everything is judged behind.
@@ -119,7 +123,7 @@ pub(crate) fn explain<const N: usize>(
     let mut extension = written::effects(&scene, &problem, &all.state);
     let extended = with(nominal, &extension, true);
     let without_payload = with(nominal, &extension, false);
-    let loaded_scene = in_band(given.logs, &extended)?;
+    let left_nm: [Vec<f64>; N] = in_band(given.logs, &extended)?.residual_nm;
     let before_scene = in_band(given.logs, nominal)?;
     let bare_scene = if given.unloaded.is_empty() { None } else { Some(in_band(given.unloaded, &without_payload)?) };
 
@@ -161,7 +165,7 @@ pub(crate) fn explain<const N: usize>(
         full_nm: rms_of(&unseen.full),
     };
     let held_out = [report.nominal_nm.clone(), report.extended_nm.clone()];
-    let joints = misfits_of_squares(&before_scene, &before_scene.residual_nm, &loaded_scene.residual_nm, &held_out);
+    let joints = misfits_of_squares(&before_scene, &before_scene.residual_nm, &left_nm, &held_out);
     let sum = |row: &[f64]| row.iter().sum::<f64>();
     let pairs: Vec<[f64; 2]> =
         unseen.nominal.iter().zip(&unseen.ours).map(|(before, after)| [sum(before), sum(after)]).collect();
@@ -175,7 +179,7 @@ pub(crate) fn explain<const N: usize>(
         .validate
         .iter()
         .map(|(name, log)| {
-            validated(name, log, nominal, &extended, &problem, &all, &baselines, &widths, settings, &in_band)
+            validated(name, log, nominal, &extended, &problem, &all, &baselines, &widths, settings, band_hz)
         })
         .collect::<Result<Vec<_>, _>>()?;
 
@@ -295,10 +299,11 @@ fn validated<const N: usize>(
     baselines: &Baselines,
     widths: &[f64],
     settings: &DiagnoseSettings,
-    in_band: &dyn Fn(&[RobotLog], &Nominal<N>) -> Result<Scene<N>, DiagnoseError>,
+    band_hz: f64,
 ) -> Result<Validation, DiagnoseError> {
     let one = std::slice::from_ref(log);
-    let (before, after) = (in_band(one, nominal)?, in_band(one, extended)?);
+    let in_band = |model: &Nominal<N>| Scene::of_logs(one, model, Some(band_hz));
+    let (before, after) = (in_band(nominal)?, in_band(extended)?);
     let columns = Columns::of(&before, &problem.scale.speed_rad_s, PARTS);
     let here = Problem::of(&before, columns, problem.scale.clone(), vec![false]);
     let parts = here.all_parts();

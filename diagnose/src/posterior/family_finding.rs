@@ -36,6 +36,14 @@ pub(crate) struct Answer<'a, const N: usize> {
     pub seed: u64,
 }
 
+/// What a family shows: where, how large, and the RMS of its torque on the joint where that is largest (Nm).
+struct Shown {
+    joints: Vec<usize>,
+    links: Vec<usize>,
+    parameters: Vec<Parameter>,
+    explained_rms_nm: f64,
+}
+
 /// Size of one joint's torque by some of its own terms (Nm RMS), with its standard deviation.
 struct Size {
     rms_nm: f64,
@@ -50,7 +58,7 @@ impl<const N: usize> Answer<'_, N> {
     }
 
     fn finding(&self, family: Family, label: CauseLabel) -> Option<Finding> {
-        let (joints, links, parameters, explained_rms_nm) = match family {
+        let Shown { joints, links, parameters, explained_rms_nm } = match family {
             Family::Payload | Family::Tilt | Family::Delay => self.of_arm(family)?,
             Family::Links => self.of_links()?,
             Family::Gain => self.of_gains()?,
@@ -153,7 +161,7 @@ impl<const N: usize> Answer<'_, N> {
         (index.iter().map(|i| self.fit.state[*i]).sum(), variance.max(0.0).sqrt())
     }
 
-    fn of_joints(&self, label: CauseLabel) -> Option<(Vec<usize>, Vec<usize>, Vec<Parameter>, f64)> {
+    fn of_joints(&self, label: CauseLabel) -> Option<Shown> {
         use JointTerm as T;
         let terms: &[T] = match label {
             CauseLabel::TorqueOffset => &[T::Offset],
@@ -208,10 +216,10 @@ impl<const N: usize> Answer<'_, N> {
                 Self::table("rest_rad", joints.iter().map(|_| (0.0, 0.0)).collect()),
             ],
         };
-        (!joints.is_empty()).then_some((joints, Vec::new(), parameters, explained))
+        (!joints.is_empty()).then_some(Shown { joints, links: Vec::new(), parameters, explained_rms_nm: explained })
     }
 
-    fn of_gains(&self) -> Option<(Vec<usize>, Vec<usize>, Vec<Parameter>, f64)> {
+    fn of_gains(&self) -> Option<Shown> {
         let value =
             |j: usize| self.problem.index(Place::Gain(j)).map_or((0.0, 0.0), |i| (self.fit.state[i], self.fit.sd(i)));
         let rms = |x: &[f64]| crate::noise_level::rms(x);
@@ -220,7 +228,7 @@ impl<const N: usize> Answer<'_, N> {
         let joints: Vec<usize> = (0..N).filter(shows).collect();
         let explained = joints.iter().map(|j| size(*j)).fold(0.0, f64::max);
         let parameters = vec![Self::table("gain_error", joints.iter().map(|j| value(*j)).collect())];
-        (!joints.is_empty()).then_some((joints, Vec::new(), parameters, explained))
+        (!joints.is_empty()).then_some(Shown { joints, links: Vec::new(), parameters, explained_rms_nm: explained })
     }
 
     /// RMS of the torque of a family on the joint where that is largest (Nm).
@@ -241,7 +249,7 @@ impl<const N: usize> Answer<'_, N> {
             .fold(0.0, f64::max)
     }
 
-    fn of_arm(&self, family: Family) -> Option<(Vec<usize>, Vec<usize>, Vec<Parameter>, f64)> {
+    fn of_arm(&self, family: Family) -> Option<Shown> {
         let at = |place: Place| self.problem.index(place).map_or((0.0, 0.0), |i| (self.fit.state[i], self.fit.sd(i)));
         let parameters = match family {
             Family::Delay => vec![Self::table("delay_s", vec![at(Place::Delay)])],
@@ -267,10 +275,11 @@ impl<const N: usize> Answer<'_, N> {
                 vec![Self::table("mass_kg", vec![mass]), Self::table("com_m", (1..4).map(com).collect())]
             }
         };
-        Some((Vec::new(), Vec::new(), parameters, self.largest_torque_nm(family)))
+        let explained_rms_nm = self.largest_torque_nm(family);
+        Some(Shown { joints: Vec::new(), links: Vec::new(), parameters, explained_rms_nm })
     }
 
-    fn of_links(&self) -> Option<(Vec<usize>, Vec<usize>, Vec<Parameter>, f64)> {
+    fn of_links(&self) -> Option<Shown> {
         let at = |link: usize, i: usize| {
             self.problem.index(Place::Link(link, i)).map_or((0.0, 0.0), |i| (self.fit.state[i], self.fit.sd(i)))
         };
@@ -285,8 +294,9 @@ impl<const N: usize> Answer<'_, N> {
         let mass = Self::table("delta_mass_kg", links.iter().map(|link| at(*link, 0)).collect());
         let moments = links.iter().flat_map(|link| (1..4).map(move |i| (*link, i)));
         let moment = Self::table("delta_first_moment_kg_m", moments.map(|(link, i)| at(link, i)).collect());
-        let explained = self.largest_torque_nm(Family::Links);
-        (!links.is_empty()).then_some((Vec::new(), links, vec![mass, moment], explained))
+        let explained_rms_nm = self.largest_torque_nm(Family::Links);
+        let parameters = vec![mass, moment];
+        (!links.is_empty()).then_some(Shown { joints: Vec::new(), links, parameters, explained_rms_nm })
     }
 
     /// Friction that the model lacks, as one function of speed per joint: dry, viscous and bent together.

@@ -24,7 +24,11 @@ fn article(finding: &Finding) -> String {
     let rows = finding.parameters.iter().map(|parameter| {
         let (quantity, unit) = quantity_and_unit(parameter.name);
         let ends = |k: usize| parameter.ci95.get(k).copied().unwrap_or([f64::NAN; 2]);
-        let values = parameter.value.iter().enumerate().map(|(k, value)| with_interval(*value, ends(k), ""));
+        // Of several joints or links each has its own value.
+        let places = if finding.links.is_empty() { ("joint", &finding.joints) } else { ("link", &finding.links) };
+        let named = parameter.value.len() > 1 && parameter.value.len() == places.1.len();
+        let of = |k: usize| if named { format!("{} {}: ", places.0, places.1[k]) } else { String::new() };
+        let values = parameter.value.iter().enumerate().map(|(k, value)| of(k) + &with_interval(*value, ends(k), ""));
         [quantity, values.collect::<Vec<_>>().join("; "), unit.to_owned()]
     });
     let parameters = table(&["parameter", "value [95 % interval]", "unit"], &[0, 1, 2], rows);
@@ -77,6 +81,23 @@ pub fn worth(diagnosis: &Diagnosis, closed_loop: Option<ClosedLoop>) -> String {
         [vec![j.to_string()], torque.to_vec(), rest.to_vec(), vec![percent(joint.unexplained)]].concat()
     });
     let mut body = bars + &table(&header, &[0], rows);
+    if let Some(unseen) = &diagnosis.unseen {
+        let rows = (0..unseen.extended_nm.len()).map(|j| {
+            let values = [unseen.nominal_nm[j], unseen.extended_nm[j], unseen.plain_nm[j], unseen.full_nm[j]];
+            [vec![j.to_string()], values.map(|value| significant(value, 3)).to_vec()].concat()
+        });
+        let header =
+            ["joint", "model given [Nm]", "extended model [Nm]", "plain least squares [Nm]", "full refit [Nm]"];
+        let (name, ratio) = (unseen.better_baseline().0, unseen.ratio());
+        let better = if ratio > 1.0 { " The baseline is better." } else { "" };
+        body += &format!("<h4>Unseen: {} held out, beside plain fits to the same rest</h4>\n", escape(unseen.split));
+        body += &table(&header, &[0], rows);
+        body += &format!(
+            "<p>The extended model leaves {} of what {} leaves (mean of joints).{better}</p>\n",
+            fixed(ratio, 2),
+            escape(name)
+        );
+    }
     if !diagnosis.validation.is_empty() {
         let rows = diagnosis.validation.iter().map(|validation| {
             [
