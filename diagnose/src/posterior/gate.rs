@@ -1,5 +1,7 @@
 //! Whether a model is wrong everywhere, a little, or right but for a few causes.
 
+use nalgebra::{DMatrix, DVector};
+
 use super::columns::{Columns, JointTerm};
 use super::fit::{Start, posterior};
 use super::prior::{ArmScale, Family};
@@ -9,12 +11,15 @@ use crate::scene::Scene;
 
 /// Parts of a log in this question.
 const PARTS: usize = 4;
-/// Posterior standard deviations from which on a joint's own friction or offset is surely another than the model's.
-const SURE: f64 = 5.0;
+/// μᵀ S⁻¹ μ of a joint's own friction and offset from which on they are surely others than the model's. Stiction of a held joint
+/// alone reaches 100.
+const SURE: f64 = 150.0;
 /// RMS of that torque over the sensors' noise in the band from which on it matters.
 const NOTABLE: f64 = 1.0;
 /// Least noise over the RMS of the measured torque.
 const LEAST_RELATIVE: f64 = 1e-3;
+/// Share of standing samples in the filter's window below which a sample counts as one of motion.
+const MOVING: f64 = 0.1;
 /// What every family together leaves, over the sensors' noise, from which on a joint has more than noise left.
 const MUCH_LEFT: f64 = 2.0;
 
@@ -34,18 +39,28 @@ pub(crate) fn wrong_everywhere<const N: usize>(scene: &Scene<N>) -> bool {
     // A simulated log has no sensors' noise, but interpolation.
     let noise_nm = |j: usize| scene.noise_floor_nm[j].max(LEAST_RELATIVE * rms(&scene.measured_nm[j]));
     let differs = |j: usize| {
-        [JointTerm::Offset, JointTerm::Coulomb, JointTerm::Viscous].into_iter().any(|term| {
-            let Some(i) = problem.index(Place::Own(j, term)) else { return false };
-            let place = term.place();
-            let square: f64 = parts.iter().map(|part| problem.columns.grams[*part][j][(place, place)]).sum();
-            let size_nm = all.state[i].abs() * (square / samples).sqrt();
-            all.state[i].abs() > SURE * all.sd(i) && size_nm > NOTABLE * noise_nm(j)
-        })
+        let terms = [JointTerm::Offset, JointTerm::Coulomb, JointTerm::Viscous];
+        let own: Vec<usize> = terms.iter().filter_map(|term| problem.index(Place::Own(j, *term))).collect();
+        let place = |i: &usize| all.active.iter().position(|active| active == i);
+        let Some(active) = own.iter().map(place).collect::<Option<Vec<usize>>>() else { return false };
+        // μᵀ S⁻¹ μ: dry and viscous friction share what they tell.
+        let spread = DMatrix::from_fn(terms.len(), terms.len(), |r, c| all.covariance[(active[r], active[c])]);
+        let mean = DVector::from_fn(terms.len(), |r, _| all.state[own[r]]);
+        let Some(inverse) = spread.try_inverse() else { return false };
+        let evidence = (mean.transpose() * inverse * &mean)[0];
+        let gram = DMatrix::from_fn(terms.len(), terms.len(), |r, c| {
+            let of_part = |part: &usize| problem.columns.grams[*part][j][(terms[r].place(), terms[c].place())];
+            parts.iter().map(of_part).sum::<f64>()
+        });
+        let size_nm = ((mean.transpose() * gram * &mean)[0].max(0.0) / samples).sqrt();
+        evidence > SURE && size_nm > NOTABLE * noise_nm(j)
     };
     let left = |j: usize| {
-        // Robust: a push that lasts seconds is no property of the arm.
+        // Robust, in motion: a push that lasts seconds is no property of the arm, nor is what holds a joint that stands.
         let residual = problem.residual_along(&all.state, j, &parts);
-        robust_sd(residual.into_iter()) > MUCH_LEFT * noise_nm(j)
+        let moving = residual.into_iter().zip(scene.standing(j)).filter(|(_, share)| **share < MOVING);
+        let left = robust_sd(moving.map(|(r, _)| r));
+        left > MUCH_LEFT * noise_nm(j)
     };
     let differing = (0..N).filter(|j| differs(*j)).count();
     let leaving = (0..N).filter(|j| left(*j)).count();
