@@ -116,13 +116,13 @@ pub(crate) fn conclude<const N: usize>(
     }
     findings.sort_by(|a, b| b.evidence.total_cmp(&a.evidence));
 
-    // The verdict.
     // What is reported is what the written model leaves when it is read back.
     let extension: Vec<Effect> = findings.iter().filter_map(|finding| finding.effect.clone()).collect();
     let mut extended = scene.nominal.clone();
     extended.effects.extend(extension.iter().cloned());
     let read_back = Scene::of_logs(evaluated.logs, &extended, scene.chains.first().map(|chain| chain.band_hz))?;
     let joints = misfits(scene, evaluated.original, &read_back.residual_nm, &before, &after);
+    // The verdict.
     let mut notes = notes_of(scene);
     let doubted = |finding: &Finding| {
         let place = (finding.label, finding.location);

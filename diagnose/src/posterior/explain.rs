@@ -115,16 +115,20 @@ pub(crate) fn explain<const N: usize>(
     let scene = Scene::smoothed(&all_logs, nominal, Some(band_hz), SMOOTHING_OVER_BAND)?;
     let scale = ArmScale::of(&scene);
     let columns = Columns::of(&scene, &scale.speed_rad_s, PARTS);
-    let problem = Problem::of(&scene, columns, scale, unloaded.clone());
+    let problem = Problem::of(&scene, columns, scale, unloaded);
     let Fitted { all, selection, unseen } = fitted(&problem, settings.seed, step)?;
 
     // The file, and what it leaves of the logs when it is read back.
     step("extended model", 0.85)?;
     let mut extension = written::effects(&scene, &problem, &all.state);
+    let before_scene = in_band(given.logs, nominal)?;
+    // Two encoders show springs and gaps without any torque model.
+    let seen: Vec<Finding> =
+        deflections(&before_scene).iter().map(|found| deflection_finding(found, settings.seed)).collect();
+    extension.extend(seen.iter().filter_map(|finding| finding.effect.clone()));
     let extended = with(nominal, &extension, true);
     let without_payload = with(nominal, &extension, false);
     let left_nm: [Vec<f64>; N] = in_band(given.logs, &extended)?.residual_nm;
-    let before_scene = in_band(given.logs, nominal)?;
     let bare_scene = if given.unloaded.is_empty() { None } else { Some(in_band(given.unloaded, &without_payload)?) };
 
     let answer = Answer {
@@ -146,10 +150,6 @@ pub(crate) fn explain<const N: usize>(
         .collect();
     let cut = findings.len().saturating_sub(MOST_FINDINGS);
     findings.truncate(MOST_FINDINGS);
-    // Two encoders show springs and gaps without any torque model.
-    let seen: Vec<Finding> =
-        deflections(&before_scene).iter().map(|found| deflection_finding(found, settings.seed)).collect();
-    extension.extend(seen.iter().filter_map(|finding| finding.effect.clone()));
     findings.extend(seen);
     let payload_unsure = doubt_payload(&problem, &all, &mut findings, given.unloaded.is_empty());
 
