@@ -72,6 +72,20 @@ impl Fit {
     }
 }
 
+impl Fit {
+    /// Other families at the noise colour, the scales and the pins of this fit.
+    pub fn lend(&self, problem: &Problem, families: Vec<Family>) -> Start {
+        let pinned = self.start.pinned.iter().copied();
+        Start {
+            pinned: pinned.filter(|(i, _)| families.contains(&problem.places[*i].family())).collect(),
+            kappa: Some(self.kappa.clone()),
+            scales: families.iter().map(|family| self.scale(*family).unwrap_or(1.0)).collect(),
+            variances: self.variances.clone(),
+            families,
+        }
+    }
+}
+
 /// Most rounds of scales and noise.
 const ROUNDS: usize = 25;
 /// Rounds at the end in which κ stands still.

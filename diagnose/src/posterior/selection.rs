@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use rayon::prelude::*;
 
-use super::fit::{Fit, Start, fit};
+use super::fit::{Fit, fit};
 use super::prior::Family;
 use super::problem::{NormalEquations, Place, Problem};
 
@@ -41,21 +41,7 @@ struct Evidence<'p> {
 
 impl Evidence<'_> {
     fn of(&self, set: &[Family]) -> f64 {
-        let scales = set.iter().map(|family| self.all.scale(*family).unwrap_or(1.0)).collect();
-        let start = Start {
-            families: set.to_vec(),
-            pinned: self
-                .all
-                .start
-                .pinned
-                .iter()
-                .copied()
-                .filter(|(i, _)| set.contains(&self.problem.places[*i].family()))
-                .collect(),
-            kappa: Some(self.all.kappa.clone()),
-            scales,
-            variances: self.all.variances.clone(),
-        };
+        let start = self.all.lend(self.problem, set.to_vec());
         let Some(found) = fit(self.problem, self.equations, self.parts, &start) else { return f64::NEG_INFINITY };
         if set.contains(&Family::Payload) && !is_payload(self.problem, &found) {
             return f64::NEG_INFINITY;

@@ -4,7 +4,7 @@ use nalgebra::DVector;
 use rayon::prelude::*;
 
 use super::baseline::Baselines;
-use super::fit::{Fit, Start, posterior};
+use super::fit::{Fit, posterior};
 use super::prior::Family;
 use super::problem::{Problem, State};
 
@@ -76,14 +76,7 @@ impl Unseen {
                 let fitted = |without: Option<Family>| {
                     let keep = |family: &&Family| Some(**family) != without;
                     let families: Vec<Family> = all.start.families.iter().filter(keep).copied().collect();
-                    let scales = families.iter().map(|family| all.scale(*family).unwrap_or(1.0)).collect();
-                    let start = Start {
-                        families,
-                        pinned: all.start.pinned.clone(),
-                        kappa: Some(all.kappa.clone()),
-                        scales,
-                        variances: all.variances.clone(),
-                    };
+                    let start = all.lend(problem, families);
                     posterior(problem, &seen, &start).map(|(fit, _)| fit)
                 };
                 let baselines = Baselines::of(problem, &seen);
