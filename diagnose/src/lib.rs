@@ -56,6 +56,7 @@ pub mod report;
 mod ripple;
 mod rivals;
 mod scene;
+mod scene_effects;
 mod search;
 mod signal_chain;
 mod significance;

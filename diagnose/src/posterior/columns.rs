@@ -6,7 +6,8 @@ use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 use tribo_friction::law::smooth_sign;
 
-use super::prior::{CURVE_WIDTHS, PRESLIDING_RAD};
+use super::prior::{ArmScale, CURVE_WIDTHS, PRESLIDING_RAD, RIPPLES};
+use super::standstill;
 use crate::cause::{base_tilt_columns, bristle};
 use crate::filter::central_difference;
 use crate::scene::Scene;
@@ -28,13 +29,17 @@ pub(crate) enum JointTerm {
     Rotor,
     /// z_x − s.
     Presliding(usize),
+    /// sin(n q).
+    Sine(usize),
+    /// cos(n q).
+    Cosine(usize),
     /// q.
     Spring,
 }
 
 impl JointTerm {
     /// In the order of the columns.
-    pub const ALL: [Self; 12] = [
+    pub const ALL: [Self; 20] = [
         Self::Offset,
         Self::Coulomb,
         Self::Viscous,
@@ -46,7 +51,27 @@ impl JointTerm {
         Self::Presliding(0),
         Self::Presliding(1),
         Self::Presliding(2),
+        Self::Sine(0),
+        Self::Cosine(0),
+        Self::Sine(1),
+        Self::Cosine(1),
+        Self::Sine(2),
+        Self::Cosine(2),
+        Self::Sine(3),
+        Self::Cosine(3),
         Self::Spring,
+    ];
+
+    /// The terms of the ripples.
+    pub const RIPPLE: [Self; 2 * RIPPLES] = [
+        Self::Sine(0),
+        Self::Cosine(0),
+        Self::Sine(1),
+        Self::Cosine(1),
+        Self::Sine(2),
+        Self::Cosine(2),
+        Self::Sine(3),
+        Self::Cosine(3),
     ];
 
     /// Place among the columns of a joint.
@@ -104,16 +129,15 @@ pub(crate) struct Columns {
 }
 
 impl Columns {
-    /// Evaluates and filters all columns of a scene; `speed_rad_s` are the largest speeds of the joints, `thirds` the parts
-    /// that each log is cut into.
-    pub fn of<const N: usize>(scene: &Scene<N>, speed_rad_s: &[f64], thirds: usize) -> Self {
-        let parts = parts_of(scene, thirds);
+    /// Evaluates and filters all columns of a scene; each log is cut into as many parts.
+    pub fn of<const N: usize>(scene: &Scene<N>, scale: &ArmScale, parts_per_log: usize) -> Self {
+        let parts = parts_of(scene, parts_per_log);
         let tilt = if scene.transmission { Vec::new() } else { scene.filter_all(&base_tilt_columns(scene)) };
         let links = if scene.transmission { 0 } else { N };
         let mut joints: Vec<JointColumns> = (0..N)
             .into_par_iter()
             .map(|j| {
-                let own = own_columns(scene, j, speed_rad_s[j]);
+                let own = own_columns(scene, j, scale);
                 let (first_link, links) = (j.min(links), links.saturating_sub(j));
                 let mut matrix = DMatrix::zeros(scene.time_s.len(), LINKS + 10 * links + 2);
                 for (c, values) in own.iter().enumerate() {
@@ -125,12 +149,11 @@ impl Columns {
                     }
                 }
                 matrix.column_mut(DELAY).copy_from_slice(&lateness(scene, j));
-                let columns = JointColumns { matrix, links, first_link };
+                let mut columns = JointColumns { matrix, links, first_link };
                 let (nominal, measured) = (columns.nominal(), columns.measured());
-                let JointColumns { mut matrix, .. } = columns;
-                matrix.column_mut(nominal).copy_from_slice(&scene.model_nm[j]);
-                matrix.column_mut(measured).copy_from_slice(&scene.measured_nm[j]);
-                JointColumns { matrix, links, first_link }
+                columns.matrix.column_mut(nominal).copy_from_slice(&scene.model_nm[j]);
+                columns.matrix.column_mut(measured).copy_from_slice(&scene.measured_nm[j]);
+                columns
             })
             .collect();
         for link in 0..links {
@@ -142,9 +165,15 @@ impl Columns {
                 }
             }
         }
-        // Where a joint turns back the noise of its velocity is torque noise too.
-        joints.iter_mut().enumerate().for_each(|(j, joint)| {
-            let weights = scene.noise_weights(j);
+        // Where a joint turns back the noise of its velocity is torque noise too; where it stands, so is its dry friction.
+        let weights: Vec<Vec<f64>> = (0..N)
+            .into_par_iter()
+            .map(|j| {
+                let standing = standstill::weights(scene, j, &joints[j]);
+                scene.noise_weights(j).iter().zip(standing).map(|(noise, standing)| noise * standing).collect()
+            })
+            .collect();
+        joints.iter_mut().zip(&weights).for_each(|(joint, weights)| {
             for mut column in joint.matrix.column_iter_mut() {
                 column.iter_mut().zip(weights).for_each(|(x, weight)| *x *= weight);
             }
@@ -159,19 +188,12 @@ impl Columns {
                 joints.iter().map(gram).collect()
             })
             .collect();
-        let weights = (0..N).map(|j| scene.noise_weights(j).to_vec()).collect();
         Self { joints, parts, grams, weights }
     }
 
     /// Number of samples of some parts.
     pub fn samples(&self, parts: &[usize]) -> usize {
         parts.iter().map(|part| self.parts[*part].samples.len()).sum()
-    }
-
-    /// The same combination before rows are weighted.
-    pub fn unweighted(&self, joint: usize, weights: &DVector<f64>, parts: &[usize]) -> Vec<f64> {
-        let of_rows = parts.iter().flat_map(|part| &self.weights[joint][self.parts[*part].samples.clone()]);
-        self.combined(joint, weights, parts).into_iter().zip(of_rows).map(|(x, weight)| x / weight).collect()
     }
 
     /// A combination of the columns of a joint over some parts.
@@ -185,10 +207,16 @@ impl Columns {
         }
         values
     }
+
+    /// The same combination before rows are weighted.
+    pub fn unweighted(&self, joint: usize, weights: &DVector<f64>, parts: &[usize]) -> Vec<f64> {
+        let of_rows = parts.iter().flat_map(|part| &self.weights[joint][self.parts[*part].samples.clone()]);
+        self.combined(joint, weights, parts).into_iter().zip(of_rows).map(|(x, weight)| x / weight).collect()
+    }
 }
 
 /// Each log in as many contiguous parts.
-fn parts_of<const N: usize>(scene: &Scene<N>, thirds: usize) -> Vec<Part> {
+fn parts_of<const N: usize>(scene: &Scene<N>, parts_per_log: usize) -> Vec<Part> {
     let logs = scene.chains.len();
     (0..logs)
         .flat_map(|log| {
@@ -196,14 +224,15 @@ fn parts_of<const N: usize>(scene: &Scene<N>, thirds: usize) -> Vec<Part> {
                 scene.bursts.iter().filter(|burst| burst.log == log).map(|burst| &burst.out).collect();
             let start = of_log.first().map_or(0, |range| range.start);
             let end = of_log.last().map_or(start, |range| range.end);
-            let edge = move |k: usize| start + k * (end - start) / thirds;
-            (0..thirds).map(move |k| Part { samples: edge(k)..edge(k + 1), log })
+            let edge = move |k: usize| start + k * (end - start) / parts_per_log;
+            (0..parts_per_log).map(move |k| Part { samples: edge(k)..edge(k + 1), log })
         })
         .collect()
 }
 
 /// The columns of [`JointTerm::ALL`], filtered.
-fn own_columns<const N: usize>(scene: &Scene<N>, j: usize, speed_rad_s: f64) -> Vec<Vec<f64>> {
+fn own_columns<const N: usize>(scene: &Scene<N>, j: usize, scale: &ArmScale) -> Vec<Vec<f64>> {
+    let waves = |k: usize| scale.waves_per_rev(j, k);
     let of = |value: &dyn Fn(&crate::scene::Sample<N>) -> f64| scene.samples.iter().map(value).collect::<Vec<f64>>();
     let fine: Vec<Vec<f64>> = JointTerm::ALL
         .into_iter()
@@ -211,13 +240,15 @@ fn own_columns<const N: usize>(scene: &Scene<N>, j: usize, speed_rad_s: f64) -> 
             JointTerm::Offset => of(&|_| 1.0),
             JointTerm::Coulomb => of(&|at| at.sign[j]),
             JointTerm::Viscous => of(&|at| at.qd[j]),
-            JointTerm::Curve(k) => of(&|at| smooth_sign(at.qd[j], CURVE_WIDTHS[k] * speed_rad_s)),
+            JointTerm::Curve(k) => of(&|at| smooth_sign(at.qd[j], CURVE_WIDTHS[k] * scale.speed_rad_s[j])),
             JointTerm::Load => of(&|at| at.link_nm[j].abs() * at.sign[j]),
             JointTerm::Rotor => of(&|at| at.qdd[j]),
             JointTerm::Presliding(k) => {
                 let z = bristle(scene, j, PRESLIDING_RAD[k]);
                 z.iter().zip(&scene.samples).map(|(z, at)| z - at.sign[j]).collect()
             }
+            JointTerm::Sine(k) => of(&|at| waves(k).map_or(0.0, |n| (n * at.q[j]).sin())),
+            JointTerm::Cosine(k) => of(&|at| waves(k).map_or(0.0, |n| (n * at.q[j]).cos())),
             JointTerm::Spring => of(&|at| at.q[j]),
         })
         .collect();

@@ -114,7 +114,7 @@ pub(crate) fn explain<const N: usize>(
     step("columns", 0.15)?;
     let scene = Scene::smoothed(&all_logs, nominal, Some(band_hz), SMOOTHING_OVER_BAND)?;
     let scale = ArmScale::of(&scene);
-    let columns = Columns::of(&scene, &scale.speed_rad_s, PARTS);
+    let columns = Columns::of(&scene, &scale, PARTS);
     let problem = Problem::of(&scene, columns, scale, unloaded);
     let Fitted { all, selection, unseen } = fitted(&problem, settings.seed, step)?;
 
@@ -304,7 +304,7 @@ fn validated<const N: usize>(
     let one = std::slice::from_ref(log);
     let in_band = |model: &Nominal<N>| Scene::of_logs(one, model, Some(band_hz));
     let (before, after) = (in_band(nominal)?, in_band(extended)?);
-    let columns = Columns::of(&before, &problem.scale.speed_rad_s, PARTS);
+    let columns = Columns::of(&before, &problem.scale, PARTS);
     let here = Problem::of(&before, columns, problem.scale.clone(), vec![false]);
     let parts = here.all_parts();
     let samples = before.time_s.len().max(1) as f64;

@@ -1,13 +1,15 @@
 //! Selected families as findings: one per label, with its joints in a table.
 
 use nalgebra::DMatrix;
+use tribo_sim::Effect;
 
 use super::columns::JointTerm;
 use super::fit::Fit;
-use super::prior::{CURVE_WIDTHS, Family, PRESLIDING_RAD};
+use super::prior::{CURVE_WIDTHS, Family, PRESLIDING_RAD, RIPPLES};
 use super::problem::{Place, Problem};
 use super::selection::Selection;
 use super::unseen::Unseen;
+use super::written::ripple;
 use crate::cause::tilt_of;
 use crate::confusable::why;
 use crate::diagnosis::{Alternative, CauseLabel, Finding, Location, Parameter, Plot, Series};
@@ -171,6 +173,7 @@ impl<const N: usize> Answer<'_, N> {
             CauseLabel::LoadFriction => &[T::Load],
             CauseLabel::RotorInertia => &[T::Rotor],
             CauseLabel::Presliding => &[T::Presliding(0), T::Presliding(1), T::Presliding(2)],
+            CauseLabel::TorqueRipple => &JointTerm::RIPPLE,
             CauseLabel::PositionSpring => &[T::Spring],
             _ => return None,
         };
@@ -211,12 +214,31 @@ impl<const N: usize> Answer<'_, N> {
                 let distance = |_: usize, k: usize| PRESLIDING_RAD[k];
                 vec![Self::table("presliding_distance_rad", typical(&distance)), Self::table("amplitude_nm", summed())]
             }
+            CauseLabel::TorqueRipple => self.largest_ripples(&joints),
             _ => vec![
                 Self::table("stiffness_nm_per_rad", of(T::Spring)),
                 Self::table("rest_rad", joints.iter().map(|_| (0.0, 0.0)).collect()),
             ],
         };
         (!joints.is_empty()).then_some(Shown { joints, links: Vec::new(), parameters, explained_rms_nm: explained })
+    }
+
+    /// The largest ripple of each joint.
+    fn largest_ripples(&self, joints: &[usize]) -> Vec<Parameter> {
+        let rows = joints.iter().filter_map(|j| {
+            let effects = (0..RIPPLES).filter_map(|k| match ripple(self.problem, &self.fit.state, *j, k)? {
+                Effect::TorqueRipple { cycles_per_rev, amplitude_nm, phase_rad, .. } => {
+                    let sd = self.own(*j, JointTerm::Sine(k)).1.hypot(self.own(*j, JointTerm::Cosine(k)).1)
+                        / std::f64::consts::SQRT_2;
+                    Some([(cycles_per_rev, 0.0), (amplitude_nm, sd), (phase_rad, sd / amplitude_nm)])
+                }
+                _ => None,
+            });
+            effects.max_by(|a, b| a[1].0.total_cmp(&b[1].0))
+        });
+        let rows: Vec<[(f64, f64); 3]> = rows.collect();
+        let column = |name, k: usize| Self::table(name, rows.iter().map(|row| row[k]).collect());
+        vec![column("cycles_per_rev", 0), column("amplitude_nm", 1), column("phase_rad", 2)]
     }
 
     fn of_gains(&self) -> Option<Shown> {

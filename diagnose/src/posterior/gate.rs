@@ -32,7 +32,7 @@ const MUCH_LEFT: f64 = 4.0;
 /// file, or another copy of the robot, differs in every joint: so do all joints of the real logs of four arms.
 pub(crate) fn wrong_everywhere<const N: usize>(scene: &Scene<N>) -> bool {
     let scale = ArmScale::of(scene);
-    let columns = Columns::of(scene, &scale.speed_rad_s, PARTS);
+    let columns = Columns::of(scene, &scale, PARTS);
     let problem = Problem::of(scene, columns, scale, vec![false; scene.chains.len()]);
     let parts = problem.all_parts();
     let Some((all, _)) = posterior(&problem, &parts, &Start::of(&Family::ALL)) else { return false };

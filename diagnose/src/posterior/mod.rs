@@ -11,12 +11,13 @@ pub(crate) mod prior;
 pub(crate) mod problem;
 pub(crate) mod selection;
 mod spd;
+mod standstill;
 mod tempering;
 pub(crate) mod unseen;
 pub(crate) mod written;
 
 use crate::scene::Scene;
-use prior::ArmScale;
+use prior::{ArmScale, MOST_WAVES};
 
 impl ArmScale {
     /// What a scene says of an arm: torque and speed limits, where they are no fantasy, and its own weight.
@@ -33,8 +34,13 @@ impl ArmScale {
             .collect();
         let speed_rad_s =
             (0..N).map(|j| if limits.qd_max_rad_s[j] <= 20.0 { limits.qd_max_rad_s[j] } else { 3.0 }).collect();
+        let range_rad = |q: &[f64]| {
+            q.iter().fold(f64::NEG_INFINITY, |a: f64, x| a.max(*x)) - q.iter().fold(f64::INFINITY, |a: f64, x| a.min(*x))
+        };
+        let slowest = |j: usize| (1..=MOST_WAVES).find(|waves| *waves as f64 * range_rad(&scene.q[j]) >= TURN_RAD);
         Self {
             torque_nm,
+            slowest_ripple: (0..N).map(slowest).collect(),
             speed_rad_s,
             rated_payload_kg: 0.3 * own_kg,
             link_side: scene.nominal.torque_side == tribo_sim::TorqueSide::Link,
@@ -42,6 +48,8 @@ impl ArmScale {
     }
 }
 
+/// A full turn (rad).
+const TURN_RAD: f64 = 2.0 * std::f64::consts::PI;
 /// Largest torque that a joint can have over the largest that a log shows: logs of a moving arm use half.
 const STRONGEST_OVER_SEEN: f64 = 3.0;
 

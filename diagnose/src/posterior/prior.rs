@@ -17,6 +17,8 @@ pub(crate) enum Family {
     Rotor,
     /// Dry friction that builds up over a distance.
     Presliding,
+    /// Torque over the joint angle.
+    Ripple,
     /// Scale of the torque signals.
     Gain,
     /// Direction of gravity.
@@ -46,13 +48,14 @@ pub(crate) struct FamilyPrior {
 
 impl Family {
     /// All of them.
-    pub const ALL: [Self; 12] = [
+    pub const ALL: [Self; 13] = [
         Self::Offset,
         Self::CoulombViscous,
         Self::Curve,
         Self::Load,
         Self::Rotor,
         Self::Presliding,
+        Self::Ripple,
         Self::Gain,
         Self::Tilt,
         Self::Delay,
@@ -69,7 +72,7 @@ impl Family {
             // Every sensor has an offset, every gear friction.
             Self::Offset | Self::CoulombViscous => FamilyPrior { always: true, ..usual },
             Self::Curve | Self::Load | Self::Rotor => FamilyPrior { log10_odds: -1.0, ..usual },
-            Self::Presliding | Self::Tilt | Self::Delay | Self::Payload => FamilyPrior { log10_odds: -2.0, ..usual },
+            Self::Presliding | Self::Ripple | Self::Tilt | Self::Delay | Self::Payload => FamilyPrior { log10_odds: -2.0, ..usual },
             // The maker calibrates torque sensors; the constant of a motor's current is known to some percent.
             Self::Gain => FamilyPrior { log10_odds: -2.0, most_scale: if link_side { 1.0 } else { 3.0 }, ..usual },
             // Gravity over a small range looks like a spring, and is far commoner.
@@ -88,6 +91,7 @@ impl Family {
             Self::Load => &[CauseLabel::LoadFriction],
             Self::Rotor => &[CauseLabel::RotorInertia],
             Self::Presliding => &[CauseLabel::Presliding],
+            Self::Ripple => &[CauseLabel::TorqueRipple],
             Self::Gain => &[CauseLabel::TorqueGain],
             Self::Tilt => &[CauseLabel::BaseTilt],
             Self::Delay => &[CauseLabel::TimeDelay],
@@ -102,6 +106,12 @@ impl Family {
 pub(crate) const CURVE_WIDTHS: [f64; 3] = [0.02, 0.08, 0.3];
 /// Distances of presliding (rad): what harmonic drives show at the joint.
 pub(crate) const PRESLIDING_RAD: [f64; 3] = [1e-3, 3e-3, 1e-2];
+/// Waves per revolution beside the slowest ripple of a joint, itself among them. Gears, torque sensors and cables repeat with
+/// the joint's angle: a Fourier series, of which a range that is no full wave says nothing. The waves of the motor, some hundred
+/// per revolution, lie above the band.
+pub(crate) const RIPPLES: usize = 4;
+/// Largest number of waves per revolution of a joint's slowest ripple: a joint that moves less than a sixth of a turn has none.
+pub(crate) const MOST_WAVES: usize = 6;
 /// Scale of the links' pseudo-inertia: 3 % of mass, 3 % of a gyration radius of their centre of mass. CAD models are about
 /// that good; see Lee, Wensing and Park 2020 for the metric.
 pub(crate) const LINK_SCALE: f64 = 0.03;
@@ -120,6 +130,8 @@ pub(crate) struct ArmScale {
     pub torque_nm: Vec<f64>,
     /// Largest speed of each joint [rad/s].
     pub speed_rad_s: Vec<f64>,
+    /// Waves per revolution of the slowest ripple of each joint: the first whose length it covers.
+    pub slowest_ripple: Vec<Option<usize>>,
     /// Mass that the arm is built to carry (kg).
     pub rated_payload_kg: f64,
     /// Whether torques are measured behind the gears.
@@ -138,10 +150,17 @@ impl ArmScale {
             Term::Viscous => 0.05 * torque / (0.5 * speed),
             Term::Curve(_) | Term::Presliding(_) => 0.02 * torque,
             Term::Load => 0.05,
+            // Up to .002 on an LWR4+; joints without any are common.
+            Term::Sine(_) | Term::Cosine(_) => 1e-3 * torque,
             // Behind the gears no rotor is felt, but for what the sensor's own mass is.
             Term::Rotor => torque * if self.link_side { 5e-4 } else { 5e-3 },
             Term::Spring => (3e-3 * torque).max(SPRING_NM_PER_RAD),
         }
+    }
+
+    /// Waves per revolution of a ripple of a joint.
+    pub fn waves_per_rev(&self, joint: usize, ripple: usize) -> Option<f64> {
+        self.slowest_ripple[joint].map(|slowest| (slowest + ripple) as f64)
     }
 
     /// Standard deviation of a torque signal's scale [-].

@@ -51,6 +51,7 @@ impl Place {
                 JointTerm::Load => Family::Load,
                 JointTerm::Rotor => Family::Rotor,
                 JointTerm::Presliding(_) => Family::Presliding,
+                JointTerm::Sine(_) | JointTerm::Cosine(_) => Family::Ripple,
                 JointTerm::Spring => Family::Spring,
             },
             Self::Gain(_) => Family::Gain,
@@ -108,8 +109,13 @@ impl Problem {
     /// The problem of a scene; `unloaded` says of each log whether the flange was bare.
     pub fn of<const N: usize>(scene: &Scene<N>, columns: Columns, scale: ArmScale, unloaded: Vec<bool>) -> Self {
         let arm = &scene.nominal.arm;
+        let ripples = |j: usize| scale.slowest_ripple[j].is_some();
+        let terms = |j: usize| {
+            let all = JointTerm::ALL.into_iter();
+            all.filter(move |term| ripples(j) || !matches!(term, JointTerm::Sine(_) | JointTerm::Cosine(_)))
+        };
         let mut places: Vec<Place> =
-            (0..N).flat_map(|j| JointTerm::ALL.into_iter().map(move |term| Place::Own(j, term))).collect();
+            (0..N).flat_map(|j| terms(j).map(move |term| Place::Own(j, term))).collect();
         places.extend((0..N).map(Place::Gain));
         places.push(Place::Delay);
         if !scene.transmission {

@@ -3,7 +3,7 @@
 use tribo_sim::Effect;
 
 use super::columns::JointTerm;
-use super::prior::{CURVE_WIDTHS, PAYLOAD_RADIUS_M, PRESLIDING_RAD};
+use super::prior::{CURVE_WIDTHS, PAYLOAD_RADIUS_M, PRESLIDING_RAD, RIPPLES};
 use super::problem::{Place, Problem, State};
 use crate::cause::tilt_of;
 use crate::scene::Scene;
@@ -16,9 +16,10 @@ pub(crate) fn effects<const N: usize>(scene: &Scene<N>, problem: &Problem, state
         for term in JointTerm::ALL {
             let value = at(Place::Own(joint, term));
             if value != 0.0 {
-                effects.push(own_effect(problem, joint, term, value));
+                effects.extend(own_effect(problem, joint, term, value));
             }
         }
+        effects.extend((0..RIPPLES).filter_map(|k| ripple(problem, state, joint, k)));
     }
     let tilt = [at(Place::Tilt(0)), at(Place::Tilt(1))].map(|angle| angle * scene.nominal.arm.gravity_m_s2.norm());
     effects.extend(tilt_of(scene, tilt).filter(|_| tilt != [0.0; 2]));
@@ -54,8 +55,19 @@ pub(crate) fn effects<const N: usize>(scene: &Scene<N>, problem: &Problem, state
     effects
 }
 
-fn own_effect(problem: &Problem, joint: usize, term: JointTerm, value: f64) -> Effect {
-    match term {
+/// `a sin(n q) + b cos(n q)` of a joint as amplitude and phase, if there is any.
+pub(crate) fn ripple(problem: &Problem, state: &State, joint: usize, k: usize) -> Option<Effect> {
+    let at = |term: JointTerm| problem.index(Place::Own(joint, term)).map_or(0.0, |i| state[i]);
+    let (sine, cosine) = (at(JointTerm::Sine(k)), at(JointTerm::Cosine(k)));
+    let cycles_per_rev = problem.scale.waves_per_rev(joint, k)?;
+    let (amplitude_nm, phase_rad) = (sine.hypot(cosine), cosine.atan2(sine));
+    (amplitude_nm > 0.0).then_some(Effect::TorqueRipple { joint, cycles_per_rev, amplitude_nm, phase_rad })
+}
+
+/// The effect of one term; sines and cosines are one effect of both, see [`ripple`].
+fn own_effect(problem: &Problem, joint: usize, term: JointTerm, value: f64) -> Option<Effect> {
+    Some(match term {
+        JointTerm::Sine(_) | JointTerm::Cosine(_) => return None,
         JointTerm::Offset => Effect::TorqueOffset { joint, offset_nm: value },
         JointTerm::Coulomb => Effect::Coulomb { joint, delta_coulomb_nm: value },
         JointTerm::Viscous => Effect::Viscous { joint, delta_viscous_nm_s_per_rad: value },
@@ -70,5 +82,5 @@ fn own_effect(problem: &Problem, joint: usize, term: JointTerm, value: f64) -> E
             Effect::Presliding { joint, presliding_distance_rad: PRESLIDING_RAD[k], amplitude_nm: Some(value) }
         }
         JointTerm::Spring => Effect::PositionSpring { joint, stiffness_nm_per_rad: value, rest_rad: 0.0 },
-    }
+    })
 }

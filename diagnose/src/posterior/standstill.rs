@@ -1,0 +1,59 @@
+//! What a joint that stands says of its torques: next to nothing.
+//!
+//! ```text
+//! stands(t): q moves less than 10 mrad within t ± 0.25 s
+//! y = τ0 + A θ + e + u,   u anywhere within ± F while the joint stands:   weight² = σ²/(σ² + F²)
+//! ```
+//!
+//! F and σ are dry friction and noise of the plain fit to the samples in motion. A joint that turns back is asked: over less than
+//! the longest distance of presliding its friction is a state of its own.
+
+use nalgebra::{Matrix3, Vector3};
+
+use super::columns::{JointColumns, JointTerm};
+use super::prior::PRESLIDING_RAD;
+use crate::noise_level::robust_sd;
+use crate::scene::Scene;
+
+/// Half of the time in which a standing joint has not moved (s).
+const HALF_WINDOW_S: f64 = 0.25;
+/// Samples in motion that a plain fit needs.
+const LEAST_SAMPLES: usize = 30;
+
+/// Weight of each output sample of a joint, 1 in motion; `columns` before any weights.
+pub(crate) fn weights<const N: usize>(scene: &Scene<N>, joint: usize, columns: &JointColumns) -> Vec<f64> {
+    let stands = standing(scene, joint);
+    let moving: Vec<usize> = (0..stands.len()).filter(|k| !stands[*k]).collect();
+    if moving.len() < LEAST_SAMPLES || moving.len() == stands.len() {
+        return vec![1.0; stands.len()];
+    }
+    let terms = [JointTerm::Offset, JointTerm::Coulomb, JointTerm::Viscous].map(JointTerm::place);
+    let matrix = &columns.matrix;
+    let row = |k: usize| Vector3::from_fn(|i, _| matrix[(k, terms[i])]);
+    let target = |k: usize| matrix[(k, columns.measured())] - matrix[(k, columns.nominal())];
+    let gram = moving.iter().fold(Matrix3::zeros(), |sum, k| sum + row(*k) * row(*k).transpose());
+    let score = moving.iter().fold(Vector3::zeros(), |sum, k| sum + row(*k) * target(*k));
+    let Some(cholesky) = gram.cholesky() else { return vec![1.0; stands.len()] };
+    let plain = cholesky.solve(&score);
+    let sigma = robust_sd(moving.iter().map(|k| target(*k) - row(*k).dot(&plain))).max(scene.noise_floor_nm[joint]);
+    let dry = scene.nominal.dry_nm(joint) + plain[1];
+    let weight = (1.0 + (dry / sigma.max(f64::MIN_POSITIVE)).powi(2)).sqrt().recip();
+    stands.into_iter().map(|stands| if stands { weight } else { 1.0 }).collect()
+}
+
+/// Whether a joint stands at each output sample.
+fn standing<const N: usize>(scene: &Scene<N>, joint: usize) -> Vec<bool> {
+    let longest_rad = PRESLIDING_RAD.into_iter().fold(0.0, f64::max);
+    let mut stands = Vec::with_capacity(scene.time_s.len());
+    for burst in &scene.bursts {
+        let q = &scene.q[joint][burst.out.clone()];
+        let half = ((HALF_WINDOW_S * scene.chains[burst.log].output_rate_hz()).round() as usize).max(1);
+        stands.extend((0..q.len()).map(|k| {
+            let window = &q[k.saturating_sub(half)..(k + half + 1).min(q.len())];
+            let most = window.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+            let least = window.iter().copied().fold(f64::INFINITY, f64::min);
+            most - least < longest_rad
+        }));
+    }
+    stands
+}
