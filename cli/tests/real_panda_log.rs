@@ -82,8 +82,9 @@ fn residual_torques_of_the_real_panda() {
     println!("fit on unseen blocks as good as the published friction: {as_good} of 7 joints");
     assert!(as_good >= MOST_JOINTS, "{as_good} of 7");
 
-    let call =
-        format!("estimate panda.csv.gz --torque-side link --residual torque --band-hz {MATCHING_BAND_AVERAGED_HZ} --json");
+    let call = format!(
+        "estimate panda.csv.gz --torque-side link --residual torque --band-hz {MATCHING_BAND_AVERAGED_HZ} --json"
+    );
     let matching = run(at.path(), &call).ok().json();
     let averaged: Vec<[f64; 2]> = matching["torque_residual"]["joints"]
         .as_array()

@@ -1,5 +1,6 @@
 //! From logs and a nominal model to a diagnosis.
 
+use std::collections::BTreeSet;
 use std::sync::Arc;
 
 use nalgebra::SVector;
@@ -10,7 +11,7 @@ use tribo_sim::Truth;
 use crate::cause::{Candidate, TorqueRipple, candidates};
 use crate::conclusion::{Evaluated, conclude};
 use crate::deflection::deflections;
-use crate::diagnosis::Diagnosis;
+use crate::diagnosis::{Diagnosis, Finding, Location};
 use crate::evidence::joint_fit;
 use crate::noise_level::rms;
 use crate::posterior::explain::{Given, explain};
@@ -76,16 +77,46 @@ pub fn diagnose_with_reference<const N: usize>(
         return Err(DiagnoseError::NoLog);
     }
     step("residual", 0.0)?;
-    let mut scene = Scene::of_logs(logs, nominal, settings.band_hz)?;
+    let scene = Scene::of_logs(logs, nominal, settings.band_hz)?;
     if scene.time_s.len() < LEAST_SAMPLES {
         return Err(DiagnoseError::TooShort { got: scene.time_s.len(), need: LEAST_SAMPLES });
     }
-    if !unloaded.is_empty() || wrong_everywhere(&scene) {
+    let diagnosis = if unloaded.is_empty() && !wrong_everywhere(&scene) {
+        Some(cause_by_cause(logs, scene, validate, settings, progress)?)
+    } else {
         drop(scene);
-        let diagnosis = explain(&Given { logs, unloaded, validate }, nominal, settings, &step)?;
-        progress("done", 1.0);
-        return Ok(diagnosis);
-    }
+        None
+    };
+    // Causes in most joints are no causes but a model that is wrong everywhere; and causes found one by one need not make an arm
+    // together, families fitted with every link a body do.
+    let stands = |found: &Diagnosis| 2 * joints_named(found) <= N && is_model(nominal, &found.extension);
+    let diagnosis = match diagnosis.filter(stands) {
+        Some(found) => found,
+        None => explain(&Given { logs, unloaded, validate }, nominal, settings, &step)?,
+    };
+    progress("done", 1.0);
+    Ok(diagnosis)
+}
+
+/// Joints that have a finding of their own.
+fn joints_named(diagnosis: &Diagnosis) -> usize {
+    let joint = |finding: &Finding| match finding.location {
+        Location::Joint(joint) => Some(joint),
+        _ => None,
+    };
+    diagnosis.findings.iter().filter_map(joint).collect::<BTreeSet<usize>>().len()
+}
+
+/// Explains logs by the fewest causes, each at its place.
+fn cause_by_cause<const N: usize>(
+    logs: &[RobotLog],
+    mut scene: Scene<N>,
+    validate: &[(String, RobotLog)],
+    settings: &DiagnoseSettings,
+    progress: &(dyn Fn(&str, f64) -> bool + Sync),
+) -> Result<Diagnosis, DiagnoseError> {
+    let step =
+        |stage: &str, fraction: f64| if progress(stage, fraction) { Ok(()) } else { Err(DiagnoseError::Cancelled) };
     let original = scene.residual_nm.clone();
     let causes: Vec<Arc<dyn Candidate<N>>> = candidates::<N>().into_iter().map(Arc::from).collect();
 
@@ -154,14 +185,7 @@ pub fn diagnose_with_reference<const N: usize>(
             logs,
             seed: settings.seed,
         };
-        let diagnosis = conclude(&mut search, &evaluated, validate, &step)?;
-        // Causes found one by one need not make an arm together; families fitted with every link a body do.
-        let diagnosis = match is_model(nominal, &diagnosis.extension) {
-            true => diagnosis,
-            false => explain(&Given { logs, unloaded, validate }, nominal, settings, &step)?,
-        };
-        progress("done", 1.0);
-        return Ok(diagnosis);
+        return conclude(&mut search, &evaluated, validate, &step);
     }
 }
 

@@ -35,7 +35,8 @@ impl ArmScale {
         let speed_rad_s =
             (0..N).map(|j| if limits.qd_max_rad_s[j] <= 20.0 { limits.qd_max_rad_s[j] } else { 3.0 }).collect();
         let range_rad = |q: &[f64]| {
-            q.iter().fold(f64::NEG_INFINITY, |a: f64, x| a.max(*x)) - q.iter().fold(f64::INFINITY, |a: f64, x| a.min(*x))
+            q.iter().fold(f64::NEG_INFINITY, |a: f64, x| a.max(*x))
+                - q.iter().fold(f64::INFINITY, |a: f64, x| a.min(*x))
         };
         let slowest = |j: usize| (1..=MOST_WAVES).find(|waves| *waves as f64 * range_rad(&scene.q[j]) >= TURN_RAD);
         Self {

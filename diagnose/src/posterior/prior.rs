@@ -72,7 +72,9 @@ impl Family {
             // Every sensor has an offset, every gear friction.
             Self::Offset | Self::CoulombViscous => FamilyPrior { always: true, ..usual },
             Self::Curve | Self::Load | Self::Rotor => FamilyPrior { log10_odds: -1.0, ..usual },
-            Self::Presliding | Self::Ripple | Self::Tilt | Self::Delay | Self::Payload => FamilyPrior { log10_odds: -2.0, ..usual },
+            Self::Presliding | Self::Ripple | Self::Tilt | Self::Delay | Self::Payload => {
+                FamilyPrior { log10_odds: -2.0, ..usual }
+            }
             // The maker calibrates torque sensors; the constant of a motor's current is known to some percent.
             Self::Gain => FamilyPrior { log10_odds: -2.0, most_scale: if link_side { 1.0 } else { 3.0 }, ..usual },
             // Gravity over a small range looks like a spring, and is far commoner.

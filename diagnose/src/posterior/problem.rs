@@ -114,8 +114,7 @@ impl Problem {
             let all = JointTerm::ALL.into_iter();
             all.filter(move |term| ripples(j) || !matches!(term, JointTerm::Sine(_) | JointTerm::Cosine(_)))
         };
-        let mut places: Vec<Place> =
-            (0..N).flat_map(|j| terms(j).map(move |term| Place::Own(j, term))).collect();
+        let mut places: Vec<Place> = (0..N).flat_map(|j| terms(j).map(move |term| Place::Own(j, term))).collect();
         places.extend((0..N).map(Place::Gain));
         places.push(Place::Delay);
         if !scene.transmission {
