@@ -57,3 +57,66 @@ fn standing<const N: usize>(scene: &Scene<N>, joint: usize) -> Vec<bool> {
     }
     stands
 }
+
+#[cfg(test)]
+mod tests {
+    use nalgebra::{DVector, SVector};
+    use tribo_friction::FrictionModel;
+    use tribo_logs::LogColumns;
+    use tribo_robot::{presets, rnea};
+    use tribo_sim::TorqueSide;
+
+    use super::super::columns::Columns;
+    use super::super::prior::ArmScale;
+    use super::*;
+    use crate::Nominal;
+
+    /// A joint that swings with dry friction of 2 Nm and then stands under 1.5 Nm is asked where it moves and where it turns
+    /// back, and hardly where it stands; joints that never move keep their weights.
+    #[test]
+    fn a_standing_joint_has_a_fraction_of_a_vote() {
+        const JOINT: usize = 3;
+        const SWING_S: f64 = 3.5 * std::f64::consts::PI;
+        let time_s: Vec<f64> = (0..3000).map(|k| f64::from(k) / 200.0).collect();
+        let arm = presets::panda().link_side();
+        let mut gauss = crate::noise_level::gaussian(7);
+        let (mut q_rad, mut tau_j_nm) = (vec![Vec::new(); 7], vec![Vec::new(); 7]);
+        for t in &time_s {
+            let swings = *t < SWING_S;
+            let angle = 0.4 * t.min(SWING_S).sin();
+            let rate = if swings { 0.4 * t.cos() } else { 0.0 };
+            let only = |x: f64| SVector::<f64, 7>::from_fn(|j, _| if j == JOINT { x } else { 0.0 });
+            let q = presets::panda_ready_pose() + only(angle);
+            let rigid = rnea(&arm, &q, &only(rate), &only(if swings { -angle } else { 0.0 }));
+            let tau = rigid + only(if swings { 2.0 * (rate / 0.02).tanh() } else { 1.5 });
+            for j in 0..7 {
+                q_rad[j].push(q[j]);
+                tau_j_nm[j].push(tau[j] + 0.05 * gauss());
+            }
+        }
+        let log = LogColumns { time_s, q_rad, tau_j_nm, ..LogColumns::default() }.validate().unwrap();
+        let nominal = Nominal {
+            arm,
+            friction: FrictionModel::none(),
+            smoothing_rad_s: 0.01,
+            effects: Vec::new(),
+            torque_side: TorqueSide::Link,
+        };
+        let scene = Scene::of_logs(&[log], &nominal, Some(10.0)).unwrap();
+        let columns = Columns::of(&scene, &ArmScale::of(&scene), 1);
+        // The weighted constant is the weight.
+        let weights = |joint: usize| {
+            let offset = DVector::from_fn(columns.joints[joint].matrix.ncols(), |c, _| {
+                f64::from(u8::from(c == JointTerm::Offset.place()))
+            });
+            columns.combined(joint, &offset, &[0])
+        };
+        let at = |t: f64| scene.time_s.iter().position(|time| *time > t).unwrap();
+        let swinging = weights(JOINT);
+        assert!(swinging[at(3.0)] > 0.9, "{}", swinging[at(3.0)]);
+        let turns = std::f64::consts::FRAC_PI_2;
+        assert!(swinging[at(turns)] > 5.0 * swinging[at(13.0)], "{} {}", swinging[at(turns)], swinging[at(13.0)]);
+        assert!(swinging[at(13.0)] < 0.1, "{}", swinging[at(13.0)]);
+        assert!(weights(0)[at(13.0)] > 0.9);
+    }
+}
