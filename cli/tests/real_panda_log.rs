@@ -98,7 +98,7 @@ fn residual_torques_of_the_real_panda() {
     let (log, _) = read_log(at.path().join("panda.csv.gz")).unwrap();
     let settings = ResidualSettings { band_hz: MATCHING_BAND_HZ, ..ResidualSettings::default() };
     let residual = TorqueResidual::of_log(&log, &presets::panda().link_side(), &settings).unwrap();
-    let friction = FrictionModel { joints: panda_gaz_joints() };
+    let friction = FrictionModel { joints: panda_gaz_joints().map(Into::into) };
     let report = FrictionReport::of(&residual, Some(&friction), &FrictionSettings::default());
     let whole: Vec<[f64; 2]> =
         report.joints.iter().map(|joint| [joint.sd_rigid_nm, joint.sd_with_model_nm.unwrap()]).collect();

@@ -3,6 +3,7 @@
 use tribo_logs::{RobotLog, median_period_s};
 use tribo_sim::Effect;
 
+use super::band::Band;
 use super::baseline::Baselines;
 use super::columns::Columns;
 use super::family_finding::Answer;
@@ -10,7 +11,7 @@ use super::fit::{Fit, Start, posterior};
 use super::prior::{ArmScale, Family};
 use super::problem::{Place, Problem};
 use super::selection::{Selection, is_payload, select};
-use super::unseen::{Split, Unseen, standardised, unknown_variance};
+use super::unseen::{Split, Unseen, deviations, unknown_variance};
 use super::written;
 use crate::deflection::deflections;
 use crate::diagnosis::{self, CauseLabel, Diagnosis, Finding, Location, Rejected, Validation, Verdict};
@@ -44,8 +45,6 @@ const MOST_FINDINGS: usize = 8;
 const UNSURE_PAYLOAD: f64 = 0.1;
 /// Predicted standard deviation of unseen torque, over what is left, beyond which a joint is not determined.
 const UNDETERMINED: f64 = 1.0;
-/// |z| that 95 % of a Gaussian lie within.
-const Z95: f64 = 1.96;
 
 /// One fit of everything.
 struct Fitted {
@@ -172,14 +171,13 @@ pub(crate) fn explain<const N: usize>(
     let (gain_heldout, gain_heldout_ci95) = gain_of_pairs(&pairs, settings.seed);
 
     step("validation", 0.95)?;
-    // The band that held-out parts ask for: what is left there is no Gaussian of the fit's own width.
-    let widths: Vec<f64> = unseen.standardised.iter().map(|z| quantile(z, 0.95) / Z95).collect();
+    let band = Band::of(&unseen.deviations);
     let baselines = Baselines::of(&problem, &problem.all_parts());
     let validation = given
         .validate
         .iter()
         .map(|(name, log)| {
-            validated(name, log, nominal, &extended, &problem, &all, &baselines, &widths, settings, band_hz)
+            validated(name, log, nominal, &extended, &problem, &all, &baselines, &band, settings, band_hz)
         })
         .collect::<Result<Vec<_>, _>>()?;
 
@@ -188,7 +186,7 @@ pub(crate) fn explain<const N: usize>(
             let unknown: Vec<f64> =
                 unseen.parts.iter().flat_map(|part| unknown_variance(&problem, &all, j, *part)).collect();
             let mean = unknown.iter().sum::<f64>() / unknown.len().max(1) as f64;
-            widths[j] * (all.variances[j] + mean).sqrt()
+            band.sd_nm(j, all.variances[j], mean)
         })
         .collect();
     let mut notes = notes_of(&scene);
@@ -281,13 +279,6 @@ fn next_experiment(findings: &[Finding], payload_unsure: bool) -> Option<NextExp
     })
 }
 
-fn quantile(values: &[f64], part: f64) -> f64 {
-    let mut sorted = values.to_vec();
-    sorted.sort_by(f64::total_cmp);
-    let at = ((sorted.len() as f64 - 1.0) * part).round().max(0.0) as usize;
-    sorted.get(at).copied().unwrap_or(Z95).max(1e-3)
-}
-
 /// The written model, and the baselines, on a log that nothing was fitted to.
 fn validated<const N: usize>(
     name: &str,
@@ -297,7 +288,7 @@ fn validated<const N: usize>(
     problem: &Problem,
     all: &Fit,
     baselines: &Baselines,
-    widths: &[f64],
+    band: &Band,
     settings: &DiagnoseSettings,
     band_hz: f64,
 ) -> Result<Validation, DiagnoseError> {
@@ -313,7 +304,7 @@ fn validated<const N: usize>(
         (0..N).map(|j| (square(j) / samples).sqrt()).collect()
     };
     let inside: usize =
-        (0..N).map(|j| standardised(&here, all, j, &parts).iter().filter(|z| **z <= Z95 * widths[j]).count()).sum();
+        (0..N).map(|j| deviations(&here, all, j, &parts).iter().filter(|at| band.holds(j, at)).count()).sum();
     let rms_of = |scene: &Scene<N>| scene.residual_nm.iter().map(|column| rms(column)).collect::<Vec<f64>>();
     let block = |scene: &Scene<N>, part: &usize| -> f64 {
         let samples = here.columns.parts[*part].samples.clone();

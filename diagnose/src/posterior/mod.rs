@@ -1,5 +1,6 @@
 //! Diagnosis of arms whose model is wrong everywhere, a little: physical priors, evidence, a posterior that is a model.
 
+pub(crate) mod band;
 pub(crate) mod baseline;
 pub(crate) mod body;
 pub(crate) mod columns;

@@ -3,6 +3,7 @@
 use nalgebra::DVector;
 use rayon::prelude::*;
 
+use super::band::Deviation;
 use super::baseline::Baselines;
 use super::fit::{Fit, posterior};
 use super::prior::Family;
@@ -22,8 +23,8 @@ pub(crate) struct Unseen {
     pub full: Vec<Vec<f64>>,
     /// Of all families but one.
     pub without: Vec<(Family, Vec<Vec<f64>>)>,
-    /// |residual| over its predicted standard deviation, all samples, by joint.
-    pub standardised: Vec<Vec<f64>>,
+    /// Residuals with what was foretold of them, all samples, by joint.
+    pub deviations: Vec<Vec<Deviation>>,
     /// How the parts were held out.
     pub split: Split,
 }
@@ -100,7 +101,7 @@ impl Unseen {
             plain: Vec::new(),
             full: Vec::new(),
             without: optional.iter().map(|family| (*family, Vec::new())).collect(),
-            standardised: vec![Vec::new(); joints],
+            deviations: vec![Vec::new(); joints],
             split,
         };
         for fold in &found {
@@ -115,8 +116,8 @@ impl Unseen {
                 }
             }
             if let Some(fit) = &fold.ours {
-                for (j, all) in unseen.standardised.iter_mut().enumerate() {
-                    all.extend(standardised(problem, fit, j, &fold.held_out));
+                for (j, all) in unseen.deviations.iter_mut().enumerate() {
+                    all.extend(deviations(problem, fit, j, &fold.held_out));
                 }
             }
         }
@@ -130,17 +131,16 @@ impl Unseen {
     }
 }
 
-/// |residual| of a joint over the standard deviation that a fit foretells: what it leaves, and what it does not know.
-pub(crate) fn standardised(problem: &Problem, fit: &Fit, joint: usize, parts: &[usize]) -> Vec<f64> {
+/// Residuals of a joint along some parts, with what a fit foretells of them.
+pub(crate) fn deviations(problem: &Problem, fit: &Fit, joint: usize, parts: &[usize]) -> Vec<Deviation> {
     parts
         .iter()
         .flat_map(|part| {
-            let loaded = problem.loaded(*part);
-            let weights = problem.residual(&fit.state, joint, loaded);
+            let weights = problem.residual(&fit.state, joint, problem.loaded(*part));
             let residual = problem.columns.combined(joint, &weights, &[*part]);
             let unknown = unknown_variance(problem, fit, joint, *part);
             let own = fit.variances[joint];
-            residual.into_iter().zip(unknown).map(move |(r, v)| r.abs() / (own + v).sqrt().max(1e-12))
+            residual.into_iter().zip(unknown).map(move |(residual_nm, unknown)| Deviation { residual_nm, own, unknown })
         })
         .collect()
 }
