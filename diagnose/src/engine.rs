@@ -11,7 +11,7 @@ use tribo_sim::Truth;
 use crate::cause::{Candidate, TorqueRipple, candidates};
 use crate::conclusion::{Evaluated, conclude};
 use crate::deflection::deflections;
-use crate::diagnosis::{Diagnosis, Finding, Location};
+use crate::diagnosis::{Diagnosis, Finding, JointMisfit, Location};
 use crate::evidence::joint_fit;
 use crate::noise_level::rms;
 use crate::posterior::explain::{Given, explain};
@@ -34,6 +34,8 @@ pub struct DiagnoseSettings {
 
 /// Fewest samples per joint after averaging.
 const LEAST_SAMPLES: usize = 40;
+/// RMS that causes found one by one leave, over the sensors' noise in the band, from which on a joint is unexplained.
+const MUCH_LEFT: f64 = 4.0;
 /// Inflation beyond which the search is repeated with deflated evidence.
 const INFLATED: f64 = 1.15;
 
@@ -87,9 +89,13 @@ pub fn diagnose_with_reference<const N: usize>(
         drop(scene);
         None
     };
-    // Causes in most joints are no causes but a model that is wrong everywhere; and causes found one by one need not make an arm
-    // together, families fitted with every link a body do.
-    let stands = |found: &Diagnosis| 2 * joints_named(found) <= N && is_model(nominal, &found.extension);
+    // Causes in most joints that leave most joints unexplained are a model that is wrong everywhere; and causes found one by one need
+    // not make an arm together, families fitted with every link a body do.
+    let stands = |found: &Diagnosis| {
+        let left = |joint: &&JointMisfit| joint.rms_after_nm > MUCH_LEFT * joint.noise_floor_nm;
+        let unexplained = found.joints.iter().filter(left).count();
+        (2 * joints_named(found) <= N || 2 * unexplained <= N) && is_model(nominal, &found.extension)
+    };
     let diagnosis = match diagnosis.filter(stands) {
         Some(found) => found,
         None => explain(&Given { logs, unloaded, validate }, nominal, settings, &step)?,

@@ -119,7 +119,7 @@ fn a_model_that_is_wrong_everywhere_is_reported_as_written() {
 /// A torque that repeats with the joint's angle is named beside everything else that is wrong, at its joint.
 #[test]
 fn a_ripple_in_a_model_that_is_wrong_everywhere_is_found() {
-    let ripple = Effect::TorqueRipple { joint: 5, cycles_per_rev: 4.0, amplitude_nm: 0.15, phase_rad: 0.6 };
+    let ripple = Effect::TorqueRipple { joint: 5, cycles_per_rev: 6.0, amplitude_nm: 0.15, phase_rad: 0.6 };
     let hidden = wrong_everywhere(false).into_iter().chain([ripple]).collect();
     let log = log(hidden, 4);
     let nominal = nominal_file().validate::<7>().unwrap().to_nominal();
@@ -129,7 +129,7 @@ fn a_ripple_in_a_model_that_is_wrong_everywhere_is_found() {
     let found = diagnosis.findings.iter().find(|finding| finding.label.name() == "torque_ripple").expect("a ripple");
     assert_eq!(found.joints, [5], "{found:?}");
     let value = |name: &str| found.parameters.iter().find(|parameter| parameter.name == name).unwrap().value[0];
-    assert_eq!(value("cycles_per_rev"), 4.0);
+    assert_eq!(value("cycles_per_rev"), 6.0);
     assert!((value("amplitude_nm") / 0.15 - 1.0).abs() < 0.2, "{found:?}");
     assert!((value("phase_rad") - 0.6).abs() < 0.2, "{found:?}");
 }

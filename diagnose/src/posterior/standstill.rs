@@ -80,7 +80,7 @@ mod tests {
         let time_s: Vec<f64> = (0..3000).map(|k| f64::from(k) / 200.0).collect();
         let arm = presets::panda().link_side();
         let mut gauss = crate::noise_level::gaussian(7);
-        let (mut q_rad, mut tau_j_nm) = (vec![Vec::new(); 7], vec![Vec::new(); 7]);
+        let [mut q_rad, mut dq_rad_s, mut tau_j_nm] = [0; 3].map(|_| vec![Vec::<f64>::new(); 7]);
         for t in &time_s {
             let swings = *t < SWING_S;
             let angle = 0.4 * t.min(SWING_S).sin();
@@ -91,10 +91,11 @@ mod tests {
             let tau = rigid + only(if swings { 2.0 * (rate / 0.02).tanh() } else { 1.5 });
             for j in 0..7 {
                 q_rad[j].push(q[j]);
+                dq_rad_s[j].push(only(rate)[j]);
                 tau_j_nm[j].push(tau[j] + 0.05 * gauss());
             }
         }
-        let log = LogColumns { time_s, q_rad, tau_j_nm, ..LogColumns::default() }.validate().unwrap();
+        let log = LogColumns { time_s, q_rad, dq_rad_s, tau_j_nm, ..LogColumns::default() }.validate().unwrap();
         let nominal = Nominal {
             arm,
             friction: FrictionModel::none(),
