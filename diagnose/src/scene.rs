@@ -345,7 +345,9 @@ impl<const N: usize> Scene<N> {
     fn filter_model(&mut self) {
         let position = self.filter(&FineColumn::Arm(self.samples.iter().map(|at| at.q).collect()));
         let model = self.filter(&FineColumn::Arm(self.samples.iter().map(|at| at.model_nm).collect()));
-        let take = |column: Column<N>| column.rows.map(Option::unwrap_or_default);
+        // A joint at 0 all along has no row.
+        let samples = self.time_s.len();
+        let take = |column: Column<N>| column.rows.map(|row| row.unwrap_or_else(|| vec![0.0; samples]));
         self.q = take(position);
         self.model_nm = take(model);
         for j in 0..N {
