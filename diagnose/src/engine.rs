@@ -11,11 +11,11 @@ use tribo_sim::Truth;
 use crate::cause::{Candidate, TorqueRipple, candidates};
 use crate::conclusion::{Evaluated, conclude};
 use crate::deflection::deflections;
-use crate::diagnosis::{Diagnosis, Finding, JointMisfit, Location};
+use crate::diagnosis::{CauseLabel, Diagnosis, Finding, JointMisfit, Location};
 use crate::evidence::joint_fit;
 use crate::noise_level::rms;
 use crate::posterior::explain::{Given, explain};
-use crate::posterior::gate::wrong_everywhere;
+use crate::posterior::gate::{AS_WELL, wrongness};
 use crate::ripple::{RippleLine, ripples};
 use crate::scene::{Column, Scene, subtracted};
 use crate::search::Search;
@@ -36,6 +36,8 @@ pub struct DiagnoseSettings {
 const LEAST_SAMPLES: usize = 40;
 /// RMS that causes found one by one leave, over the sensors' noise in the band, from which on a joint is unexplained.
 const MUCH_LEFT: f64 = 4.0;
+/// Kinds of causes in most joints up to which they are few: dry friction, viscous friction and one more.
+const MOST_KINDS: usize = 3;
 /// Inflation beyond which the search is repeated with deflated evidence.
 const INFLATED: f64 = 1.15;
 
@@ -83,18 +85,23 @@ pub fn diagnose_with_reference<const N: usize>(
     if scene.time_s.len() < LEAST_SAMPLES {
         return Err(DiagnoseError::TooShort { got: scene.time_s.len(), need: LEAST_SAMPLES });
     }
-    let diagnosis = if unloaded.is_empty() && !wrong_everywhere(&scene) {
-        Some(cause_by_cause(logs, scene, validate, settings, progress)?)
+    let wrongness = wrongness(&scene);
+    let diagnosis = if unloaded.is_empty() && !wrongness.everywhere {
+        Some(cause_by_cause(&|_| true, logs, scene, validate, settings, &step)?)
     } else {
         drop(scene);
         None
     };
-    // Causes in most joints that leave most joints unexplained are a model that is wrong everywhere; and causes found one by one need
-    // not make an arm together, families fitted with every link a body do.
+    // Causes in most joints are a model that is wrong everywhere if they are of many kinds, or leave most joints unexplained and more
+    // than all families would; and causes found one by one need not make an arm together, families fitted with every link a body do.
     let stands = |found: &Diagnosis| {
-        let left = |joint: &&JointMisfit| joint.rms_after_nm > MUCH_LEFT * joint.noise_floor_nm;
-        let unexplained = found.joints.iter().filter(left).count();
-        (2 * joints_named(found) <= N || 2 * unexplained <= N) && is_model(nominal, &found.extension)
+        let unexplained = |(joint, all_nm): &(&JointMisfit, &f64)| {
+            joint.rms_after_nm > MUCH_LEFT * joint.noise_floor_nm && joint.rms_after_nm > AS_WELL * *all_nm
+        };
+        let unexplained = found.joints.iter().zip(&wrongness.left_nm).filter(unexplained).count();
+        let kinds = found.findings.iter().map(|finding| finding.label).collect::<BTreeSet<CauseLabel>>().len();
+        let everywhere = 2 * joints_named(found) > N && (2 * unexplained > N || kinds > MOST_KINDS);
+        !everywhere && is_model(nominal, &found.extension)
     };
     let diagnosis = match diagnosis.filter(stands) {
         Some(found) => found,
@@ -113,18 +120,18 @@ fn joints_named(diagnosis: &Diagnosis) -> usize {
     diagnosis.findings.iter().filter_map(joint).collect::<BTreeSet<usize>>().len()
 }
 
-/// Explains logs by the fewest causes, each at its place.
-fn cause_by_cause<const N: usize>(
+/// Explains logs by the fewest causes of some labels, each at its place.
+pub(crate) fn cause_by_cause<const N: usize>(
+    looked_for: &dyn Fn(CauseLabel) -> bool,
     logs: &[RobotLog],
     mut scene: Scene<N>,
     validate: &[(String, RobotLog)],
     settings: &DiagnoseSettings,
-    progress: &(dyn Fn(&str, f64) -> bool + Sync),
+    step: &dyn Fn(&str, f64) -> Result<(), DiagnoseError>,
 ) -> Result<Diagnosis, DiagnoseError> {
-    let step =
-        |stage: &str, fraction: f64| if progress(stage, fraction) { Ok(()) } else { Err(DiagnoseError::Cancelled) };
     let original = scene.residual_nm.clone();
-    let causes: Vec<Arc<dyn Candidate<N>>> = candidates::<N>().into_iter().map(Arc::from).collect();
+    let all = candidates::<N>().into_iter().filter(|candidate| looked_for(candidate.label()));
+    let causes: Vec<Arc<dyn Candidate<N>>> = all.map(Arc::from).collect();
 
     step("ripple", 0.08)?;
     let mut lines = ripples(&scene, &[]);
@@ -140,7 +147,7 @@ fn cause_by_cause<const N: usize>(
         let (mut system, selected, inflation, chance) = loop {
             step("selection", at(0.3 + 0.3 * f64::from(colours)))?;
             let mut system = System::new(&scene, &evaluated_columns, &left);
-            let go_on = || progress("selection", at(0.3 + 0.3 * f64::from(colours)));
+            let go_on = || step("selection", at(0.3 + 0.3 * f64::from(colours))).is_ok();
             let mut search = Search::new(&mut system, 1.0);
             search.thorough = colours > 0;
             if !search.run(&go_on) {
@@ -191,7 +198,7 @@ fn cause_by_cause<const N: usize>(
             logs,
             seed: settings.seed,
         };
-        return conclude(&mut search, &evaluated, validate, &step);
+        return conclude(&mut search, &evaluated, validate, step);
     }
 }
 

@@ -8,10 +8,10 @@
 use std::sync::Mutex;
 
 use rayon::prelude::*;
-use tribo_experiments::hidden_effects::{CaseFilter, Outcome, Strength, Tally, judged};
+use tribo_experiments::hidden_effects::{CaseFilter, Outcome, Strength, Tally, World, judged};
 
-const USAGE: &str = "diagnosis_confusion --seeds A..B [--kind all|null|pair|outside|CAUSE] [--strength weak|medium|strong] \
-                     [--verbose] [--wrong-only] [--out FILE.json]";
+const USAGE: &str = "diagnosis_confusion --seeds A..B [--kind all|null|pair|triple|outside|CAUSE] [--strength weak|medium|strong] \
+                     [--world identified|wrong-everywhere] [--verbose] [--wrong-only] [--out FILE.json]";
 
 fn main() {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
@@ -30,12 +30,18 @@ fn main() {
         .map(|name| Strength::ALL.into_iter().find(|strength| strength.name() == name).expect(USAGE));
     let filter = CaseFilter::named(&value("--kind").unwrap_or("all".to_owned()), strength).expect(USAGE);
 
+    let world = match value("--world").as_deref() {
+        None | Some("identified") => World::Identified,
+        Some("wrong-everywhere") => World::WrongEverywhere,
+        Some(_) => panic!("{USAGE}"),
+    };
+
     let lock = Mutex::new(());
     let mut outcomes: Vec<Outcome> = seeds
         .into_par_iter()
         .filter_map(|seed| {
             let kind = filter.kind_of(seed);
-            let outcome = judged(seed, kind);
+            let outcome = judged(seed, kind, world);
             let _one_at_a_time = lock.lock().unwrap();
             match outcome {
                 Ok(outcome) => {

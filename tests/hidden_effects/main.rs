@@ -9,7 +9,7 @@ mod pairs;
 mod singles;
 
 use tribo_diagnose::{DiagnoseSettings, Diagnosis, Verdict, diagnose};
-use tribo_experiments::hidden_effects::{HiddenCase, Judgement, Kind};
+use tribo_experiments::hidden_effects::{HiddenCase, Judgement, Kind, World};
 
 /// A case after diagnosis.
 struct Examined {
@@ -19,7 +19,7 @@ struct Examined {
 }
 
 fn examine(seed: u64, kind: Kind) -> Examined {
-    let case = HiddenCase::draw(seed, kind).expect("a case that can be simulated");
+    let case = HiddenCase::draw(seed, kind, World::Identified).expect("a case that can be simulated");
     let diagnosis =
         diagnose(&case.logs, &case.nominal, &[], &DiagnoseSettings::default(), &|_, _| true).expect("a diagnosis");
     let judgement = Judgement::of(&case, &diagnosis).expect("a residual");

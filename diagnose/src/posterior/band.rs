@@ -1,16 +1,19 @@
 //! The band that torque of unseen motion lies in, as wide as held-out parts ask for.
 //!
 //! ```text
-//! Var r_j(t) = w_j² (σ_j² + c V_j(t)),   V_j what the parameters leave open
+//! Var r_j(t) = w_j² (σ_j² (1 + d m(t))/(1 + d) + c V_j(t)),   V_j what the parameters leave open, m the motion
 //! ```
 //!
-//! What is left of a real robot is error of its model, which grows away from what was fitted: c, common to all joints, is the
-//! likeliest for parts that were held out; w_j then holds 95 % of a joint's samples there.
+//! What is left of a real robot is error of its model, which grows away from what was fitted and with the motion (see
+//! [`super::motion`]): c and d, common to all joints, are the likeliest for parts that were held out; w_j then holds 95 % of a
+//! joint's samples there.
 
 /// |z| that 95 % of a Gaussian lie within.
 const Z95: f64 = 1.96;
 /// Decimal logarithm of the largest c, and steps per decade.
 const DECADES: [usize; 2] = [4, 4];
+/// Values that d may have.
+const MOTION_SCALES: [f64; 7] = [0.0, 0.1, 0.3, 1.0, 3.0, 10.0, 30.0];
 /// Largest square of a standardised residual that counts: the tails are no Gaussian's.
 const MOST_SQUARE: f64 = 9.0;
 
@@ -22,6 +25,8 @@ pub(crate) struct Deviation {
     pub own: f64,
     /// By what the parameters leave open.
     pub unknown: f64,
+    /// m, 1 in the mean of what was fitted [-].
+    pub motion: f64,
 }
 
 /// The band.
@@ -29,6 +34,8 @@ pub(crate) struct Deviation {
 pub(crate) struct Band {
     /// c.
     pub unknown_scale: f64,
+    /// d.
+    pub motion_scale: f64,
     /// w of each joint.
     pub widths: Vec<f64>,
 }
@@ -36,41 +43,51 @@ pub(crate) struct Band {
 impl Band {
     /// The band of held-out residuals, one list per joint.
     pub fn of(unseen: &[Vec<Deviation>]) -> Self {
-        let scales = (0..=DECADES[0] * DECADES[1]).map(|k| 10f64.powf(k as f64 / DECADES[1] as f64));
-        let likeliest = scales
-            .map(|scale| (scale, cost(unseen, scale)))
+        let unknown = (0..=DECADES[0] * DECADES[1]).map(|k| 10f64.powf(k as f64 / DECADES[1] as f64));
+        let pairs = unknown.flat_map(|c| MOTION_SCALES.into_iter().map(move |d| [c, d]));
+        let likeliest = pairs
+            .map(|pair| (pair, cost(unseen, pair)))
             .min_by(|a, b| a.1.total_cmp(&b.1))
-            .map_or(1.0, |(scale, _)| scale);
+            .map_or([1.0, 0.0], |(pair, _)| pair);
         let width = |joint: &Vec<Deviation>| {
             let squares = joint.iter().map(|at| square(at, likeliest)).collect();
             (quantile(squares, 0.95).sqrt() / Z95).max(1e-3)
         };
-        Self { unknown_scale: likeliest, widths: unseen.iter().map(width).collect() }
+        let [unknown_scale, motion_scale] = likeliest;
+        Self { unknown_scale, motion_scale, widths: unseen.iter().map(width).collect() }
     }
 
-    /// Standard deviation of a joint's torque (Nm), from variances by noise and by what is unknown (Nm²).
+    /// Standard deviation of a joint's torque (Nm), from variances by noise and by what is unknown (Nm²), where the arm moves as in
+    /// what was fitted.
     pub fn sd_nm(&self, joint: usize, own: f64, unknown: f64) -> f64 {
-        self.widths[joint] * (own + self.unknown_scale * unknown).sqrt()
+        let at = Deviation { residual_nm: 0.0, own, unknown, motion: 1.0 };
+        self.widths[joint] * variance(&at, [self.unknown_scale, self.motion_scale]).sqrt()
     }
 
     /// Whether a residual of a joint lies in the 95 % band.
     pub fn holds(&self, joint: usize, at: &Deviation) -> bool {
-        at.residual_nm.abs() <= Z95 * self.sd_nm(joint, at.own, at.unknown)
+        let scales = [self.unknown_scale, self.motion_scale];
+        at.residual_nm.abs() <= Z95 * self.widths[joint] * variance(at, scales).sqrt()
     }
 }
 
-fn square(at: &Deviation, scale: f64) -> f64 {
-    at.residual_nm.powi(2) / (at.own + scale * at.unknown).max(f64::MIN_POSITIVE)
+/// σ² (1 + d m)/(1 + d) + c V (Nm²).
+fn variance(at: &Deviation, [c, d]: [f64; 2]) -> f64 {
+    at.own * (1.0 + d * at.motion) / (1.0 + d) + c * at.unknown
+}
+
+fn square(at: &Deviation, scales: [f64; 2]) -> f64 {
+    at.residual_nm.powi(2) / variance(at, scales).max(f64::MIN_POSITIVE)
 }
 
 /// Minus the logarithm of the likelihood of all joints at their common width.
-fn cost(unseen: &[Vec<Deviation>], scale: f64) -> f64 {
+fn cost(unseen: &[Vec<Deviation>], scales: [f64; 2]) -> f64 {
     let all = || unseen.iter().flatten().filter(|at| at.own > 0.0);
-    let width = (quantile(all().map(|at| square(at, scale)).collect(), 0.95) / Z95.powi(2)).max(1e-6);
+    let width = (quantile(all().map(|at| square(at, scales)).collect(), 0.95) / Z95.powi(2)).max(1e-6);
     all()
         .map(|at| {
-            let grown = (at.own + scale * at.unknown) / at.own;
-            0.5 * ((square(at, scale) / width).min(MOST_SQUARE) + (width * grown).ln())
+            let grown = variance(at, scales) / at.own;
+            0.5 * ((square(at, scales) / width).min(MOST_SQUARE) + (width * grown).ln())
         })
         .sum()
 }
@@ -93,7 +110,7 @@ mod tests {
         let mut gauss = gaussian(3);
         let mut draw = |unknown: f64| {
             let residual_nm = 2.0 * (1.0 + 10.0 * unknown).sqrt() * gauss();
-            Deviation { residual_nm, own: 1.0, unknown }
+            Deviation { residual_nm, own: 1.0, unknown, motion: 1.0 }
         };
         let seen: Vec<Vec<Deviation>> =
             (0..3).map(|_| (0..3000).map(|k| draw(f64::from(k % 10) * 0.05)).collect()).collect();

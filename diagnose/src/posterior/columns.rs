@@ -196,6 +196,11 @@ impl Columns {
         parts.iter().map(|part| self.parts[*part].samples.len()).sum()
     }
 
+    /// Weight of each row of a joint.
+    pub fn row_weights(&self, joint: usize) -> &[f64] {
+        &self.weights[joint]
+    }
+
     /// A combination of the columns of a joint over some parts.
     pub fn combined(&self, joint: usize, weights: &DVector<f64>, parts: &[usize]) -> Vec<f64> {
         let matrix = &self.joints[joint].matrix;

@@ -1,5 +1,7 @@
 //! The diagnosis of an arm whose model is wrong everywhere.
 
+use std::collections::BTreeSet;
+
 use tribo_logs::{RobotLog, median_period_s};
 use tribo_sim::Effect;
 
@@ -8,6 +10,8 @@ use super::baseline::Baselines;
 use super::columns::Columns;
 use super::family_finding::Answer;
 use super::fit::{Fit, Start, posterior};
+use super::further::further_causes;
+use super::motion::Motion;
 use super::prior::{ArmScale, Family};
 use super::problem::{Place, Problem};
 use super::selection::{Selection, is_payload, select};
@@ -37,6 +41,8 @@ const BAND_HZ: f64 = 10.0;
 const WIDEST_BAND: f64 = 0.2;
 /// Cut-off of the position smoother over the band.
 const SMOOTHING_OVER_BAND: f64 = 1.0;
+/// Most times that causes beyond the families are looked for.
+const FURTHER_ROUNDS: usize = 3;
 /// Parts that each log is cut into.
 const PARTS: usize = 12;
 /// Most findings.
@@ -91,8 +97,8 @@ fn fitted(
 /// Explains logs by the families of [`Family`], all fitted together.
 ///
 /// ```text
-/// logs → columns → posterior of all families (the file) → unseen parts → families by evidence → findings
-///      → file read back: residual after, validation
+/// logs → columns → posterior of all families → unseen parts → families by evidence → what is left: causes without a family
+///      → all of it again around these → findings → file read back: residual after, validation
 /// ```
 ///
 /// # Errors
@@ -110,16 +116,49 @@ pub(crate) fn explain<const N: usize>(
     let unloaded: Vec<bool> = (0..all_logs.len()).map(|k| k >= given.logs.len()).collect();
     // Fitted behind a narrower smoother than everything is judged behind.
     let in_band = |logs: &[RobotLog], model: &Nominal<N>| Scene::of_logs(logs, model, Some(band_hz));
-    step("columns", 0.15)?;
-    let scene = Scene::smoothed(&all_logs, nominal, Some(band_hz), SMOOTHING_OVER_BAND)?;
-    let scale = ArmScale::of(&scene);
-    let columns = Columns::of(&scene, &scale, PARTS);
-    let problem = Problem::of(&scene, columns, scale, unloaded);
-    let Fitted { all, selection, unseen } = fitted(&problem, settings.seed, step)?;
+    let fitted_around = |further: &[Finding]| -> Result<(Scene<N>, Problem, Fitted), DiagnoseError> {
+        step("columns", 0.15)?;
+        let around = with(nominal, &effects_of(further), true);
+        let scene = Scene::smoothed(&all_logs, &around, Some(band_hz), SMOOTHING_OVER_BAND)?;
+        let scale = ArmScale::of(&scene);
+        let columns = Columns::of(&scene, &scale, PARTS);
+        let problem = Problem::of(&scene, columns, scale, unloaded.clone());
+        let fitted = fitted(&problem, settings.seed, step)?;
+        Ok((scene, problem, fitted))
+    };
+    // Families first; what they leave shows causes that no family has, around which the families are fitted again.
+    let mut further: Vec<Finding> = Vec::new();
+    let (mut scene, mut problem, mut found) = fitted_around(&further)?;
+    // What any user reaches, before anything is known of further causes.
+    let baselines = Baselines::of(&problem, &problem.all_parts());
+    let mut untouched: Option<Unseen> = None;
+    for _ in 0..FURTHER_ROUNDS {
+        let model = with(nominal, &written::effects(&scene, &problem, &found.all.state), true);
+        let next = further_causes(given.logs, &model, &problem, band_hz, settings, step)?;
+        let places =
+            |of: &[Finding]| of.iter().map(|finding| (finding.label, finding.location)).collect::<BTreeSet<_>>();
+        let known = places(&next) == places(&further);
+        if known && next.is_empty() {
+            break;
+        }
+        further = next;
+        let around = fitted_around(&further)?;
+        let before = std::mem::replace(&mut found, around.2);
+        (scene, problem) = (around.0, around.1);
+        untouched.get_or_insert(before.unseen);
+        if known {
+            break;
+        }
+    }
+    let Fitted { all, selection, mut unseen } = found;
+    if let Some(Unseen { nominal, plain, full, .. }) = untouched {
+        (unseen.nominal, unseen.plain, unseen.full) = (nominal, plain, full);
+    }
 
     // The file, and what it leaves of the logs when it is read back.
     step("extended model", 0.85)?;
-    let mut extension = written::effects(&scene, &problem, &all.state);
+    let mut extension = effects_of(&further);
+    extension.extend(written::effects(&scene, &problem, &all.state));
     let before_scene = in_band(given.logs, nominal)?;
     // Two encoders show springs and gaps without any torque model.
     let seen: Vec<Finding> =
@@ -149,7 +188,9 @@ pub(crate) fn explain<const N: usize>(
         .collect();
     let cut = findings.len().saturating_sub(MOST_FINDINGS);
     findings.truncate(MOST_FINDINGS);
+    findings.extend(further);
     findings.extend(seen);
+    findings.sort_by(|a, b| b.evidence.total_cmp(&a.evidence));
     let payload_unsure = doubt_payload(&problem, &all, &mut findings, given.unloaded.is_empty());
 
     let rms_of = |squares: &[Vec<f64>]| unseen.rms_nm(&problem, squares);
@@ -172,12 +213,17 @@ pub(crate) fn explain<const N: usize>(
 
     step("validation", 0.95)?;
     let band = Band::of(&unseen.deviations);
-    let baselines = Baselines::of(&problem, &problem.all_parts());
+    // A push belongs to the log that it was found in.
+    let not_lasting = |effect: &Effect| matches!(effect, Effect::ExternalContact { .. });
+    let mut extended = extended;
+    extended.effects.retain(|effect| !not_lasting(effect));
+    let mut lasting = scene.nominal.clone();
+    lasting.effects.retain(|effect| !not_lasting(effect));
     let validation = given
         .validate
         .iter()
         .map(|(name, log)| {
-            validated(name, log, nominal, &extended, &problem, &all, &baselines, &band, settings, band_hz)
+            validated(name, log, [nominal, &lasting, &extended], &problem, &all, &baselines, &band, settings, band_hz)
         })
         .collect::<Result<Vec<_>, _>>()?;
 
@@ -217,6 +263,11 @@ pub(crate) fn explain<const N: usize>(
         samples: before_scene.time_s.len(),
         bursts: before_scene.bursts.len(),
     })
+}
+
+/// The effects of findings.
+fn effects_of(findings: &[Finding]) -> Vec<Effect> {
+    findings.iter().filter_map(|finding| finding.effect.clone()).collect()
 }
 
 /// The nominal model with effects, with or without the payload among them.
@@ -283,8 +334,7 @@ fn next_experiment(findings: &[Finding], payload_unsure: bool) -> Option<NextExp
 fn validated<const N: usize>(
     name: &str,
     log: &RobotLog,
-    nominal: &Nominal<N>,
-    extended: &Nominal<N>,
+    [nominal, around, extended]: [&Nominal<N>; 3],
     problem: &Problem,
     all: &Fit,
     baselines: &Baselines,
@@ -294,17 +344,22 @@ fn validated<const N: usize>(
 ) -> Result<Validation, DiagnoseError> {
     let one = std::slice::from_ref(log);
     let in_band = |model: &Nominal<N>| Scene::of_logs(one, model, Some(band_hz));
-    let (before, after) = (in_band(nominal)?, in_band(extended)?);
-    let columns = Columns::of(&before, &problem.scale, PARTS);
-    let here = Problem::of(&before, columns, problem.scale.clone(), vec![false]);
+    let (before, bare, after) = (in_band(nominal)?, in_band(around)?, in_band(extended)?);
+    let regression = |scene: &Scene<N>| {
+        Problem::of(scene, Columns::of(scene, &problem.scale, PARTS), problem.scale.clone(), vec![false])
+    };
+    let here = regression(&bare);
+    let untouched = (around.effects.len() > nominal.effects.len()).then(|| regression(&before));
     let parts = here.all_parts();
     let samples = before.time_s.len().max(1) as f64;
     let of_state = |state| -> Vec<f64> {
-        let square = |j: usize| parts.iter().map(|part| here.unseen_square(state, j, *part)).sum::<f64>();
+        let of_baselines = untouched.as_ref().unwrap_or(&here);
+        let square = |j: usize| parts.iter().map(|part| of_baselines.unseen_square(state, j, *part)).sum::<f64>();
         (0..N).map(|j| (square(j) / samples).sqrt()).collect()
     };
+    let motion = Motion::of(problem, &problem.all_parts());
     let inside: usize =
-        (0..N).map(|j| deviations(&here, all, j, &parts).iter().filter(|at| band.holds(j, at)).count()).sum();
+        (0..N).map(|j| deviations(&here, all, &motion, j, &parts).iter().filter(|at| band.holds(j, at)).count()).sum();
     let rms_of = |scene: &Scene<N>| scene.residual_nm.iter().map(|column| rms(column)).collect::<Vec<f64>>();
     let block = |scene: &Scene<N>, part: &usize| -> f64 {
         let samples = here.columns.parts[*part].samples.clone();

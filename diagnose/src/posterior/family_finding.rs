@@ -1,5 +1,7 @@
 //! Selected families as findings: one per label, with its joints in a table.
 
+use std::f64::consts::SQRT_2;
+
 use nalgebra::DMatrix;
 use tribo_sim::Effect;
 
@@ -214,7 +216,7 @@ impl<const N: usize> Answer<'_, N> {
                 let distance = |_: usize, k: usize| PRESLIDING_RAD[k];
                 vec![Self::table("presliding_distance_rad", typical(&distance)), Self::table("amplitude_nm", summed())]
             }
-            CauseLabel::TorqueRipple => self.largest_ripples(&joints),
+            CauseLabel::TorqueRipple => self.ripples(&joints),
             _ => vec![
                 Self::table("stiffness_nm_per_rad", of(T::Spring)),
                 Self::table("rest_rad", joints.iter().map(|_| (0.0, 0.0)).collect()),
@@ -223,18 +225,20 @@ impl<const N: usize> Answer<'_, N> {
         (!joints.is_empty()).then_some(Shown { joints, links: Vec::new(), parameters, explained_rms_nm: explained })
     }
 
-    /// The largest ripple of each joint.
-    fn largest_ripples(&self, joints: &[usize]) -> Vec<Parameter> {
+    /// The ripple of each joint as one wave: amplitude of all waves together, √2 RMS, number and phase of the largest; where a
+    /// joint covers a part of a turn neighbouring waves share what one of them does.
+    fn ripples(&self, joints: &[usize]) -> Vec<Parameter> {
         let rows = joints.iter().filter_map(|j| {
-            let effects = (0..RIPPLES).filter_map(|k| match ripple(self.problem, &self.fit.state, *j, k)? {
+            let waves = (0..RIPPLES).filter_map(|k| match ripple(self.problem, &self.fit.state, *j, k)? {
                 Effect::TorqueRipple { cycles_per_rev, amplitude_nm, phase_rad, .. } => {
-                    let sd = self.own(*j, JointTerm::Sine(k)).1.hypot(self.own(*j, JointTerm::Cosine(k)).1)
-                        / std::f64::consts::SQRT_2;
-                    Some([(cycles_per_rev, 0.0), (amplitude_nm, sd), (phase_rad, sd / amplitude_nm)])
+                    let sd = self.own(*j, JointTerm::Sine(k)).1.hypot(self.own(*j, JointTerm::Cosine(k)).1) / SQRT_2;
+                    Some((cycles_per_rev, amplitude_nm, [phase_rad, sd / amplitude_nm]))
                 }
                 _ => None,
             });
-            effects.max_by(|a, b| a[1].0.total_cmp(&b[1].0))
+            let (cycles_per_rev, _, [phase_rad, phase_sd]) = waves.max_by(|a, b| a.1.total_cmp(&b.1))?;
+            let Size { rms_nm, sd_nm } = self.size(*j, &JointTerm::RIPPLE);
+            Some([(cycles_per_rev, 0.0), (SQRT_2 * rms_nm, SQRT_2 * sd_nm), (phase_rad, phase_sd)])
         });
         let rows: Vec<[(f64, f64); 3]> = rows.collect();
         let column = |name, k: usize| Self::table(name, rows.iter().map(|row| row[k]).collect());

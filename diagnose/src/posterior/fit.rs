@@ -433,13 +433,13 @@ pub(crate) fn posterior(problem: &Problem, parts: &[usize], start: &Start) -> Op
             .iter()
             .filter_map(|i| {
                 let value = found.state[*i];
+                use super::columns::JointTerm;
                 match problem.places[*i] {
-                    Place::Own(_, super::columns::JointTerm::Spring | super::columns::JointTerm::Load)
-                        if value < 0.0 =>
-                    {
+                    // Friction that came before the motion would drive it.
+                    Place::Own(_, JointTerm::Spring | JointTerm::Load | JointTerm::Presliding(_)) if value < 0.0 => {
                         Some((*i, 0.0))
                     }
-                    Place::Own(j, super::columns::JointTerm::Rotor) if problem.rotor_kg_m2[j] + value < 0.0 => {
+                    Place::Own(j, JointTerm::Rotor) if problem.rotor_kg_m2[j] + value < 0.0 => {
                         Some((*i, -problem.rotor_kg_m2[j]))
                     }
                     _ => None,

@@ -6,6 +6,7 @@ use rayon::prelude::*;
 use super::band::Deviation;
 use super::baseline::Baselines;
 use super::fit::{Fit, posterior};
+use super::motion::Motion;
 use super::prior::Family;
 use super::problem::{Problem, State};
 
@@ -104,6 +105,7 @@ impl Unseen {
             deviations: vec![Vec::new(); joints],
             split,
         };
+        let motion = Motion::of(problem, &problem.all_parts());
         for fold in &found {
             for &part in &fold.held_out {
                 unseen.parts.push(part);
@@ -117,7 +119,7 @@ impl Unseen {
             }
             if let Some(fit) = &fold.ours {
                 for (j, all) in unseen.deviations.iter_mut().enumerate() {
-                    all.extend(deviations(problem, fit, j, &fold.held_out));
+                    all.extend(deviations(problem, fit, &motion, j, &fold.held_out));
                 }
             }
         }
@@ -131,8 +133,14 @@ impl Unseen {
     }
 }
 
-/// Residuals of a joint along some parts, with what a fit foretells of them.
-pub(crate) fn deviations(problem: &Problem, fit: &Fit, joint: usize, parts: &[usize]) -> Vec<Deviation> {
+/// Residuals of a joint along some parts, with what a fit foretells of them; `motion` is that of what was fitted.
+pub(crate) fn deviations(
+    problem: &Problem,
+    fit: &Fit,
+    motion: &Motion,
+    joint: usize,
+    parts: &[usize],
+) -> Vec<Deviation> {
     parts
         .iter()
         .flat_map(|part| {
@@ -140,7 +148,13 @@ pub(crate) fn deviations(problem: &Problem, fit: &Fit, joint: usize, parts: &[us
             let residual = problem.columns.combined(joint, &weights, &[*part]);
             let unknown = unknown_variance(problem, fit, joint, *part);
             let own = fit.variances[joint];
-            residual.into_iter().zip(unknown).map(move |(residual_nm, unknown)| Deviation { residual_nm, own, unknown })
+            let foretold = unknown.into_iter().zip(motion.over(problem, *part));
+            residual.into_iter().zip(foretold).map(move |(residual_nm, (unknown, motion))| Deviation {
+                residual_nm,
+                own,
+                unknown,
+                motion,
+            })
         })
         .collect()
 }

@@ -1,11 +1,13 @@
 //! The size that gives a hidden torque its strength.
 
+use nalgebra::SVector;
 use tribo_logs::RobotLog;
-use tribo_sim::{Effect, Recorder, Recording, RecordingError, Truth};
+use tribo_sim::{Effect, ExtraTorque, Recorder, Recording, RecordingError};
 
 use super::Scenario;
 use super::drawn_effect::DrawnEffect;
 use super::outside::Outside;
+use super::world::Reality;
 
 /// Band of the noise that strengths refer to (Hz).
 pub const NOISE_BAND_HZ: f64 = 10.0;
@@ -39,7 +41,7 @@ impl Scenario {
         sd * (2.0 * NOISE_BAND_HZ / recording.rate_hz).min(1.0).sqrt()
     }
 
-    /// One log per motion of the nominal model with effects and perhaps another torque.
+    /// One log per motion of the real arm with effects and perhaps another torque.
     pub(super) fn logs(
         &self,
         effects: &[Effect],
@@ -47,13 +49,32 @@ impl Scenario {
         recording: Recording,
         seed: u64,
     ) -> Result<Vec<RobotLog>, RecordingError> {
-        let truth = Truth { effects: effects.to_vec(), ..self.nominal_truth() };
+        self.logs_of(&self.reality, effects, outside, recording, seed)
+    }
+
+    /// The same of another arm.
+    pub(super) fn logs_of(
+        &self,
+        reality: &Reality,
+        effects: &[Effect],
+        outside: Option<&Outside>,
+        recording: Recording,
+        seed: u64,
+    ) -> Result<Vec<RobotLog>, RecordingError> {
+        let mut truth = reality.truth.clone();
+        truth.effects.extend(effects.iter().cloned());
         let smoothing_rad_s = self.nominal.smoothing_rad_s;
         let motions = self.motions.iter().enumerate();
         motions
             .map(|(index, motion)| {
-                let extra = outside.map(|outside| outside.torque(&self.nominal, motion.as_ref()));
-                let recorder = Recorder { truth: &truth, smoothing_rad_s, recording, extra: extra.as_deref() };
+                let stranger = outside.map(|outside| outside.torque(&self.nominal, motion.as_ref()));
+                let torque = |t: f64, q: &SVector<f64, 7>, qd: &SVector<f64, 7>, qdd: &SVector<f64, 7>| {
+                    let soft = reality.soft.map_or_else(SVector::zeros, |soft| soft.torque(qd, qdd));
+                    soft + stranger.as_ref().map_or_else(SVector::zeros, |stranger| stranger(t, q, qd, qdd))
+                };
+                let extra: Option<&ExtraTorque<'_, 7>> =
+                    (reality.soft.is_some() || stranger.is_some()).then_some(&torque);
+                let recorder = Recorder { truth: &truth, smoothing_rad_s, recording, extra };
                 let seed = seed.wrapping_add(index as u64);
                 match &self.session {
                     Some(session) => recorder.record_session(motion.as_ref(), session, seed),

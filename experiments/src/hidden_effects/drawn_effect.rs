@@ -6,6 +6,7 @@ use tribo_diagnose::{CauseLabel, Nominal};
 use tribo_sim::Effect;
 
 use super::chance::Chance;
+use super::world::World;
 
 /// A cause with everything drawn but its size.
 #[derive(Clone, Debug)]
@@ -27,6 +28,7 @@ impl DrawnEffect {
     pub fn draw(
         label: CauseLabel,
         nominal: &Nominal<7>,
+        world: World,
         taken: &[usize],
         shortest_s: f64,
         dual_encoder: bool,
@@ -48,7 +50,11 @@ impl DrawnEffect {
         }
         let joint = chance.pick(&joints);
         let (coulomb, viscous) = (nominal.dry_nm(joint), nominal.viscous_nm_s(joint));
-        let side = chance.side();
+        let side = match (world, label) {
+            // Under friction of another shape a law cannot give away what it does not have.
+            (World::WrongEverywhere, CauseLabel::Coulomb) => 1.0,
+            _ => chance.side(),
+        };
         // A cause that takes friction away leaves a fifth of it.
         let removable = |of: f64| if side < 0.0 { 0.8 * of } else { 3.0 };
         let (mut proportional, mut seen_by_encoders, mut carried_by_friction_of) = (true, false, None);
@@ -91,8 +97,18 @@ impl DrawnEffect {
                 (Effect::TorqueRipple { joint, cycles_per_rev, amplitude_nm: 1.0, phase_rad }, [0.0, 2.0])
             }
             CauseLabel::Presliding => {
-                carried_by_friction_of = Some(joint);
                 let presliding_distance_rad = chance.log_between(3e-4, 1e-2);
+                if world == World::WrongEverywhere {
+                    let effect = Effect::Presliding { joint, presliding_distance_rad, amplitude_nm: Some(1.0) };
+                    return Some(Self {
+                        unit: effect,
+                        sizes: [0.0, 2.0],
+                        proportional,
+                        seen_by_encoders,
+                        carried_by_friction_of,
+                    });
+                }
+                carried_by_friction_of = Some(joint);
                 // Friction of 0.05 to 2 Nm.
                 let effect = Effect::Presliding { joint, presliding_distance_rad, amplitude_nm: None };
                 (effect, [0.05 / coulomb, 2.0 / coulomb])
@@ -154,7 +170,8 @@ impl DrawnEffect {
             | Effect::TimeDelay { delay_s: x }
             | Effect::PositionSpring { stiffness_nm_per_rad: x, .. } => *x *= size,
             // The size is that of the friction it carries.
-            Effect::Presliding { .. } => {}
+            Effect::Presliding { amplitude_nm: None, .. } => {}
+            Effect::Presliding { amplitude_nm: Some(x), .. } => *x *= size,
             // The size is the compliance.
             Effect::JointElasticity { stiffness_nm_per_rad, .. } => *stiffness_nm_per_rad /= size,
             Effect::Payload { mass_kg, inertia_kg_m2, .. } => {

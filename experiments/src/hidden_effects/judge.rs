@@ -1,15 +1,11 @@
 //! An answer against what was hidden.
 
-use tribo_diagnose::{
-    CauseLabel, Diagnosis, Location, Nominal, ResidualError, ResidualSettings, TorqueResidual, Verdict,
-};
+use tribo_diagnose::{CauseLabel, Diagnosis, Nominal, ResidualError, ResidualSettings, TorqueResidual, Verdict};
 use tribo_logs::RobotLog;
 use tribo_sim::Effect;
 
-use super::{HiddenCase, parameter_errors};
-
-/// Last link of the arm.
-const LAST_LINK: usize = 6;
+use super::claim::{Claim, claims, is_background, is_background_cause, names, place, right_value};
+use super::{HiddenCase, World, parameter_errors};
 
 /// What is right and wrong in a diagnosis.
 #[derive(Clone, Debug, PartialEq)]
@@ -37,31 +33,52 @@ pub struct Judgement {
 impl Judgement {
     /// Compares.
     ///
-    /// A name counts at its joint or link. Two pairs are one thing by physics and count as such: a payload and mass on the
-    /// last link; rotor inertia of joint 0 and inertia of link 0.
+    /// A finding of several joints claims each of them.
     ///
     /// # Errors
     /// [`ResidualError`] if a log has no residual, which its diagnosis would have met before.
     pub fn of(case: &HiddenCase, diagnosis: &Diagnosis) -> Result<Self, ResidualError> {
-        let matches = |at: (CauseLabel, Location), effect: &Effect| at == place(effect) || same_by_physics(at, effect);
         let hidden = &case.hidden;
-        let found =
-            hidden.iter().map(|effect| diagnosis.findings.iter().any(|f| matches((f.label, f.location), effect)));
-        let listed = hidden.iter().map(|effect| {
-            diagnosis.findings.iter().any(|finding| {
-                matches((finding.label, finding.location), effect)
-                    || finding.alternatives.iter().any(|a| matches((a.label, a.location), effect))
-            })
-        });
-        let right = |at: (CauseLabel, Location)| {
-            hidden.iter().any(|effect| matches(at, effect)) || (case.extra.is_some() && at.0 == CauseLabel::Unknown)
+        let claims = claims(diagnosis);
+        let named = |effect: &Effect| match right_value(effect, case, diagnosis) {
+            Some(right) if case.world == World::WrongEverywhere => right,
+            _ => claims.iter().any(|claim| names((claim.label, claim.location), effect, case)),
         };
-        let wrong = diagnosis.findings.iter().filter(|finding| !right((finding.label, finding.location)));
-        let mut false_findings: Vec<String> =
-            wrong.map(|finding| format!("{}@{}", finding.label, finding.location)).collect();
+        let found: Vec<bool> = hidden.iter().map(named).collect();
+        let listed: Vec<bool> = hidden
+            .iter()
+            .zip(&found)
+            .map(|(effect, found)| {
+                let rivals = diagnosis.findings.iter().flat_map(|finding| &finding.alternatives);
+                *found || rivals.into_iter().any(|rival| names((rival.label, rival.location), effect, case))
+            })
+            .collect();
+        let right = |claim: &Claim| {
+            hidden.iter().any(|effect| names((claim.label, claim.location), effect, case))
+                || (case.extra.is_some() && claim.label == CauseLabel::Unknown)
+        };
+        let telling: Vec<&Claim> =
+            claims.iter().filter(|claim| !is_background(claim, case.world) || right(claim)).collect();
+        let mut false_findings: Vec<String> = telling
+            .iter()
+            .filter(|claim| !right(claim))
+            .map(|claim| format!("{}@{}", claim.label, claim.location))
+            .collect();
+        // What the model lacks everywhere is no news; of the rest the first must be a hidden cause.
+        let by_value =
+            hidden.iter().zip(&found).any(|(effect, found)| *found && is_background_cause(effect, case.world));
+        let strangers = claims.iter().find(|claim| !is_background(claim, case.world));
+        let top_one = match strangers {
+            Some(first) => right(first),
+            None => by_value || telling.first().is_some_and(|first| right(first)),
+        };
         // "Something is there" is false where nothing is.
         let nothing = hidden.is_empty() && case.extra.is_none();
-        if nothing && diagnosis.findings.is_empty() && diagnosis.verdict != Verdict::NothingMissing {
+        if nothing
+            && case.world == World::Identified
+            && diagnosis.findings.is_empty()
+            && diagnosis.verdict != Verdict::NothingMissing
+        {
             false_findings.push(diagnosis.verdict.name().to_owned());
         }
         let errors = hidden.iter().flat_map(|effect| {
@@ -71,40 +88,15 @@ impl Judgement {
         });
         Ok(Self {
             detected: !diagnosis.findings.is_empty(),
-            top_one: diagnosis.findings.first().is_some_and(|first| right((first.label, first.location))),
-            found: found.collect(),
-            listed: listed.collect(),
+            top_one,
+            found,
+            listed,
             confidently_wrong: diagnosis.verdict == Verdict::Named && !false_findings.is_empty(),
             false_findings,
             parameter_errors: errors.collect(),
             gain: diagnosis.gain_heldout,
             truth_gain: truth_gain(case, diagnosis)?,
         })
-    }
-}
-
-/// Label and location of an effect.
-fn place(effect: &Effect) -> (CauseLabel, Location) {
-    let location = match (effect, effect.joint()) {
-        (Effect::LinkInertial { link, .. }, _) => Location::Link(*link),
-        (_, Some(joint)) => Location::Joint(joint),
-        (_, None) => Location::Arm,
-    };
-    (CauseLabel::of(effect), location)
-}
-
-/// Whether the two give the same torque on any motion.
-fn same_by_physics(at: (CauseLabel, Location), effect: &Effect) -> bool {
-    let last = (CauseLabel::LinkInertial, Location::Link(LAST_LINK));
-    let first = (CauseLabel::LinkInertial, Location::Link(0));
-    match effect {
-        Effect::Payload { .. } => at == last,
-        Effect::LinkInertial { link: LAST_LINK, delta_mass_kg, .. } => {
-            *delta_mass_kg > 0.0 && at == (CauseLabel::Payload, Location::Arm)
-        }
-        Effect::RotorInertia { joint: 0, .. } => at == first,
-        Effect::LinkInertial { link: 0, .. } => at == (CauseLabel::RotorInertia, Location::Joint(0)),
-        _ => false,
     }
 }
 

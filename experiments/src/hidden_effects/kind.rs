@@ -45,6 +45,8 @@ pub enum Kind {
     Single(CauseLabel, Strength),
     /// Two different causes, on different joints or one of them on the whole arm; each medium or strong.
     Pair,
+    /// Three of them.
+    Triple,
     /// The nominal model is the truth.
     Null,
     /// A torque that no cause of the vocabulary describes.
@@ -63,6 +65,7 @@ impl fmt::Display for Kind {
         match self {
             Self::Single(label, strength) => write!(f, "{label}/{}", strength.name()),
             Self::Pair => f.write_str("pair"),
+            Self::Triple => f.write_str("triple"),
             Self::Null => f.write_str("null"),
             Self::OutsideVocabulary => f.write_str("outside"),
         }

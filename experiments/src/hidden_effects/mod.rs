@@ -9,9 +9,9 @@
 //!
 //! ```
 //! use tribo_diagnose::CauseLabel;
-//! use tribo_experiments::hidden_effects::{HiddenCase, Kind, Strength};
+//! use tribo_experiments::hidden_effects::{HiddenCase, Kind, Strength, World};
 //!
-//! let case = HiddenCase::draw(7, Kind::Single(CauseLabel::Coulomb, Strength::Strong))?;
+//! let case = HiddenCase::draw(7, Kind::Single(CauseLabel::Coulomb, Strength::Strong), World::Identified)?;
 //! assert_eq!(case.hidden.len(), 1);
 //! assert!(case.strength > 3.0); // RMS of the hidden torque over the torque noise in the band
 //! # Ok::<(), tribo_sim::RecordingError>(())
@@ -20,6 +20,7 @@
 mod calibration;
 mod case;
 mod chance;
+mod claim;
 mod drawn_effect;
 mod interval;
 mod judge;
@@ -29,6 +30,7 @@ mod parameter_error;
 mod run;
 mod scenario;
 mod tally;
+mod world;
 
 pub use calibration::{Calibrated, NOISE_BAND_HZ};
 pub use case::HiddenCase;
@@ -40,3 +42,4 @@ pub use parameter_error::parameter_errors;
 pub use run::{CaseError, CaseFilter, Outcome, judged};
 pub use scenario::Scenario;
 pub use tally::Tally;
+pub use world::{Reality, World};

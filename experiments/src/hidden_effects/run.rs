@@ -5,7 +5,7 @@ use std::time::Instant;
 use tribo_diagnose::{CauseLabel, DiagnoseError, DiagnoseSettings, Diagnosis, diagnose};
 use tribo_sim::RecordingError;
 
-use super::{HiddenCase, Judgement, Kind, Strength};
+use super::{HiddenCase, Judgement, Kind, Strength, World};
 
 /// Which cases seeds stand for.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -29,6 +29,7 @@ impl CaseFilter {
             "all" => filter(None, None),
             "null" => filter(Some(Kind::Null), None),
             "pair" => filter(Some(Kind::Pair), None),
+            "triple" => filter(Some(Kind::Triple), None),
             "outside" => filter(Some(Kind::OutsideVocabulary), None),
             _ => filter(None, Some(Kind::causes().find(|label| label.name() == name)?)),
         }
@@ -95,8 +96,8 @@ pub enum CaseError {
 ///
 /// # Errors
 /// [`CaseError`].
-pub fn judged(seed: u64, kind: Kind) -> Result<Outcome, CaseError> {
-    let case = HiddenCase::draw(seed, kind)?;
+pub fn judged(seed: u64, kind: Kind, world: World) -> Result<Outcome, CaseError> {
+    let case = HiddenCase::draw(seed, kind, world)?;
     let start = Instant::now();
     let diagnosis = diagnose(&case.logs, &case.nominal, &[], &DiagnoseSettings::default(), &|_, _| true)?;
     let diagnosis_s = start.elapsed().as_secs_f64();

@@ -11,6 +11,7 @@ use tribo_sim::excitation::{Chain, Envelope, Excitation, JointTrajectory};
 use tribo_sim::{Recording, Session, TorqueSide, Truth};
 
 use super::chance::Chance;
+use super::world::{Reality, World};
 
 /// Width of the smooth sign (rad/s).
 const SMOOTHING_RAD_S: f64 = 0.005;
@@ -19,6 +20,8 @@ const SMOOTHING_RAD_S: f64 = 0.005;
 pub struct Scenario {
     /// The model that diagnosis is given.
     pub nominal: Nominal<7>,
+    /// The arm under the hidden causes.
+    pub reality: Reality,
     /// One motion per log.
     pub motions: Vec<Box<dyn JointTrajectory<7>>>,
     /// How logs are taken.
@@ -31,10 +34,26 @@ pub struct Scenario {
 
 impl Scenario {
     /// Motions that show all of these causes in principle, and sensors that could see them; torque noise in a range (Nm).
-    pub(super) fn draw(labels: &[CauseLabel], dual_encoder: bool, torque_sd_nm: [f64; 2], seed: u64) -> Self {
+    pub(super) fn draw(
+        labels: &[CauseLabel],
+        dual_encoder: bool,
+        torque_sd_nm: [f64; 2],
+        world: World,
+        seed: u64,
+    ) -> Self {
         let chance = &mut Chance::new(seed, 1);
-        let nominal = nominal(chance);
+        let mut nominal = nominal(chance);
         let has = |label| labels.contains(&label);
+        let reality = match world {
+            World::Identified => Reality::of_nominal(&nominal),
+            World::WrongEverywhere => {
+                // Streams of their own: the motion is that of the same seed in the other world.
+                let chance = &mut Chance::new(seed, 3);
+                nominal.friction = FrictionModel { joints: std::array::from_fn(|_| coulomb_viscous(chance).into()) };
+                // What fades with warmth is a law's friction.
+                Reality::beside(&nominal, !has(CauseLabel::ThermalFriction), chance)
+            }
+        };
 
         // Clock and sensors.
         let session = has(CauseLabel::ThermalFriction);
@@ -101,13 +120,7 @@ impl Scenario {
             if recording.sampling_jitter_sd_s + recording.stamp_jitter_sd_s > 0.0 { ", jitter" } else { "" },
             if dual_encoder { ", two encoders" } else { "" },
         );
-        Self { nominal, motions, recording, session, description }
-    }
-
-    /// The nominal model as a truth.
-    pub fn nominal_truth(&self) -> Truth<7> {
-        let Nominal { arm, friction, .. } = &self.nominal;
-        Truth { arm: arm.clone(), friction: *friction, warm_up: None, effects: Vec::new() }
+        Self { nominal, reality, motions, recording, session, description }
     }
 
     /// Length of the shortest log (s).

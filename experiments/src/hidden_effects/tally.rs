@@ -51,7 +51,7 @@ impl Tally {
         for label in Kind::causes() {
             kinds.extend(Strength::ALL.map(|strength| Kind::Single(label, strength)));
         }
-        kinds.extend([Kind::Pair, Kind::Null, Kind::OutsideVocabulary]);
+        kinds.extend([Kind::Pair, Kind::Triple, Kind::Null, Kind::OutsideVocabulary]);
         let of_kind = |kind: &Kind| outcomes.iter().filter(|o| o.kind == *kind).collect::<Vec<_>>();
         let mut rows: Vec<Row> = kinds.iter().map(|kind| Row::of(kind.to_string(), &of_kind(kind))).collect();
         for strength in Strength::ALL {

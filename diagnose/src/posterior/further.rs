@@ -1,0 +1,97 @@
+//! Causes whose torque no family has: what a search for single causes finds in what the families leave.
+//!
+//! ```text
+//! left = y − (1 + g)(τ0 + A μ) → search among pushes, warmth, waves of the motor, springs of the gears, friction that differs by direction
+//! keep while   Σ_j (n_j/2κ_j) ln(left_j²/left'_j²) − (p/2) ln n/κ  >  10 nat
+//! ```
+//!
+//! κ is that of what is left with the cause: a push that is none leaves a residual as correlated as before.
+
+use tribo_logs::RobotLog;
+
+use super::problem::Problem;
+use super::selection::LEAST_NATS;
+use super::tempering::kappa;
+use crate::diagnosis::{CauseLabel, Finding};
+use crate::engine::cause_by_cause;
+use crate::noise_level::rms;
+use crate::scene::{Scene, subtracted};
+use crate::{DiagnoseError, DiagnoseSettings, Nominal};
+
+/// Labels that are looked for beyond the families.
+const BEYOND: [CauseLabel; 5] = [
+    CauseLabel::ExternalContact,
+    CauseLabel::ThermalFriction,
+    CauseLabel::TorqueRipple,
+    CauseLabel::JointElasticity,
+    CauseLabel::CoulombAsymmetry,
+];
+/// Labels that the search may use beside them, which the families then take back.
+const BESIDE: [CauseLabel; 3] = [CauseLabel::Coulomb, CauseLabel::Viscous, CauseLabel::TorqueOffset];
+
+/// Findings with their effects, strongest first, that `model` lacks: the nominal model with all families at their posterior mean.
+pub(crate) fn further_causes<const N: usize>(
+    logs: &[RobotLog],
+    model: &Nominal<N>,
+    problem: &Problem,
+    band_hz: f64,
+    settings: &DiagnoseSettings,
+    step: &dyn Fn(&str, f64) -> Result<(), DiagnoseError>,
+) -> Result<Vec<Finding>, DiagnoseError> {
+    let looked_for = |label: CauseLabel| BEYOND.contains(&label) || BESIDE.contains(&label);
+    let found = cause_by_cause(&looked_for, logs, Scene::of_logs(logs, model, Some(band_hz))?, &[], settings, step)?;
+    let scene = Scene::of_logs(logs, model, Some(band_hz))?;
+    let mut candidates: Vec<Finding> =
+        found.findings.into_iter().filter(|finding| BEYOND.contains(&finding.label)).collect();
+    let mut left = scene.residual_nm.clone();
+    let mut kept = Vec::new();
+    loop {
+        let worth = |finding: &Finding| {
+            let after = without(&scene, &left, finding)?;
+            Some((evidence(problem, &left, &after, parameters(finding.label)), after))
+        };
+        let best = candidates.iter().enumerate().filter_map(|(i, finding)| Some((i, worth(finding)?)));
+        let best = best.max_by(|a, b| a.1.0.total_cmp(&b.1.0));
+        let Some((i, (nats, after))) = best.filter(|(_, (nats, _))| *nats > LEAST_NATS) else { return Ok(kept) };
+        left = after;
+        let mut finding = candidates.remove(i);
+        finding.evidence = 2.0 * nats;
+        kept.push(finding);
+    }
+}
+
+/// What is left without the torque of a finding (Nm), or `None` where it has none.
+fn without<const N: usize>(scene: &Scene<N>, left: &[Vec<f64>; N], finding: &Finding) -> Option<[Vec<f64>; N]> {
+    let torque = scene.effect_torque(finding.effect.as_ref()?)?;
+    Some(subtracted(left, &[scene.filter(&torque)], &[1.0]))
+}
+
+/// By how much the log is likelier (nat), every row with the weight that it has in the fit.
+fn evidence<const N: usize>(
+    problem: &Problem,
+    before: &[Vec<f64>; N],
+    after: &[Vec<f64>; N],
+    parameters: usize,
+) -> f64 {
+    let (mut gain, mut counted) = (0.0, 0.0);
+    for j in 0..N {
+        let weighted = |x: &[f64]| -> Vec<f64> {
+            x.iter().zip(problem.columns.row_weights(j)).map(|(x, weight)| x * weight).collect()
+        };
+        let (with, without) = (weighted(&after[j]), weighted(&before[j]));
+        let count = with.len() as f64 / kappa(&with);
+        gain += count * (rms(&without) / rms(&with).max(f64::MIN_POSITIVE)).ln();
+        counted += count;
+    }
+    gain - 0.5 * parameters as f64 * counted.max(1.0).ln()
+}
+
+/// Free numbers of a cause, places and shapes among them.
+fn parameters(label: CauseLabel) -> usize {
+    match label {
+        CauseLabel::ExternalContact => 8,
+        CauseLabel::TorqueRipple => 3,
+        CauseLabel::CoulombAsymmetry => 1,
+        _ => 2,
+    }
+}

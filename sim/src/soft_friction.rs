@@ -1,0 +1,64 @@
+//! Dry friction as the soft constraint of a physics engine.
+
+use nalgebra::SVector;
+use tribo_robot::{Arm, mass_matrix};
+
+/// Rate at which the constraint stops a joint (1/s): 2/(dmax · 0.02 s), dmax = 0.95.
+const STOPPING_PER_S: f64 = 2.0 / (0.95 * 0.02);
+/// Stiffness of the constraint over the inertia that a joint feels [-]: d/(1 − d), d = 0.9.
+const HARDNESS: f64 = 9.0;
+
+/// MuJoCo's `frictionloss` with its default `solreffriction` and `solimpfriction`, along a given motion:
+///
+/// ```text
+/// tau_j = clip(9 m_j (q̈_j + 105 q̇_j), ± loss_j),   m_j = 1/(M⁻¹)_jj at one pose
+/// ```
+///
+/// A joint creeps under load instead of sticking, and friction leads the velocity by 1/105 s. Sign as of every friction here: the
+/// torque that the motor has to deliver. Source: MuJoCo documentation, chapter Computation, "Friction loss" and "Parameters".
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SoftFriction<const N: usize> {
+    /// Largest friction (Nm).
+    pub loss_nm: SVector<f64, N>,
+    /// Inertia that each joint feels when all others are free [kg m²].
+    pub felt_kg_m2: SVector<f64, N>,
+}
+
+impl<const N: usize> SoftFriction<N> {
+    /// The friction of an arm, inertia taken at one pose (rad); `None` if its mass matrix there is singular.
+    pub fn of(arm: &Arm<N>, q: &SVector<f64, N>, loss_nm: SVector<f64, N>) -> Option<Self> {
+        let inverse = mass_matrix(arm, q).cholesky()?.inverse();
+        Some(Self { loss_nm, felt_kg_m2: inverse.diagonal().map(f64::recip) })
+    }
+
+    /// Friction torque (Nm) at q̇ [rad/s] and q̈ [rad/s²].
+    pub fn torque(&self, qd: &SVector<f64, N>, qdd: &SVector<f64, N>) -> SVector<f64, N> {
+        SVector::from_fn(|j, _| {
+            let soft = HARDNESS * self.felt_kg_m2[j] * (qdd[j] + STOPPING_PER_S * qd[j]);
+            soft.clamp(-self.loss_nm[j], self.loss_nm[j])
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use tribo_robot::presets;
+
+    #[test]
+    fn it_is_dry_friction_in_motion_and_stiff_damping_near_rest() {
+        let loss = SVector::<f64, 7>::repeat(0.5);
+        let friction = SoftFriction::of(&presets::panda(), &presets::panda_ready_pose(), loss).unwrap();
+        let zero = SVector::zeros();
+        assert_eq!(friction.torque(&SVector::repeat(1.0), &zero), loss);
+        assert_eq!(friction.torque(&SVector::repeat(-1.0), &zero), -loss);
+        // The wrist, being light, leaves sticking at the highest speed.
+        let slow = SVector::<f64, 7>::repeat(1e-4);
+        let torque = friction.torque(&slow, &zero);
+        assert!(torque[6] < torque[0] && torque[0] < 0.5, "{torque}");
+        assert!((torque[6] / (9.0 * friction.felt_kg_m2[6] * 105.263e-4) - 1.0).abs() < 1e-4);
+        // An inertia felt with all other joints free is below the diagonal of the mass matrix.
+        let mass = mass_matrix(&presets::panda(), &presets::panda_ready_pose());
+        assert!((0..7).all(|j| friction.felt_kg_m2[j] <= mass[(j, j)] && friction.felt_kg_m2[j] > 0.0));
+    }
+}
