@@ -41,8 +41,12 @@ pub(crate) fn further_causes<const N: usize>(
     let looked_for = |label: CauseLabel| BEYOND.contains(&label) || BESIDE.contains(&label);
     let found = cause_by_cause(&looked_for, logs, Scene::of_logs(logs, model, Some(band_hz))?, &[], settings, step)?;
     let scene = Scene::of_logs(logs, model, Some(band_hz))?;
-    let mut candidates: Vec<Finding> =
-        found.findings.into_iter().filter(|finding| BEYOND.contains(&finding.label)).collect();
+    // A second encoder shows springs better than torques do: see `deflection`.
+    let news = |finding: &Finding| {
+        let by_encoders = finding.label == CauseLabel::JointElasticity && scene.deflection_rad.is_some();
+        BEYOND.contains(&finding.label) && !by_encoders
+    };
+    let mut candidates: Vec<Finding> = found.findings.into_iter().filter(news).collect();
     let mut left = scene.residual_nm.clone();
     let mut kept = Vec::new();
     loop {

@@ -126,12 +126,17 @@ pub fn worth(diagnosis: &Diagnosis, closed_loop: Option<ClosedLoop>) -> String {
 pub fn next_experiment(diagnosis: &Diagnosis) -> String {
     let Some(next) = &diagnosis.next_experiment else { return String::new() };
     let [a, b] = next.separates.map(|(label, location)| escape(&cause_at(label, location)));
+    // What to record is known exactly only of a motion of Tribo's own.
+    let worth = if next.via_points.is_empty() {
+        String::new()
+    } else {
+        let (expected, of_this_log) = (next.expected_evidence, next.evidence_of_this_log);
+        let [expected, of_this_log] = [expected, of_this_log].map(|evidence| significant(evidence, 3));
+        format!(": expected evidence {expected}, against {of_this_log} from a repetition of this log")
+    };
     let body = format!(
-        "<p>{}</p>\n<p>It separates <b>{a}</b> from <b>{b}</b>: expected evidence {}, against {} from a repetition of this \
-         log.</p>\n{}",
+        "<p>{}</p>\n<p>It separates <b>{a}</b> from <b>{b}</b>{worth}.</p>\n{}",
         escape(&next.instruction),
-        significant(next.expected_evidence, 3),
-        significant(next.evidence_of_this_log, 3),
         page::figures(&via_points(next))
     );
     section("Next experiment", &body)

@@ -218,17 +218,18 @@ fn show_next(diagnosis: &Diagnosis) {
     let Some(next) = &diagnosis.next_experiment else { return };
     let [a, b] = next.separates.map(|(label, location)| cause_at(label, location));
     print("");
-    paragraph(
-        "",
-        &format!(
-            "Next experiment: {} ({}) It separates {a} from {b}: expected evidence {}, against {} from a repetition of \
-             this log. --trajectory writes its via points.",
-            next.instruction,
-            next.motion,
-            significant(next.expected_evidence, 3),
-            significant(next.evidence_of_this_log, 3)
-        ),
-    );
+    let mut text = format!("Next experiment: {} ({}) It separates {a} from {b}", next.instruction, next.motion);
+    if next.via_points.is_empty() {
+        text += ".";
+    } else {
+        let (expected, of_this_log) = (next.expected_evidence, next.evidence_of_this_log);
+        text += &format!(
+            ": expected evidence {}, against {} from a repetition of this log. --trajectory writes its via points.",
+            significant(expected, 3),
+            significant(of_this_log, 3)
+        );
+    }
+    paragraph("", &text);
 }
 
 fn show_rejected(diagnosis: &Diagnosis) {
