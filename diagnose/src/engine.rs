@@ -85,25 +85,30 @@ pub fn diagnose_with_reference<const N: usize>(
     if scene.time_s.len() < LEAST_SAMPLES {
         return Err(DiagnoseError::TooShort { got: scene.time_s.len(), need: LEAST_SAMPLES });
     }
-    let wrongness = wrongness(&scene);
-    let diagnosis = if unloaded.is_empty() && !wrongness.everywhere {
-        Some(cause_by_cause(&|_| true, logs, scene, validate, settings, &step)?)
-    } else {
-        drop(scene);
-        None
-    };
+    // With logs of a bare flange all is fitted together anyway: nobody needs to ask how much is wrong.
+    let few = unloaded.is_empty().then(|| wrongness(&scene)).filter(|wrong| !wrong.everywhere);
     // Causes in most joints are a model that is wrong everywhere if they are of many kinds, or leave most joints unexplained and more
     // than all families would; and causes found one by one need not make an arm together, families fitted with every link a body do.
-    let stands = |found: &Diagnosis| {
+    let stands = |found: &Diagnosis, all_nm: &[f64]| {
         let unexplained = |(joint, all_nm): &(&JointMisfit, &f64)| {
             joint.rms_after_nm > MUCH_LEFT * joint.noise_floor_nm && joint.rms_after_nm > AS_WELL * *all_nm
         };
-        let unexplained = found.joints.iter().zip(&wrongness.left_nm).filter(unexplained).count();
+        let unexplained = found.joints.iter().zip(all_nm).filter(unexplained).count();
         let kinds = found.findings.iter().map(|finding| finding.label).collect::<BTreeSet<CauseLabel>>().len();
         let everywhere = 2 * joints_named(found) > N && (2 * unexplained > N || kinds > MOST_KINDS);
         !everywhere && is_model(nominal, &found.extension)
     };
-    let diagnosis = match diagnosis.filter(stands) {
+    let one_by_one = match few {
+        Some(wrong) => {
+            let found = cause_by_cause(&|_| true, logs, scene, validate, settings, &step)?;
+            stands(&found, &wrong.left_nm).then_some(found)
+        }
+        None => {
+            drop(scene);
+            None
+        }
+    };
+    let diagnosis = match one_by_one {
         Some(found) => found,
         None => explain(&Given { logs, unloaded, validate }, nominal, settings, &step)?,
     };
