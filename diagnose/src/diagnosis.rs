@@ -128,7 +128,7 @@ impl CauseLabel {
             Effect::TimeDelay { .. } => Self::TimeDelay,
             Effect::ExternalContact { .. } => Self::ExternalContact,
             Effect::PositionSpring { .. } => Self::PositionSpring,
-            Effect::FrictionCurve { .. } => Self::FrictionCurve,
+            Effect::FrictionCurve { .. } | Effect::FrictionLead { .. } => Self::FrictionCurve,
         }
     }
 }

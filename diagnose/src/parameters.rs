@@ -41,6 +41,9 @@ pub(crate) fn parameters_of(effect: &Effect) -> Vec<(&'static str, Vec<f64>)> {
         Effect::FrictionCurve { amplitude_nm, width_rad_s, .. } => {
             vec![("amplitude_nm", vec![amplitude_nm]), ("width_rad_s", vec![width_rad_s])]
         }
+        Effect::FrictionLead { amplitude_nm, width_rad_s, lead_s, .. } => {
+            vec![("amplitude_nm", vec![amplitude_nm]), ("width_rad_s", vec![width_rad_s]), ("lead_s", vec![lead_s])]
+        }
         Effect::JointElasticity { stiffness_nm_per_rad, damping_nm_s_per_rad, .. } => vec![
             ("stiffness_nm_per_rad", vec![stiffness_nm_per_rad]),
             ("damping_nm_s_per_rad", vec![damping_nm_s_per_rad]),

@@ -148,6 +148,9 @@ fn add_to<const N: usize>(joints: &mut [JointEffects; N], effect: &Effect) -> Re
         | Effect::BaseTilt { .. }
         | Effect::LinkInertial { .. }
         | Effect::RotorInertia { .. } => {}
+        Effect::FrictionLead { .. } => {
+            return Err("it needs the acceleration; dry friction is cancelled as if it turned round with the velocity");
+        }
         Effect::TorqueGain { .. } => return Err("it scales every torque, and a compensator only adds"),
         Effect::ThermalFriction { .. } => {
             return Err("the compensator knows no temperature and believes the cold friction");

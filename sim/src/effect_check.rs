@@ -64,6 +64,7 @@ impl Effect {
             Self::Viscous { .. } => "viscous",
             Self::Stribeck { .. } => "stribeck",
             Self::FrictionCurve { .. } => "friction_curve",
+            Self::FrictionLead { .. } => "friction_lead",
             Self::CoulombAsymmetry { .. } => "coulomb_asymmetry",
             Self::TorqueOffset { .. } => "torque_offset",
             Self::TorqueGain { .. } => "torque_gain",
@@ -90,6 +91,7 @@ impl Effect {
             | Self::Viscous { joint, .. }
             | Self::Stribeck { joint, .. }
             | Self::FrictionCurve { joint, .. }
+            | Self::FrictionLead { joint, .. }
             | Self::CoulombAsymmetry { joint, .. }
             | Self::TorqueOffset { joint, .. }
             | Self::TorqueGain { joint, .. }
@@ -150,6 +152,11 @@ impl Effect {
             Self::FrictionCurve { amplitude_nm, width_rad_s, .. } => vec![
                 one("amplitude_nm", amplitude_nm, TORQUE),
                 one("width_rad_s", width_rad_s, (1e-5, 100.0, "1e-5..100")),
+            ],
+            Self::FrictionLead { amplitude_nm, width_rad_s, lead_s, .. } => vec![
+                one("amplitude_nm", amplitude_nm, TORQUE),
+                one("width_rad_s", width_rad_s, (1e-5, 100.0, "1e-5..100")),
+                one("lead_s", lead_s, (-1.0, 1.0, "-1..1")),
             ],
             Self::CoulombAsymmetry { asymmetry_nm, .. } => vec![one("asymmetry_nm", asymmetry_nm, TORQUE)],
             Self::TorqueOffset { offset_nm, .. } => vec![one("offset_nm", offset_nm, TORQUE)],

@@ -36,6 +36,23 @@ pub(crate) struct Elasticity {
     pub damping_nm_s_per_rad: f64,
 }
 
+/// Dry friction of one joint that turns round before the joint does.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct FrictionLead {
+    pub joint: usize,
+    pub amplitude_nm: f64,
+    pub width_rad_s: f64,
+    pub lead_s: f64,
+}
+
+impl FrictionLead {
+    /// `A (clip((qd + ℓ qdd)/w, ±1) − s)` (Nm) at qd [rad/s] and qdd [rad/s²] of the joint.
+    pub fn torque_nm(&self, qd: f64, qdd: f64, smoothing_rad_s: f64) -> f64 {
+        let soft = ((qd + self.lead_s * qdd) / self.width_rad_s).clamp(-1.0, 1.0);
+        self.amplitude_nm * (soft - smooth_sign(qd, smoothing_rad_s))
+    }
+}
+
 /// A push on the flange during a window.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Contact {
@@ -69,6 +86,9 @@ pub(crate) struct Hidden<const N: usize> {
     pub arm: Arm<N>,
     /// Torques that add to the friction law.
     pub joints: [JointEffects; N],
+    /// Dry friction that turns round early. It asks for the acceleration: along a given motion it is known, a plant that is pushed by torques
+    /// leaves it out.
+    pub leads: Vec<FrictionLead>,
     /// Own warmth of the joints.
     pub thermal: [Option<JointThermal>; N],
     /// Springs between motor and link.
@@ -89,6 +109,7 @@ impl<const N: usize> Hidden<N> {
         let mut hidden = Self {
             arm: truth.arm.clone(),
             joints: [JointEffects::default(); N],
+            leads: Vec::new(),
             thermal: [None; N],
             elasticity: [None; N],
             half_gap_rad: [0.0; N],
@@ -119,6 +140,9 @@ impl<const N: usize> Hidden<N> {
                 if let Some(curve) = free {
                     *curve = Curve { amplitude_nm, width_rad_s };
                 }
+            }
+            Effect::FrictionLead { joint, amplitude_nm, width_rad_s, lead_s } => {
+                self.leads.push(FrictionLead { joint, amplitude_nm, width_rad_s, lead_s });
             }
             Effect::CoulombAsymmetry { joint, asymmetry_nm } => self.joints[joint].asymmetry_nm += asymmetry_nm,
             Effect::TorqueOffset { joint, offset_nm } => self.joints[joint].offset_nm += offset_nm,

@@ -13,6 +13,7 @@ mod coulomb;
 mod coulomb_asymmetry;
 mod external_contact;
 mod friction_curve;
+mod friction_lead;
 mod joint_elasticity;
 mod link_inertial;
 mod load_friction;
@@ -146,6 +147,9 @@ pub(crate) fn candidate_of_effect<const N: usize>(effect: &Effect) -> Option<Pla
         }
         Effect::FrictionCurve { joint, amplitude_nm, width_rad_s } => {
             (Box::new(friction_curve::FrictionCurve { joint }), vec![width_rad_s], vec![amplitude_nm])
+        }
+        Effect::FrictionLead { joint, amplitude_nm, width_rad_s, lead_s } => {
+            (Box::new(friction_lead::FrictionLead { joint }), vec![width_rad_s, lead_s], vec![amplitude_nm])
         }
         Effect::CoulombAsymmetry { joint, asymmetry_nm } => {
             (Box::new(coulomb_asymmetry::CoulombAsymmetry { joint }), vec![], vec![asymmetry_nm])

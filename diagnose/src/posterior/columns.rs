@@ -6,7 +6,7 @@ use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 use tribo_friction::law::smooth_sign;
 
-use super::prior::{ArmScale, CURVE_WIDTHS, PRESLIDING_RAD, RIPPLES};
+use super::prior::{ArmScale, CURVE_WIDTHS, LEAD_S, PRESLIDING_RAD, RIPPLES};
 use super::standstill;
 use crate::cause::{base_tilt_columns, bristle};
 use crate::filter::central_difference;
@@ -29,6 +29,8 @@ pub(crate) enum JointTerm {
     Rotor,
     /// z_x − s.
     Presliding(usize),
+    /// clip((qd + ℓ qdd)/w, ±1) − s.
+    Lead(usize),
     /// sin(n q).
     Sine(usize),
     /// cos(n q).
@@ -39,7 +41,7 @@ pub(crate) enum JointTerm {
 
 impl JointTerm {
     /// In the order of the columns.
-    pub const ALL: [Self; 20] = [
+    pub const ALL: [Self; 22] = [
         Self::Offset,
         Self::Coulomb,
         Self::Viscous,
@@ -51,6 +53,8 @@ impl JointTerm {
         Self::Presliding(0),
         Self::Presliding(1),
         Self::Presliding(2),
+        Self::Lead(0),
+        Self::Lead(1),
         Self::Sine(0),
         Self::Cosine(0),
         Self::Sine(1),
@@ -61,6 +65,9 @@ impl JointTerm {
         Self::Cosine(3),
         Self::Spring,
     ];
+
+    /// Dry friction that leads the velocity, of either width.
+    pub const LEAD: [Self; 2] = [Self::Lead(0), Self::Lead(1)];
 
     /// The terms of the ripples.
     pub const RIPPLE: [Self; 2 * RIPPLES] = [
@@ -251,6 +258,10 @@ fn own_columns<const N: usize>(scene: &Scene<N>, j: usize, scale: &ArmScale) -> 
             JointTerm::Presliding(k) => {
                 let z = bristle(scene, j, PRESLIDING_RAD[k]);
                 z.iter().zip(&scene.samples).map(|(z, at)| z - at.sign[j]).collect()
+            }
+            JointTerm::Lead(k) => {
+                let width_rad_s = scale.lead_width_rad_s(j, k);
+                of(&|at| ((at.qd[j] + LEAD_S * at.qdd[j]) / width_rad_s).clamp(-1.0, 1.0) - at.sign[j])
             }
             JointTerm::Sine(k) => of(&|at| waves(k).map_or(0.0, |n| (n * at.q[j]).sin())),
             JointTerm::Cosine(k) => of(&|at| waves(k).map_or(0.0, |n| (n * at.q[j]).cos())),

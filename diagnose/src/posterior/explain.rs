@@ -15,6 +15,7 @@ use super::motion::Motion;
 use super::prior::{ArmScale, Family};
 use super::problem::{Place, Problem};
 use super::selection::{Selection, is_payload, select};
+use super::simulated::soft_friction;
 use super::unseen::{Split, Unseen, deviations, unknown_variance};
 use super::written;
 use crate::deflection::deflections;
@@ -66,11 +67,19 @@ fn fitted(
     step: &dyn Fn(&str, f64) -> Result<(), DiagnoseError>,
 ) -> Result<Fitted, DiagnoseError> {
     let parts = problem.all_parts();
-    let mut families: Vec<Family> = Family::ALL.into_iter().filter(|family| problem.has(*family)).collect();
+    let rules = |family: &Family| family.prior(problem.scale.link_side);
+    let gears = Family::ALL.into_iter().filter(|family| !rules(family).simulated);
+    let mut families: Vec<Family> = gears.filter(|family| problem.has(*family)).collect();
+    let mut asked = false;
     let too_short = || DiagnoseError::TooShort { got: problem.columns.samples(&parts), need: problem.places.len() };
     loop {
         step("posterior", 0.3)?;
         let (all, about) = posterior(problem, &parts, &Start::of(&families)).ok_or_else(too_short)?;
+        let equations = problem.normal_equations(&about, &parts);
+        if !std::mem::replace(&mut asked, true) && soft_friction(problem, &equations, &parts, &all) {
+            families.push(Family::Lead);
+            continue;
+        }
         step("unseen parts", 0.5)?;
         let unseen = Unseen::of(problem, &all);
         // What surely harms where it was not fitted is no property of the arm.
@@ -80,7 +89,7 @@ fn fitted(
             let pairs: Vec<[f64; 2]> =
                 without.iter().zip(&unseen.ours).map(|(without, ours)| [sum(without), sum(ours)]).collect();
             let (gain, [_, high]) = gain_of_pairs(&pairs, seed);
-            (high < 0.0 && !family.prior(problem.scale.link_side).always).then_some(gain)
+            (high < 0.0 && !rules(family).always).then_some(gain)
         };
         let worst = all.start.families.iter().filter_map(|family| Some((*family, harms(family)?)));
         if let Some((worst, _)) = worst.min_by(|a, b| a.1.total_cmp(&b.1)) {
@@ -88,7 +97,6 @@ fn fitted(
             continue;
         }
         step("families", 0.7)?;
-        let equations = problem.normal_equations(&about, &parts);
         let selection = select(problem, &equations, &parts, &all);
         return Ok(Fitted { all, selection, unseen });
     }
@@ -405,6 +413,13 @@ fn notes_on<const N: usize>(
                 mean.sqrt()
             ));
         }
+    }
+    if all.start.families.contains(&Family::Lead) {
+        notes.push(
+            "dry friction turns round before the joints do, as that of a physics engine (frictionloss of MuJoCo): the log is \
+             simulated, or its velocities are late; the extended model holds it as friction_lead"
+                .to_owned(),
+        );
     }
     if cut > 0 {
         notes.push(format!("{cut} weaker findings are in the extended model and not listed"));

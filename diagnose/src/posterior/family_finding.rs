@@ -54,6 +54,10 @@ struct Size {
     sd_nm: f64,
 }
 
+fn largest(of: &[f64]) -> f64 {
+    of.iter().copied().fold(0.0, f64::max)
+}
+
 impl<const N: usize> Answer<'_, N> {
     /// The findings of a family; none where no joint shows it.
     pub fn findings(&self, family: Family) -> Vec<Finding> {
@@ -130,18 +134,10 @@ impl<const N: usize> Answer<'_, N> {
             for (c, b) in index.iter().enumerate() {
                 let (Some(a), Some(b)) = (a, b) else { continue };
                 square += gram[(r, c)] * self.fit.state[*a] * self.fit.state[*b];
-                variance += gram[(r, c)] * self.covariance(*a, *b);
+                variance += gram[(r, c)] * self.fit.covariance_of(*a, *b);
             }
         }
         Size { rms_nm: square.max(0.0).sqrt(), sd_nm: variance.max(0.0).sqrt() }
-    }
-
-    fn covariance(&self, a: usize, b: usize) -> f64 {
-        let place = |i: usize| self.fit.active.iter().position(|active| *active == i);
-        match (place(a), place(b)) {
-            (Some(a), Some(b)) => self.fit.covariance[(a, b)],
-            _ => 0.0,
-        }
     }
 
     fn left_nm(&self, joint: usize) -> f64 {
@@ -161,7 +157,7 @@ impl<const N: usize> Answer<'_, N> {
     /// Σ of several terms of one joint.
     fn sum(&self, joint: usize, terms: &[JointTerm]) -> (f64, f64) {
         let index: Vec<usize> = terms.iter().filter_map(|t| self.problem.index(Place::Own(joint, *t))).collect();
-        let variance: f64 = index.iter().flat_map(|a| index.iter().map(|b| self.covariance(*a, *b))).sum();
+        let variance: f64 = index.iter().flat_map(|a| index.iter().map(|b| self.fit.covariance_of(*a, *b))).sum();
         (index.iter().map(|i| self.fit.state[*i]).sum(), variance.max(0.0).sqrt())
     }
 
@@ -257,8 +253,8 @@ impl<const N: usize> Answer<'_, N> {
         (!joints.is_empty()).then_some(Shown { joints, links: Vec::new(), parameters, explained_rms_nm: explained })
     }
 
-    /// RMS of the torque of a family on the joint where that is largest (Nm).
-    fn largest_torque_nm(&self, family: Family) -> f64 {
+    /// RMS of the torque of a family on each joint (Nm).
+    fn torques_nm(&self, family: Family) -> Vec<f64> {
         let mut only = self.fit.state.clone();
         for (i, place) in self.problem.places.iter().enumerate() {
             if place.family() != family {
@@ -272,7 +268,7 @@ impl<const N: usize> Answer<'_, N> {
                 let weights = self.problem.change(&only, j, true);
                 crate::noise_level::rms(&self.problem.columns.combined(j, &weights, &loaded))
             })
-            .fold(0.0, f64::max)
+            .collect()
     }
 
     fn of_arm(&self, family: Family) -> Option<Shown> {
@@ -301,8 +297,10 @@ impl<const N: usize> Answer<'_, N> {
                 vec![Self::table("mass_kg", vec![mass]), Self::table("com_m", (1..4).map(com).collect())]
             }
         };
-        let explained_rms_nm = self.largest_torque_nm(family);
-        Some(Shown { joints: Vec::new(), links: Vec::new(), parameters, explained_rms_nm })
+        let torques_nm = self.torques_nm(family);
+        let notable = torques_nm.iter().enumerate().any(|(j, rms_nm)| *rms_nm > NOTABLE * self.left_nm(j));
+        let explained_rms_nm = largest(&torques_nm);
+        notable.then_some(Shown { joints: Vec::new(), links: Vec::new(), parameters, explained_rms_nm })
     }
 
     fn of_links(&self) -> Option<Shown> {
@@ -320,7 +318,7 @@ impl<const N: usize> Answer<'_, N> {
         let mass = Self::table("delta_mass_kg", links.iter().map(|link| at(*link, 0)).collect());
         let moments = links.iter().flat_map(|link| (1..4).map(move |i| (*link, i)));
         let moment = Self::table("delta_first_moment_kg_m", moments.map(|(link, i)| at(link, i)).collect());
-        let explained_rms_nm = self.largest_torque_nm(Family::Links);
+        let explained_rms_nm = largest(&self.torques_nm(Family::Links));
         let parameters = vec![mass, moment];
         (!links.is_empty()).then_some(Shown { joints: Vec::new(), links, parameters, explained_rms_nm })
     }

@@ -66,6 +66,12 @@ impl Fit {
         place.map_or(0.0, |i| self.covariance[(i, i)].max(0.0).sqrt())
     }
 
+    /// Posterior covariance of two parameters, 0 if one is not in the fit.
+    pub fn covariance_of(&self, a: usize, b: usize) -> f64 {
+        let place = |i: usize| self.active.iter().position(|active| *active == i);
+        place(a).zip(place(b)).map_or(0.0, |(a, b)| self.covariance[(a, b)])
+    }
+
     /// Scale of a family, if it is in the fit.
     pub fn scale(&self, family: Family) -> Option<f64> {
         self.start.families.iter().position(|other| *other == family).map(|i| self.scales[i])
@@ -436,9 +442,10 @@ pub(crate) fn posterior(problem: &Problem, parts: &[usize], start: &Start) -> Op
                 use super::columns::JointTerm;
                 match problem.places[*i] {
                     // Friction that came before the motion would drive it.
-                    Place::Own(_, JointTerm::Spring | JointTerm::Load | JointTerm::Presliding(_)) if value < 0.0 => {
-                        Some((*i, 0.0))
-                    }
+                    Place::Own(
+                        _,
+                        JointTerm::Spring | JointTerm::Load | JointTerm::Presliding(_) | JointTerm::Lead(_),
+                    ) if value < 0.0 => Some((*i, 0.0)),
                     Place::Own(j, JointTerm::Rotor) if problem.rotor_kg_m2[j] + value < 0.0 => {
                         Some((*i, -problem.rotor_kg_m2[j]))
                     }

@@ -46,7 +46,9 @@ pub(crate) fn wrongness<const N: usize>(scene: &Scene<N>) -> Wrongness {
     let columns = Columns::of(scene, &scale, PARTS);
     let problem = Problem::of(scene, columns, scale, vec![false; scene.chains.len()]);
     let parts = problem.all_parts();
-    let Some((all, _)) = posterior(&problem, &parts, &Start::of(&Family::ALL)) else {
+    let families: Vec<Family> =
+        Family::ALL.into_iter().filter(|family| !family.prior(problem.scale.link_side).simulated).collect();
+    let Some((all, _)) = posterior(&problem, &parts, &Start::of(&families)) else {
         return Wrongness { everywhere: false, left_nm: vec![f64::INFINITY; N] };
     };
     let samples = problem.columns.samples(&parts).max(1) as f64;

@@ -1,5 +1,6 @@
 //! Diagnosis of arms whose model is wrong everywhere, a little: physical priors, evidence, a posterior that is a model.
 
+mod arm_scale;
 pub(crate) mod band;
 pub(crate) mod baseline;
 pub(crate) mod body;
@@ -13,55 +14,9 @@ mod motion;
 pub(crate) mod prior;
 pub(crate) mod problem;
 pub(crate) mod selection;
+mod simulated;
 mod spd;
 mod standstill;
 mod tempering;
 pub(crate) mod unseen;
 pub(crate) mod written;
-
-use crate::scene::Scene;
-use prior::{ArmScale, MOST_WAVES};
-
-impl ArmScale {
-    /// What a scene says of an arm: torque and speed limits, where they are no fantasy, and its own weight.
-    pub fn of<const N: usize>(scene: &Scene<N>) -> Self {
-        let limits = &scene.nominal.arm.limits;
-        let own_kg: f64 = scene.nominal.arm.links.iter().map(|link| link.mass_kg.max(0.2)).sum();
-        let largest = |of: &[f64]| of.iter().fold(0.0, |largest: f64, x| largest.max(x.abs()));
-        let seen = (0..N).map(|j| largest(&scene.measured_nm[j])).fold(0.0, f64::max);
-        // No arm has the same motor in every joint: such limits stand for nothing.
-        let same = limits.tau_max_nm.max() <= 1.01 * limits.tau_max_nm.min();
-        let torque_nm = (0..N)
-            .map(|j| if same && N > 1 { STRONGEST_OVER_SEEN * seen * taper(j, N) } else { limits.tau_max_nm[j] })
-            .map(|torque: f64| torque.max(1e-3))
-            .collect();
-        let speed_rad_s =
-            (0..N).map(|j| if limits.qd_max_rad_s[j] <= 20.0 { limits.qd_max_rad_s[j] } else { 3.0 }).collect();
-        let range_rad = |q: &[f64]| {
-            q.iter().fold(f64::NEG_INFINITY, |a: f64, x| a.max(*x))
-                - q.iter().fold(f64::INFINITY, |a: f64, x| a.min(*x))
-        };
-        let slowest = |j: usize| (1..=MOST_WAVES).find(|waves| *waves as f64 * range_rad(&scene.q[j]) >= TURN_RAD);
-        Self {
-            torque_nm,
-            slowest_ripple: (0..N).map(slowest).collect(),
-            speed_rad_s,
-            rated_payload_kg: 0.3 * own_kg,
-            link_side: scene.nominal.torque_side == tribo_sim::TorqueSide::Link,
-        }
-    }
-}
-
-/// A full turn (rad).
-const TURN_RAD: f64 = 2.0 * std::f64::consts::PI;
-/// Largest torque that a joint can have over the largest that a log shows: logs of a moving arm use half.
-const STRONGEST_OVER_SEEN: f64 = 3.0;
-
-/// Torque limit of a joint over that of the strongest: the wrists of Panda, LWR, iiwa, Gen3 and UR have a seventh to a fourth.
-fn taper(joint: usize, joints: usize) -> f64 {
-    match joint as f64 / (joints - 1) as f64 {
-        x if x < 0.25 => 1.0,
-        x if x < 0.7 => 0.55,
-        _ => 0.2,
-    }
-}

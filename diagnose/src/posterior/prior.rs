@@ -17,6 +17,8 @@ pub(crate) enum Family {
     Rotor,
     /// Dry friction that builds up over a distance.
     Presliding,
+    /// Dry friction that leads the velocity.
+    Lead,
     /// Torque over the joint angle.
     Ripple,
     /// Scale of the torque signals.
@@ -44,17 +46,20 @@ pub(crate) struct FamilyPrior {
     pub scaled: bool,
     /// Whether every fit has it.
     pub always: bool,
+    /// Whether no gear has it, but a simulator: a fit has it only where [`super::simulated`] says so.
+    pub simulated: bool,
 }
 
 impl Family {
     /// All of them.
-    pub const ALL: [Self; 13] = [
+    pub const ALL: [Self; 14] = [
         Self::Offset,
         Self::CoulombViscous,
         Self::Curve,
         Self::Load,
         Self::Rotor,
         Self::Presliding,
+        Self::Lead,
         Self::Ripple,
         Self::Gain,
         Self::Tilt,
@@ -67,11 +72,12 @@ impl Family {
     /// The table. Odds are rough counts over published identifications; a factor of three in any scale changes the torque
     /// predicted for unseen motion by 2 % (kuka_lwr4, ur10_unisa, panda_gaz2019 and three robots held out).
     pub fn prior(self, link_side: bool) -> FamilyPrior {
-        let usual = FamilyPrior { log10_odds: 0.0, most_scale: 3.0, scaled: true, always: false };
+        let usual = FamilyPrior { log10_odds: 0.0, most_scale: 3.0, scaled: true, always: false, simulated: false };
         match self {
             // Every sensor has an offset, every gear friction.
             Self::Offset | Self::CoulombViscous => FamilyPrior { always: true, ..usual },
             Self::Curve | Self::Load | Self::Rotor => FamilyPrior { log10_odds: -1.0, ..usual },
+            Self::Lead => FamilyPrior { log10_odds: -6.0, simulated: true, ..usual },
             Self::Presliding | Self::Ripple | Self::Tilt | Self::Delay | Self::Payload => {
                 FamilyPrior { log10_odds: -2.0, ..usual }
             }
@@ -93,6 +99,7 @@ impl Family {
             Self::Load => &[CauseLabel::LoadFriction],
             Self::Rotor => &[CauseLabel::RotorInertia],
             Self::Presliding => &[CauseLabel::Presliding],
+            Self::Lead => &[],
             Self::Ripple => &[CauseLabel::TorqueRipple],
             Self::Gain => &[CauseLabel::TorqueGain],
             Self::Tilt => &[CauseLabel::BaseTilt],
@@ -108,6 +115,8 @@ impl Family {
 pub(crate) const CURVE_WIDTHS: [f64; 3] = [0.02, 0.08, 0.3];
 /// Distances of presliding (rad): what harmonic drives show at the joint.
 pub(crate) const PRESLIDING_RAD: [f64; 3] = [1e-3, 3e-3, 1e-2];
+/// Lead of friction before velocity in MuJoCo's soft constraint with its default `solreffriction` (s).
+pub(crate) const LEAD_S: f64 = 0.5 * 0.95 * 0.02;
 /// Waves per revolution beside the slowest ripple of a joint, itself among them. Gears, torque sensors and cables repeat with
 /// the joint's angle: a Fourier series, of which a range that is no full wave says nothing. The waves of the motor, some hundred
 /// per revolution, lie above the band.
@@ -132,6 +141,8 @@ pub(crate) struct ArmScale {
     pub torque_nm: Vec<f64>,
     /// Largest speed of each joint [rad/s].
     pub speed_rad_s: Vec<f64>,
+    /// Constant speed from which on soft friction is all there [rad/s].
+    pub soft_width_rad_s: Vec<f64>,
     /// Waves per revolution of the slowest ripple of each joint: the first whose length it covers.
     pub slowest_ripple: Vec<Option<usize>>,
     /// Mass that the arm is built to carry (kg).
@@ -151,6 +162,7 @@ impl ArmScale {
             // At half the speed as much as dry friction.
             Term::Viscous => 0.05 * torque / (0.5 * speed),
             Term::Curve(_) | Term::Presliding(_) => 0.02 * torque,
+            Term::Lead(_) => 0.05 * torque,
             Term::Load => 0.05,
             // Up to .002 on an LWR4+; joints without any are common.
             Term::Sine(_) | Term::Cosine(_) => 1e-3 * torque,
@@ -158,6 +170,11 @@ impl ArmScale {
             Term::Rotor => torque * if self.link_side { 5e-4 } else { 5e-3 },
             Term::Spring => (3e-3 * torque).max(SPRING_NM_PER_RAD),
         }
+    }
+
+    /// Widths of friction that leads the velocity [rad/s]: that of the engine's constraint, and a wide one, for velocity is smoothed.
+    pub fn lead_width_rad_s(&self, joint: usize, k: usize) -> f64 {
+        self.soft_width_rad_s[joint] + if k == 0 { 0.0 } else { CURVE_WIDTHS[0] * self.speed_rad_s[joint] }
     }
 
     /// Waves per revolution of a ripple of a joint.

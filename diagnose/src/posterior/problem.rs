@@ -51,6 +51,7 @@ impl Place {
                 JointTerm::Load => Family::Load,
                 JointTerm::Rotor => Family::Rotor,
                 JointTerm::Presliding(_) => Family::Presliding,
+                JointTerm::Lead(_) => Family::Lead,
                 JointTerm::Sine(_) | JointTerm::Cosine(_) => Family::Ripple,
                 JointTerm::Spring => Family::Spring,
             },

@@ -58,7 +58,7 @@ impl ModelFile {
     ///
     /// ```text
     /// coulomb viscous coulomb_asymmetry torque_offset load_friction rotor_inertia link_inertial time_delay   sum
-    /// friction_curve of one width, presliding of one distance with an amplitude                               sum
+    /// friction_curve of one width, friction_lead of one width and lead, presliding of one distance with an amplitude   sum
     /// torque_ripple of one order     sum of the phasors     torque_gain         product of 1 + g
     /// position_spring                sum, as one spring     thermal_friction    product of 1 − drop, mean time constant
     /// stribeck                       sum of the bumps, mean velocity
@@ -196,6 +196,12 @@ fn merged(old: &Effect, new: &Effect) -> Option<Effect> {
             E::FrictionCurve { joint: other, amplitude_nm: b, width_rad_s: width },
         ) if width == width_rad_s => E::FrictionCurve { joint: place(joint, other)?, amplitude_nm: a + b, width_rad_s },
         (
+            E::FrictionLead { joint, amplitude_nm: a, width_rad_s, lead_s },
+            E::FrictionLead { joint: other, amplitude_nm: b, width_rad_s: width, lead_s: lead },
+        ) if width == width_rad_s && lead == lead_s => {
+            E::FrictionLead { joint: place(joint, other)?, amplitude_nm: a + b, width_rad_s, lead_s }
+        }
+        (
             E::Presliding { joint, presliding_distance_rad, amplitude_nm: Some(a) },
             E::Presliding { joint: other, presliding_distance_rad: distance, amplitude_nm: Some(b) },
         ) if distance == presliding_distance_rad => {
@@ -246,6 +252,7 @@ mod tests {
 - {cause: presliding, joint: 6, presliding_distance_rad: 0.001}
 - {cause: presliding, joint: 6, presliding_distance_rad: 0.02, amplitude_nm: -0.15}
 - {cause: friction_curve, joint: 2, amplitude_nm: 0.3333333333333333, width_rad_s: 0.2}
+- {cause: friction_lead, joint: 2, amplitude_nm: 0.25, width_rad_s: 0.2, lead_s: 0.0095}
 - {cause: joint_elasticity, joint: 2, stiffness_nm_per_rad: 10000, damping_nm_s_per_rad: 12}
 - {cause: backlash, joint: 3, half_gap_rad: 0.0007}
 - {cause: time_delay, delay_s: 0.002}

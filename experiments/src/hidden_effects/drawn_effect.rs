@@ -158,6 +158,7 @@ impl DrawnEffect {
             | Effect::Viscous { delta_viscous_nm_s_per_rad: x, .. }
             | Effect::Stribeck { breakaway_minus_coulomb_nm: x, .. }
             | Effect::FrictionCurve { amplitude_nm: x, .. }
+            | Effect::FrictionLead { amplitude_nm: x, .. }
             | Effect::CoulombAsymmetry { asymmetry_nm: x, .. }
             | Effect::TorqueOffset { offset_nm: x, .. }
             | Effect::TorqueGain { gain_error: x, .. }

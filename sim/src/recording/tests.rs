@@ -230,6 +230,24 @@ fn parts_of_dry_friction_follow_the_way() {
     }
 }
 
+/// Closed form, with the acceleration by central differences of the motion's velocity; only its own joint notices.
+#[test]
+fn dry_friction_that_leads_turns_round_before_its_joint() {
+    let (joint, amplitude_nm, width_rad_s, lead_s) = (3, 0.6, 0.05, 0.02);
+    let lead = Effect::FrictionLead { joint, amplitude_nm, width_rad_s, lead_s };
+    let (with, without, motion) = (log_of(vec![lead]), log_of(vec![]), motion());
+    let (mut early, h) = (0, 1e-5);
+    for (k, &t) in with.time_s.iter().enumerate() {
+        let qd = motion.at(t).qd[joint];
+        let qdd = (motion.at(t + h).qd[joint] - motion.at(t - h).qd[joint]) / (2.0 * h);
+        let soft = ((qd + lead_s * qdd) / width_rad_s).clamp(-1.0, 1.0);
+        let expected = Vector::ith(joint, amplitude_nm * (soft - (qd / SMOOTHING).tanh()));
+        assert!((tau(&with, k) - tau(&without, k) - expected).amax() < 1e-5, "at {t}");
+        early += usize::from(expected.amax() > 0.1);
+    }
+    assert!(early > 10, "{early}");
+}
+
 /// Second algorithm: a compensator that believes the truth and is shown the motion every 50 µs gives the friction of the
 /// recording, curves and bristles included.
 #[test]

@@ -1,0 +1,79 @@
+//! How large effects of an arm usually are, read off its limits, its links and where its log goes.
+
+use nalgebra::{Matrix3, SVector, Vector3};
+use tribo_sim::{SoftFriction, TorqueSide};
+
+use super::prior::{ArmScale, MOST_WAVES};
+use crate::scene::Scene;
+
+impl ArmScale {
+    /// What a scene says of an arm: torque and speed limits, where they are no fantasy, and its own weight.
+    pub fn of<const N: usize>(scene: &Scene<N>) -> Self {
+        let limits = &scene.nominal.arm.limits;
+        let own_kg: f64 = scene.nominal.arm.links.iter().map(|link| link.mass_kg.max(0.2)).sum();
+        let largest = |of: &[f64]| of.iter().fold(0.0, |largest: f64, x| largest.max(x.abs()));
+        let seen = (0..N).map(|j| largest(&scene.measured_nm[j])).fold(0.0, f64::max);
+        // No arm has the same motor in every joint: such limits stand for nothing.
+        let same = limits.tau_max_nm.max() <= 1.01 * limits.tau_max_nm.min();
+        let torque_nm = (0..N)
+            .map(|j| if same && N > 1 { STRONGEST_OVER_SEEN * seen * taper(j, N) } else { limits.tau_max_nm[j] })
+            .map(|torque: f64| torque.max(1e-3))
+            .collect();
+        let speed_rad_s =
+            (0..N).map(|j| if limits.qd_max_rad_s[j] <= 20.0 { limits.qd_max_rad_s[j] } else { 3.0 }).collect();
+        let range_rad = |q: &[f64]| {
+            q.iter().fold(f64::NEG_INFINITY, |a: f64, x| a.max(*x))
+                - q.iter().fold(f64::INFINITY, |a: f64, x| a.min(*x))
+        };
+        let slowest = |j: usize| (1..=MOST_WAVES).find(|waves| *waves as f64 * range_rad(&scene.q[j]) >= TURN_RAD);
+        Self {
+            torque_nm,
+            soft_width_rad_s: soft_widths(scene),
+            slowest_ripple: (0..N).map(slowest).collect(),
+            speed_rad_s,
+            rated_payload_kg: 0.3 * own_kg,
+            link_side: scene.nominal.torque_side == TorqueSide::Link,
+        }
+    }
+}
+
+/// A full turn (rad).
+const TURN_RAD: f64 = 2.0 * std::f64::consts::PI;
+/// Largest torque that a joint can have over the largest that a log shows: logs of a moving arm use half.
+const STRONGEST_OVER_SEEN: f64 = 3.0;
+
+/// Torque limit of a joint over that of the strongest: the wrists of Panda, LWR, iiwa, Gen3 and UR have a seventh to a fourth.
+fn taper(joint: usize, joints: usize) -> f64 {
+    match joint as f64 / (joints - 1) as f64 {
+        x if x < 0.25 => 1.0,
+        x if x < 0.7 => 0.55,
+        _ => 0.2,
+    }
+}
+
+/// Narrowest width of soft friction [rad/s]: below it a log shows none.
+const NARROWEST_RAD_S: f64 = 1e-4;
+
+/// Speeds at which a physics engine has all of a joint's dry friction, that of a plain fit, at the mean pose of the log.
+fn soft_widths<const N: usize>(scene: &Scene<N>) -> Vec<f64> {
+    let mean = |values: &[f64]| values.iter().sum::<f64>() / values.len().max(1) as f64;
+    let pose = SVector::<f64, N>::from_fn(|j, _| mean(&scene.q[j]));
+    let dry_nm = SVector::<f64, N>::from_fn(|j, _| dry_friction_nm(scene, j).max(0.0));
+    let soft = SoftFriction::of(&scene.nominal.arm, &pose, dry_nm);
+    let widths = soft.map_or_else(SVector::zeros, |soft| soft.widths_rad_s());
+    widths.iter().map(|width| width.max(NARROWEST_RAD_S)).collect()
+}
+
+/// Dry friction of a joint (Nm), nominal and what least squares of offset, dry and viscous friction add.
+fn dry_friction_nm<const N: usize>(scene: &Scene<N>, j: usize) -> f64 {
+    let column =
+        |of: &dyn Fn(&crate::scene::Sample<N>) -> f64| scene.filter_own(j, scene.samples.iter().map(of).collect());
+    let (sign, qd) = (column(&|at| at.sign[j]), column(&|at| at.qd[j]));
+    let (mut gram, mut score) = (Matrix3::zeros(), Vector3::zeros());
+    for ((sign, qd), left) in sign.iter().zip(&qd).zip(&scene.residual_nm[j]) {
+        let row = Vector3::new(1.0, *sign, *qd);
+        gram += row * row.transpose();
+        score += row * *left;
+    }
+    scene.nominal.dry_nm(j) + gram.cholesky().map_or(0.0, |factor| factor.solve(&score)[1])
+}
