@@ -1,6 +1,7 @@
 //! What a diagnosis reports is what its written model leaves when the file is read back.
 #![allow(clippy::unwrap_used, reason = "tests")]
 
+use nalgebra::SVector;
 use tribo_diagnose::{
     DiagnoseSettings, Diagnosis, FrictionReport, FrictionSettings, ModelResidual, Unseen, diagnose,
     diagnose_with_reference,
@@ -9,7 +10,7 @@ use tribo_experiments::files::{Model, ModelFile, YamlDocument, to_yaml};
 use tribo_logs::RobotLog;
 use tribo_robot::presets;
 use tribo_sim::excitation::{Envelope, Excitation};
-use tribo_sim::{Effect, Recording, Truth, record};
+use tribo_sim::{Effect, Recorder, Recording, SoftFriction, Truth, record};
 
 /// The Panda as its nominal model has it.
 fn nominal_file() -> ModelFile {
@@ -133,6 +134,51 @@ fn a_ripple_in_a_model_that_is_wrong_everywhere_is_found() {
     assert!((value("cycles_per_rev") - 6.0).abs() <= 1.0, "{found:?}");
     assert!((value("amplitude_nm") / 0.15 - 1.0).abs() < 0.2, "{found:?}");
     assert!((found.explained_rms_nm / (0.15 / 2f64.sqrt()) - 1.0).abs() < 0.2, "{found:?}");
+}
+
+/// Friction of a physics engine in every joint is known for what it is, and neither for torques that come late nor for rotors.
+#[test]
+fn the_soft_friction_of_a_physics_engine_leads_the_velocity() {
+    let model: Model<7> = nominal_file().validate().unwrap();
+    let engine = |effects: Vec<Effect>| {
+        // The engine's friction in the place of the model's dry one.
+        let dry = (0..7).map(|joint| Effect::Coulomb { joint, delta_coulomb_nm: -0.5 });
+        let truth = Truth { effects: dry.chain(effects).collect(), ..model.to_truth() };
+        let loss_nm = SVector::from_fn(|j, _| if j % 2 == 0 { 0.7 } else { 0.45 });
+        let soft = SoftFriction::of(&truth.arm, &presets::panda_ready_pose(), loss_nm).unwrap();
+        let torque = |_: f64, _: &SVector<f64, 7>, qd: &SVector<f64, 7>, qdd: &SVector<f64, 7>| soft.torque(qd, qdd);
+        let recording = Recording { rate_hz: 250.0, ..Recording::default() };
+        let recorder = Recorder { truth: &truth, smoothing_rad_s: 0.005, recording, extra: Some(&torque) };
+        let around = Envelope::around(&presets::panda(), presets::panda_ready_pose());
+        recorder.record(Excitation::Multisine.draw(&around, 24.0, 8).as_ref(), 8).unwrap()
+    };
+    let links = presets::panda().links;
+    let heavier = |link: usize| Effect::LinkInertial {
+        link,
+        delta_mass_kg: 0.04 * links[link].mass_kg,
+        delta_first_moment_kg_m: [0.0; 3],
+        delta_inertia_kg_m2: [0.0; 6],
+    };
+    let offset = |joint| Effect::TorqueOffset { joint, offset_nm: 0.2 };
+    let log = engine((0..7).map(offset).chain((1..7).map(heavier)).collect());
+    let settings = DiagnoseSettings::default();
+    let diagnosis = diagnose(std::slice::from_ref(&log), &model.to_nominal(), &[], &settings, &|_, _| true).unwrap();
+    one_residual(&log, &diagnosis);
+    let written = diagnosis.effects();
+    let leads = |joint| {
+        let of_joint = written.iter().filter_map(|effect| match effect {
+            Effect::FrictionLead { joint: at, amplitude_nm, .. } if *at == joint => Some(*amplitude_nm),
+            _ => None,
+        });
+        of_joint.sum::<f64>()
+    };
+    for joint in 0..7 {
+        let loss_nm = if joint % 2 == 0 { 0.7 } else { 0.45 };
+        assert!((leads(joint) / loss_nm - 1.0).abs() < 0.4, "joint {joint}: {} of {loss_nm}", leads(joint));
+    }
+    let named: Vec<&str> = diagnosis.findings.iter().map(|finding| finding.label.name()).collect();
+    assert!(!named.contains(&"time_delay") && !named.contains(&"rotor_inertia"), "{named:?}");
+    assert!(diagnosis.notes.iter().any(|note| note.contains("physics engine")), "{:?}", diagnosis.notes);
 }
 
 /// The payload is told from links and scales by a log of the bare flange: within 10 %.

@@ -7,7 +7,7 @@ use super::problem::{NormalEquations, Place, Problem};
 use super::selection::LEAST_NATS;
 
 /// Standard deviations by which the friction of a joint must lead its velocity.
-const SURE: f64 = 3.0;
+const SURE: f64 = 2.0;
 
 /// Whether dry friction leads the velocity in more than half of the joints, and the logs are likelier by 10 nat for it.
 ///
