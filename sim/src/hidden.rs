@@ -46,10 +46,10 @@ pub(crate) struct FrictionLead {
 }
 
 impl FrictionLead {
-    /// `A (clip((qd + ℓ qdd)/w, ±1) − s)` (Nm) at qd [rad/s] and qdd [rad/s²] of the joint.
-    pub fn torque_nm(&self, qd: f64, qdd: f64, smoothing_rad_s: f64) -> f64 {
-        let soft = ((qd + self.lead_s * qdd) / self.width_rad_s).clamp(-1.0, 1.0);
-        self.amplitude_nm * (soft - smooth_sign(qd, smoothing_rad_s))
+    /// `A (tanh((qd + ℓ qdd)/w) − tanh(qd/w))` (Nm) at qd [rad/s] and qdd [rad/s²] of the joint.
+    pub fn torque_nm(&self, qd: f64, qdd: f64) -> f64 {
+        let ahead = smooth_sign(qd + self.lead_s * qdd, self.width_rad_s);
+        self.amplitude_nm * (ahead - smooth_sign(qd, self.width_rad_s))
     }
 }
 

@@ -31,11 +31,6 @@ impl<const N: usize> SoftFriction<N> {
         Some(Self { loss_nm, felt_kg_m2: inverse.diagonal().map(f64::recip) })
     }
 
-    /// Constant speeds from which on a joint has all of its friction, `loss/(9 m 105)` [rad/s].
-    pub fn widths_rad_s(&self) -> SVector<f64, N> {
-        self.loss_nm.component_div(&(self.felt_kg_m2 * (HARDNESS * STOPPING_PER_S)))
-    }
-
     /// Friction torque (Nm) at q̇ [rad/s] and q̈ [rad/s²].
     pub fn torque(&self, qd: &SVector<f64, N>, qdd: &SVector<f64, N>) -> SVector<f64, N> {
         SVector::from_fn(|j, _| {
@@ -62,10 +57,6 @@ mod tests {
         let torque = friction.torque(&slow, &zero);
         assert!(torque[6] < torque[0] && torque[0] < 0.5, "{torque}");
         assert!((torque[6] / (9.0 * friction.felt_kg_m2[6] * 105.263e-4) - 1.0).abs() < 1e-4);
-        let widths = friction.widths_rad_s();
-        for (share, torque) in [(1.0, 0.5), (0.5, 0.25)] {
-            assert!((friction.torque(&(widths * share), &zero) - SVector::repeat(torque)).amax() < 1e-12);
-        }
         // An inertia felt with all other joints free is below the diagonal of the mass matrix.
         let mass = mass_matrix(&presets::panda(), &presets::panda_ready_pose());
         assert!((0..7).all(|j| friction.felt_kg_m2[j] <= mass[(j, j)] && friction.felt_kg_m2[j] > 0.0));

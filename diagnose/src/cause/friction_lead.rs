@@ -1,12 +1,13 @@
 //! Dry friction that turns round before the joint does.
 
+use tribo_friction::law::smooth_sign;
 use tribo_sim::Effect;
 
 use super::Candidate;
 use crate::diagnosis::{CauseLabel, Location};
 use crate::scene::{FineColumn, Scene};
 
-/// `A (clip((qd + ℓ qdd)/w, ±1) − s)`. Shape w, ℓ. Known to the selection as a family of all joints
+/// `A (tanh((qd + ℓ qdd)/w) − tanh(qd/w))`. Shape w, ℓ. Known to the selection as a family of all joints
 /// ([`crate::posterior`]), not joint by joint: a whole arm is simulated with soft friction, or none of it.
 pub(super) struct FrictionLead {
     pub joint: usize,
@@ -23,7 +24,9 @@ impl<const N: usize> Candidate<N> for FrictionLead {
 
     fn columns(&self, scene: &Scene<N>, shape: &[f64]) -> Vec<FineColumn<N>> {
         let (j, width_rad_s, lead_s) = (self.joint, shape[0], shape[1]);
-        vec![scene.joint_column(j, |at| ((at.qd[j] + lead_s * at.qdd[j]) / width_rad_s).clamp(-1.0, 1.0) - at.sign[j])]
+        vec![scene.joint_column(j, |at| {
+            smooth_sign(at.qd[j] + lead_s * at.qdd[j], width_rad_s) - smooth_sign(at.qd[j], width_rad_s)
+        })]
     }
 
     fn effect(&self, _scene: &Scene<N>, shape: &[f64], coefficients: &[f64]) -> Option<Effect> {

@@ -1,7 +1,6 @@
 //! How large effects of an arm usually are, read off its limits, its links and where its log goes.
 
-use nalgebra::{Matrix3, SVector, Vector3};
-use tribo_sim::{SoftFriction, TorqueSide};
+use tribo_sim::TorqueSide;
 
 use super::prior::{ArmScale, MOST_WAVES};
 use crate::scene::Scene;
@@ -28,7 +27,7 @@ impl ArmScale {
         let slowest = |j: usize| (1..=MOST_WAVES).find(|waves| *waves as f64 * range_rad(&scene.q[j]) >= TURN_RAD);
         Self {
             torque_nm,
-            soft_width_rad_s: soft_widths(scene),
+            smoothing_rad_s: scene.nominal.smoothing_rad_s,
             slowest_ripple: (0..N).map(slowest).collect(),
             speed_rad_s,
             rated_payload_kg: 0.3 * own_kg,
@@ -49,31 +48,4 @@ fn taper(joint: usize, joints: usize) -> f64 {
         x if x < 0.7 => 0.55,
         _ => 0.2,
     }
-}
-
-/// Narrowest width of soft friction [rad/s]: below it a log shows none.
-const NARROWEST_RAD_S: f64 = 1e-4;
-
-/// Speeds at which a physics engine has all of a joint's dry friction, that of a plain fit, at the mean pose of the log.
-fn soft_widths<const N: usize>(scene: &Scene<N>) -> Vec<f64> {
-    let mean = |values: &[f64]| values.iter().sum::<f64>() / values.len().max(1) as f64;
-    let pose = SVector::<f64, N>::from_fn(|j, _| mean(&scene.q[j]));
-    let dry_nm = SVector::<f64, N>::from_fn(|j, _| dry_friction_nm(scene, j).max(0.0));
-    let soft = SoftFriction::of(&scene.nominal.arm, &pose, dry_nm);
-    let widths = soft.map_or_else(SVector::zeros, |soft| soft.widths_rad_s());
-    widths.iter().map(|width| width.max(NARROWEST_RAD_S)).collect()
-}
-
-/// Dry friction of a joint (Nm), nominal and what least squares of offset, dry and viscous friction add.
-fn dry_friction_nm<const N: usize>(scene: &Scene<N>, j: usize) -> f64 {
-    let column =
-        |of: &dyn Fn(&crate::scene::Sample<N>) -> f64| scene.filter_own(j, scene.samples.iter().map(of).collect());
-    let (sign, qd) = (column(&|at| at.sign[j]), column(&|at| at.qd[j]));
-    let (mut gram, mut score) = (Matrix3::zeros(), Vector3::zeros());
-    for ((sign, qd), left) in sign.iter().zip(&qd).zip(&scene.residual_nm[j]) {
-        let row = Vector3::new(1.0, *sign, *qd);
-        gram += row * row.transpose();
-        score += row * *left;
-    }
-    scene.nominal.dry_nm(j) + gram.cholesky().map_or(0.0, |factor| factor.solve(&score)[1])
 }

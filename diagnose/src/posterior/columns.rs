@@ -29,7 +29,7 @@ pub(crate) enum JointTerm {
     Rotor,
     /// z_x − s.
     Presliding(usize),
-    /// clip((qd + ℓ qdd)/w, ±1) − s.
+    /// tanh((qd + ℓ qdd)/w) − tanh(qd/w).
     Lead(usize),
     /// sin(n q).
     Sine(usize),
@@ -41,7 +41,7 @@ pub(crate) enum JointTerm {
 
 impl JointTerm {
     /// In the order of the columns.
-    pub const ALL: [Self; 23] = [
+    pub const ALL: [Self; 22] = [
         Self::Offset,
         Self::Coulomb,
         Self::Viscous,
@@ -55,7 +55,6 @@ impl JointTerm {
         Self::Presliding(2),
         Self::Lead(0),
         Self::Lead(1),
-        Self::Lead(2),
         Self::Sine(0),
         Self::Cosine(0),
         Self::Sine(1),
@@ -67,8 +66,8 @@ impl JointTerm {
         Self::Spring,
     ];
 
-    /// Dry friction that leads the velocity, of each width.
-    pub const LEAD: [Self; 3] = [Self::Lead(0), Self::Lead(1), Self::Lead(2)];
+    /// Dry friction that leads the velocity, of either width.
+    pub const LEAD: [Self; 2] = [Self::Lead(0), Self::Lead(1)];
 
     /// The terms of the ripples.
     pub const RIPPLE: [Self; 2 * RIPPLES] = [
@@ -262,7 +261,7 @@ fn own_columns<const N: usize>(scene: &Scene<N>, j: usize, scale: &ArmScale) -> 
             }
             JointTerm::Lead(k) => {
                 let width_rad_s = scale.lead_width_rad_s(j, k);
-                of(&|at| ((at.qd[j] + LEAD_S * at.qdd[j]) / width_rad_s).clamp(-1.0, 1.0) - at.sign[j])
+                of(&|at| smooth_sign(at.qd[j] + LEAD_S * at.qdd[j], width_rad_s) - smooth_sign(at.qd[j], width_rad_s))
             }
             JointTerm::Sine(k) => of(&|at| waves(k).map_or(0.0, |n| (n * at.q[j]).sin())),
             JointTerm::Cosine(k) => of(&|at| waves(k).map_or(0.0, |n| (n * at.q[j]).cos())),

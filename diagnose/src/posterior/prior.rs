@@ -115,8 +115,6 @@ impl Family {
 pub(crate) const CURVE_WIDTHS: [f64; 3] = [0.02, 0.08, 0.3];
 /// Distances of presliding (rad): what harmonic drives show at the joint.
 pub(crate) const PRESLIDING_RAD: [f64; 3] = [1e-3, 3e-3, 1e-2];
-/// What is added to the width of friction that leads, over the joint's largest speed [-].
-const LEAD_WIDTHS: [f64; 3] = [0.0, 0.25 * CURVE_WIDTHS[0], CURVE_WIDTHS[0]];
 /// Lead of friction before velocity in MuJoCo's soft constraint with its default `solreffriction` (s).
 pub(crate) const LEAD_S: f64 = 0.5 * 0.95 * 0.02;
 /// Waves per revolution beside the slowest ripple of a joint, itself among them. Gears, torque sensors and cables repeat with
@@ -143,8 +141,8 @@ pub(crate) struct ArmScale {
     pub torque_nm: Vec<f64>,
     /// Largest speed of each joint [rad/s].
     pub speed_rad_s: Vec<f64>,
-    /// Constant speed from which on soft friction is all there [rad/s].
-    pub soft_width_rad_s: Vec<f64>,
+    /// Width of the model's smooth sign [rad/s].
+    pub smoothing_rad_s: f64,
     /// Waves per revolution of the slowest ripple of each joint: the first whose length it covers.
     pub slowest_ripple: Vec<Option<usize>>,
     /// Mass that the arm is built to carry (kg).
@@ -174,9 +172,10 @@ impl ArmScale {
         }
     }
 
-    /// Widths of friction that leads the velocity [rad/s]: that of the engine's constraint, and wider ones, for velocity is smoothed.
+    /// Widths of friction that leads the velocity [rad/s]: of the model's smooth sign, and a wide one for light joints, whose constraint is
+    /// soft.
     pub fn lead_width_rad_s(&self, joint: usize, k: usize) -> f64 {
-        self.soft_width_rad_s[joint] + LEAD_WIDTHS[k] * self.speed_rad_s[joint]
+        if k == 0 { self.smoothing_rad_s } else { CURVE_WIDTHS[0] * self.speed_rad_s[joint] }
     }
 
     /// Waves per revolution of a ripple of a joint.
