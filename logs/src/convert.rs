@@ -24,6 +24,7 @@ use crate::mcap_write::McapWriter;
 use crate::parquet_log::table_metadata;
 use crate::parquet_table::{ROWS_PER_GROUP, TableWriter};
 use crate::quantity::Quantity;
+use crate::recognise::recognise;
 use crate::source::LogFile;
 use crate::summary::LogSummary;
 
@@ -146,7 +147,7 @@ fn in_batches(
     mut go_on: impl FnMut() -> Result<(), LogError>,
 ) -> Result<LogSummary, LogError> {
     let mut batch = vec![Vec::new(); rows.header.positions.len()];
-    let mut time_s = Vec::new();
+    let (mut time_s, mut remarks) = (Vec::new(), None);
     loop {
         batch.iter_mut().for_each(Vec::clear);
         let count = rows.append_to(&mut batch, ROWS_PER_GROUP)?;
@@ -154,6 +155,7 @@ fn in_batches(
         if count > 0 {
             sink.write(&batch.iter().map(Vec::as_slice).collect::<Vec<_>>())?;
         }
+        remarks.get_or_insert_with(|| recognise(&rows.header.assemble(batch.clone())));
         go_on()?;
         if count < ROWS_PER_GROUP {
             break;
@@ -169,6 +171,7 @@ fn in_batches(
     let end = rows.end();
     let mut summary = LogSummary::of_rows(format, joints, &time_s, present, end.dropped_repeats, end.unknown);
     summary.warnings.extend(end.warnings);
+    summary.remarks = remarks.unwrap_or_default();
     Ok(summary)
 }
 

@@ -50,6 +50,7 @@ mod panda_gaz;
 mod parquet_log;
 mod parquet_table;
 mod quantity;
+pub mod recognise;
 mod resample;
 mod ros2_layout;
 mod seal;

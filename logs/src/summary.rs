@@ -6,9 +6,7 @@ use crate::bursts::{GAP_TOLERANCE, bursts, median_period_s};
 use crate::format::LogFormat;
 use crate::log::RobotLog;
 use crate::quantity::Quantity;
-
-/// Rate up to which stamps that are all whole numbers look like another unit (Hz).
-const SUSPECT_RATE_HZ: f64 = 1.0;
+use crate::recognise::{Remark, recognise};
 
 /// Evidence about a log that was read.
 #[derive(Debug, Clone, PartialEq)]
@@ -43,13 +41,16 @@ pub struct LogSummary {
     pub source: Option<String>,
     /// Suspicions, in words, such as a last line without line ending.
     pub warnings: Vec<String>,
+    /// What the log says is wrong with itself; of a log in batches, its first one.
+    pub remarks: Vec<Remark>,
 }
 
 impl LogSummary {
     /// Describes a log just read.
     pub(crate) fn new(format: LogFormat, log: &RobotLog, dropped_repeats: usize, unknown_columns: Vec<String>) -> Self {
         let present = Quantity::ALL.into_iter().filter(|&quantity| log.has(quantity)).collect();
-        Self::of_rows(format, log.joints(), &log.time_s, present, dropped_repeats, unknown_columns)
+        let summary = Self::of_rows(format, log.joints(), &log.time_s, present, dropped_repeats, unknown_columns);
+        Self { remarks: recognise(log), ..summary }
     }
 
     /// Describes a log of which only the stamps are at hand.
@@ -63,9 +64,6 @@ impl LogSummary {
     ) -> Self {
         let duration_s = time_s.last().zip(time_s.first()).map_or(0.0, |(last, first)| last - first);
         let rate_hz = median_period_s(time_s).map_or(0.0, f64::recip);
-        let suspect = rate_hz <= SUSPECT_RATE_HZ && time_s.iter().all(|stamp| stamp.fract() == 0.0);
-        let milliseconds =
-            || "every stamp is a whole number: `time` is in seconds here; is it in milliseconds?".to_owned();
         Self {
             format,
             joints,
@@ -81,7 +79,8 @@ impl LogSummary {
             unwrapped_jumps: 0,
             unknown_columns,
             source: None,
-            warnings: suspect.then(milliseconds).into_iter().collect(),
+            warnings: Vec::new(),
+            remarks: Vec::new(),
         }
     }
 
@@ -119,6 +118,9 @@ impl fmt::Display for LogSummary {
         }
         for warning in &self.warnings {
             write!(f, "\nwarning      {warning}")?;
+        }
+        for remark in &self.remarks {
+            write!(f, "\nwarning      {remark}")?;
         }
         Ok(())
     }

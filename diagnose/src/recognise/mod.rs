@@ -1,0 +1,144 @@
+//! What the rigid arm says about a log: signs, order and unit of its torques and positions, gravity, side of the gears, robot.
+//!
+//! ```text
+//! nats(h) = −max ln p(torques | h),     gain(h) = nats(as it is) − nats(h),     h: one thing wrong with the log
+//! ```
+//!
+//! Every hypothesis explains the torques by the same generous regression ([`fit`]): rigid arm, tilt, payload, and of each joint
+//! offset, friction and rotor. Only what such an arm cannot be, and what a turned sign, swapped columns or another unit makes
+//! good at once, is named; after the best is taken in, the others are asked again.
+//! Leaves out: everything that is a small error of the model, which is what a diagnosis is for.
+
+mod fit;
+mod hypothesis;
+mod samples;
+mod words;
+
+use tribo_logs::RobotLog;
+use tribo_logs::recognise::Remark;
+
+use self::fit::{Columns, Fit, fit};
+use self::hypothesis::{Change, Hypothesis};
+use self::samples::Samples;
+use crate::Nominal;
+
+/// Gain (nats) from which a hypothesis is named.
+const NAMED_NATS: f64 = 18.0;
+/// By how much less must be left of the torque of one joint at least, and at most how much of its variance.
+const JOINT_GAIN: f64 = 2.0;
+const WELL_ENOUGH: f64 = 0.3;
+/// By how much less another arm must leave in all.
+const ROBOT_GAIN: f64 = 1.5;
+/// Lead (nats) over others that say something else.
+const LEAD_NATS: f64 = 6.0;
+/// Things that may be wrong at the same time.
+const MOST_CHANGES: usize = 3;
+/// Share of a torque's variance that is left where nothing needs to be asked.
+const EXPLAINED: f64 = 0.03;
+
+/// The remarks of the rigid model on a log, of which `tau_j_nm` is the torque that acted; none on a good one, or on one too
+/// short to be judged.
+#[must_use]
+pub fn recognise<const N: usize>(log: &RobotLog, nominal: &Nominal<N>) -> Vec<Remark> {
+    if log.joints() != N {
+        return Vec::new();
+    }
+    let nominal = nominal.with_rigid_effects_in_the_arm();
+    let Some(samples) = Samples::<N>::of(log) else { return Vec::new() };
+    let mut believed = Hypothesis::as_it_is(&nominal);
+    let mut remarks = Vec::new();
+    for _ in 0..MOST_CHANGES {
+        let Some(round) = Round::of(&samples, &believed, &nominal) else { break };
+        let Some(found) = round.found() else { break };
+        remarks.push(words::remark(&found));
+        believed = believed.with(&found.change, &nominal);
+    }
+    remarks
+}
+
+/// A hypothesis that explains the log better, and those that do nearly as well.
+struct Found<const N: usize> {
+    change: Change,
+    before: Fit<N>,
+    after: Fit<N>,
+    rivals: Vec<Change>,
+}
+
+/// All hypotheses about a log, on top of what is believed already.
+struct Round<const N: usize> {
+    before: Fit<N>,
+    tried: Vec<(Change, Fit<N>)>,
+}
+
+impl<const N: usize> Round<N> {
+    fn of(samples: &Samples<N>, believed: &Hypothesis<N>, nominal: &Nominal<N>) -> Option<Self> {
+        let columns = Columns::of(samples, believed);
+        let before = fit(samples, believed, &columns)?;
+        let well = before.unexplained.iter().all(|left| *left < EXPLAINED);
+        let torques = hypothesis::of_torques::<N>().into_iter().chain(factors(samples, believed, &columns));
+        let changes: Vec<Change> = torques
+            .chain(hypothesis::of_motion(nominal))
+            .filter(|change| !well || matches!(change, Change::OtherSide(_)))
+            .collect();
+        let tried = changes
+            .into_par_iter()
+            .filter_map(|change| {
+                let changed = believed.with(&change, nominal);
+                let fitted = match changed.moves_as(believed) {
+                    true => fit(samples, &changed, &columns),
+                    false => fit(samples, &changed, &Columns::of(samples, &changed)),
+                };
+                Some((change, fitted?))
+            })
+            .collect();
+        Some(Self { before, tried })
+    }
+
+    /// The best hypothesis, if its gain is clear.
+    fn found(&self) -> Option<Found<N>> {
+        let (change, after) = self.tried.iter().min_by(|a, b| a.1.nats.total_cmp(&b.1.nats))?;
+        let gain_nats = self.before.nats - after.nats;
+        if std::env::var_os("EXPLORE").is_some() {
+            println!(
+                "   gain {gain_nats:.1} {change:?} left {:.3?} -> {:.3?}",
+                self.before.unexplained, after.unexplained
+            );
+        }
+        if gain_nats < NAMED_NATS || !self.convinces(change, after) {
+            return None;
+        }
+        let near = |fit: &Fit<N>| fit.nats - after.nats < LEAD_NATS;
+        let rivals =
+            self.tried.iter().filter(|(other, fit)| other != change && near(fit)).map(|(other, _)| other.clone());
+        Some(Found {
+            change: change.clone(),
+            before: self.before.clone(),
+            after: after.clone(),
+            rivals: rivals.collect(),
+        })
+    }
+}
+
+impl<const N: usize> Round<N> {
+    /// Whether a hypothesis explains what was not explained, and does not only squeeze out the last percent.
+    fn convinces(&self, change: &Change, after: &Fit<N>) -> bool {
+        let rms = |left: &[f64; N]| left.iter().map(|x| x * x).sum::<f64>();
+        match change {
+            Change::OtherSide(_) => true,
+            Change::OtherRobot(_) => rms(&self.before.left) > ROBOT_GAIN.powi(2) * rms(&after.left),
+            _ => (0..N).any(|j| self.before.left[j] > JOINT_GAIN * after.left[j] && after.unexplained[j] < WELL_ENOUGH),
+        }
+    }
+}
+
+/// Factors between measured and rigid torque that are far from 1.
+fn factors<const N: usize>(samples: &Samples<N>, believed: &Hypothesis<N>, columns: &Columns<N>) -> Vec<Change> {
+    let ratios = fit::torque_ratios(samples, believed, columns);
+    let mut sorted: Vec<f64> = ratios.to_vec();
+    sorted.sort_by(f64::total_cmp);
+    let mut changes: Vec<Change> = [1e3, 1e-3, sorted[N / 2]].into_iter().map(Change::TorqueFactor).collect();
+    changes.extend((0..N).map(|j| Change::JointTorqueFactor(j, ratios[j])));
+    let far = |factor: f64| factor > 0.0 && (0.6..9.0).contains(&factor.ln().abs());
+    changes.retain(|change| matches!(change, Change::TorqueFactor(k) | Change::JointTorqueFactor(_, k) if far(*k)));
+    changes
+}
