@@ -16,6 +16,7 @@ use crate::canonical_csv::canonical_rows;
 use crate::csv_rows::CsvRows;
 use crate::csv_writer::CsvWriter;
 use crate::detect::{detect, read_log};
+use crate::differentiated::lacks_velocity;
 use crate::error::LogError;
 use crate::format::LogFormat;
 use crate::libfranka::libfranka_rows;
@@ -132,11 +133,13 @@ pub fn convert(
 
 /// The rows of a format that can be read in one pass; `None` for the others.
 fn rows_of<'p>(file: &LogFile<'p>, format: LogFormat) -> Result<Option<CsvRows<'p, Box<dyn BufRead>>>, LogError> {
-    match format {
-        LogFormat::Csv | LogFormat::CsvGz => canonical_rows(file.open_text("CSV")?.0, file.path, format).map(Some),
-        LogFormat::Libfranka => libfranka_rows(file).map(Some),
-        _ => Ok(None),
-    }
+    let rows = match format {
+        LogFormat::Csv | LogFormat::CsvGz => canonical_rows(file.open_text("CSV")?.0, file.path, format)?,
+        LogFormat::Libfranka => libfranka_rows(file)?,
+        _ => return Ok(None),
+    };
+    // Velocities are worked out from the whole log.
+    Ok((!lacks_velocity(&rows.header.quantities)).then_some(rows))
 }
 
 /// Every row from the file to the sink.

@@ -36,6 +36,7 @@ mod csv_lines;
 mod csv_rows;
 mod csv_writer;
 mod detect;
+mod differentiated;
 mod error;
 mod format;
 mod header;

@@ -6,7 +6,7 @@ use crate::bursts::{GAP_TOLERANCE, bursts, median_period_s};
 use crate::format::LogFormat;
 use crate::log::RobotLog;
 use crate::quantity::Quantity;
-use crate::recognise::{Remark, recognise};
+use crate::recognise::{Remark, Use, recognise};
 
 /// Evidence about a log that was read.
 #[derive(Debug, Clone, PartialEq)]
@@ -119,7 +119,7 @@ impl fmt::Display for LogSummary {
         for warning in &self.warnings {
             write!(f, "\nwarning      {warning}")?;
         }
-        for remark in &self.remarks {
+        for remark in self.remarks.iter().filter(|remark| remark.concerns(Use::Conversion)) {
             write!(f, "\nwarning      {remark}")?;
         }
         Ok(())

@@ -14,6 +14,7 @@ mod hypothesis;
 mod samples;
 mod words;
 
+use rayon::prelude::*;
 use tribo_logs::RobotLog;
 use tribo_logs::recognise::Remark;
 

@@ -125,6 +125,12 @@ impl Remark {
         Self { fault, severity: Severity::Warn, joints, evidence, remedy }
     }
 
+    /// Whether it says anything to those who want that: an arm that stands is as good as any for a wrench, or in a file.
+    #[must_use]
+    pub fn concerns(&self, wanted: Use) -> bool {
+        self.fault != Fault::Standstill || matches!(wanted, Use::Diagnosis | Use::Trial)
+    }
+
     /// Whether a log with this remark cannot be used for that.
     ///
     /// | use | refused for |
