@@ -2,9 +2,25 @@
 
 use std::path::Path;
 
-use tribo_logs::recognise::{Remark, Use};
+use serde_json::{Value, json};
+use tribo_logs::recognise::{Remark, Severity, Use};
 
 use crate::failure::BadInput;
+
+/// Remarks in a JSON document.
+pub fn remarks_json(remarks: &[Remark], wanted: Use) -> Value {
+    let remarks = remarks.iter().filter(|remark| remark.concerns(wanted)).map(|remark| {
+        let severity = if remark.severity == Severity::Refuse { "refuse" } else { "warn" };
+        json!({
+            "fault": remark.fault.name(),
+            "severity": severity,
+            "joints": remark.joints,
+            "evidence": remark.evidence,
+            "remedy": remark.remedy,
+        })
+    });
+    remarks.collect()
+}
 
 /// Refuses a log that cannot be right for what it is wanted for, with every reason; what only may be wrong goes to standard error.
 ///

@@ -20,7 +20,7 @@ const SHARED: usize = 7;
 /// Own parameters of a joint: offset, Coulomb, viscous, rotor.
 const OWN: usize = 4;
 /// Deviations of the shared ones: base tilt as gravity (m/s²), payload (kg), first moment (kg m).
-const SHARED_SD: [f64; SHARED] = [1.5, 1.5, 1.5, 2.0, 0.3, 0.3, 0.3];
+const SHARED_SD: [f64; SHARED] = [0.8, 0.8, 0.8, 2.0, 0.3, 0.3, 0.3];
 /// Deviations over the torque limit of a joint: offset, Coulomb (Nm), viscous (Nm s/rad).
 const OVER_LIMIT: [f64; 3] = [0.05, 0.3, 0.5];
 /// Deviation of a rotor over its nominal value, and at least (kg m²).
@@ -46,6 +46,8 @@ const UNKNOWN_LIMIT_NM: f64 = 60.0;
 pub(super) struct Fit<const N: usize> {
     /// Negative log posterior (nats).
     pub nats: f64,
+    /// What the parameters cost of it, as against their priors.
+    pub penalty_nats: f64,
     /// What is left of each joint's torque, in the unit of the log; index: column of the log.
     pub left: [f64; N],
     /// That over the RMS of the column about its mean, squared.
@@ -154,7 +156,7 @@ pub(super) fn fit<const N: usize>(
         unexplained[source] = (sigma[j] / sizes[j].1.max(floor[j])).powi(2);
     }
     let correlation = std::array::from_fn(|j| correlation(tau.iter().map(|x| x[j]), explained.iter().map(|x| x[j])));
-    nats.is_finite().then_some(Fit { nats, left, unexplained, correlation })
+    nats.is_finite().then_some(Fit { nats, penalty_nats: penalty, left, unexplained, correlation })
 }
 
 fn sign(qd: f64) -> f64 {

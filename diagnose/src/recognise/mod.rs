@@ -24,9 +24,15 @@ use self::samples::Samples;
 use crate::Nominal;
 
 /// Gain (nats) from which a hypothesis is named.
-const NAMED_NATS: f64 = 18.0;
-/// By how much less must be left of the torque of one joint at least, and at most how much of its variance.
+///
+/// On 200 good simulated logs no hypothesis that [`Round::convinces`] gains more than 25, on the real ones none at all; the mutilations
+/// of the tests gain 73 at least.
+const NAMED_NATS: f64 = 30.0;
+/// The same for the side of the gears, of which only a warning says something: at most 0 on good logs, 34 at least on the others.
+const SIDE_NATS: f64 = 20.0;
+/// By how much less must be left of the torque of one joint at least, and how much of its variance before at least and after at most.
 const JOINT_GAIN: f64 = 2.0;
+const NOT_EXPLAINED: f64 = 0.15;
 const WELL_ENOUGH: f64 = 0.3;
 /// By how much less another arm must leave in all.
 const ROBOT_GAIN: f64 = 1.5;
@@ -36,6 +42,8 @@ const LEAD_NATS: f64 = 6.0;
 const MOST_CHANGES: usize = 3;
 /// Share of a torque's variance that is left where nothing needs to be asked.
 const EXPLAINED: f64 = 0.03;
+/// Nats that the parameters of such an arm cost against their priors, at most.
+const PLAUSIBLE_NATS: f64 = 15.0;
 
 /// The remarks of the rigid model on a log, of which `tau_j_nm` is the torque that acted; none on a good one, or on one too
 /// short to be judged.
@@ -75,7 +83,7 @@ impl<const N: usize> Round<N> {
     fn of(samples: &Samples<N>, believed: &Hypothesis<N>, nominal: &Nominal<N>) -> Option<Self> {
         let columns = Columns::of(samples, believed);
         let before = fit(samples, believed, &columns)?;
-        let well = before.unexplained.iter().all(|left| *left < EXPLAINED);
+        let well = before.unexplained.iter().all(|left| *left < EXPLAINED) && before.penalty_nats < PLAUSIBLE_NATS;
         let torques = hypothesis::of_torques::<N>().into_iter().chain(factors(samples, believed, &columns));
         let changes: Vec<Change> = torques
             .chain(hypothesis::of_motion(nominal))
@@ -99,13 +107,8 @@ impl<const N: usize> Round<N> {
     fn found(&self) -> Option<Found<N>> {
         let (change, after) = self.tried.iter().min_by(|a, b| a.1.nats.total_cmp(&b.1.nats))?;
         let gain_nats = self.before.nats - after.nats;
-        if std::env::var_os("EXPLORE").is_some() {
-            println!(
-                "   gain {gain_nats:.1} {change:?} left {:.3?} -> {:.3?}",
-                self.before.unexplained, after.unexplained
-            );
-        }
-        if gain_nats < NAMED_NATS || !self.convinces(change, after) {
+        let needed = if matches!(change, Change::OtherSide(_)) { SIDE_NATS } else { NAMED_NATS };
+        if gain_nats < needed || !self.convinces(change, after) {
             return None;
         }
         let near = |fit: &Fit<N>| fit.nats - after.nats < LEAD_NATS;
@@ -125,9 +128,14 @@ impl<const N: usize> Round<N> {
     fn convinces(&self, change: &Change, after: &Fit<N>) -> bool {
         let rms = |left: &[f64; N]| left.iter().map(|x| x * x).sum::<f64>();
         match change {
-            Change::OtherSide(_) => true,
+            // What the priors of tilt and rotors alone speak against.
+            Change::OtherSide(_) | Change::NoGravity | Change::Gravity(_) => true,
             Change::OtherRobot(_) => rms(&self.before.left) > ROBOT_GAIN.powi(2) * rms(&after.left),
-            _ => (0..N).any(|j| self.before.left[j] > JOINT_GAIN * after.left[j] && after.unexplained[j] < WELL_ENOUGH),
+            _ => (0..N).any(|j| {
+                self.before.unexplained[j] > NOT_EXPLAINED
+                    && self.before.left[j] > JOINT_GAIN * after.left[j]
+                    && after.unexplained[j] < WELL_ENOUGH
+            }),
         }
     }
 }
