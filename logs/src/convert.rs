@@ -158,7 +158,10 @@ fn in_batches(
         if count > 0 {
             sink.write(&batch.iter().map(Vec::as_slice).collect::<Vec<_>>())?;
         }
-        remarks.get_or_insert_with(|| recognise(&rows.header.assemble(batch.clone())));
+        if remarks.is_none() {
+            let first = std::mem::replace(&mut batch, vec![Vec::new(); rows.header.positions.len()]);
+            remarks = Some(recognise(&rows.header.assemble(first)));
+        }
         go_on()?;
         if count < ROWS_PER_GROUP {
             break;

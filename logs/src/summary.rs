@@ -5,6 +5,7 @@ use std::fmt;
 use crate::bursts::{GAP_TOLERANCE, bursts, median_period_s};
 use crate::format::LogFormat;
 use crate::log::RobotLog;
+use crate::parquet_table::ROWS_PER_GROUP;
 use crate::quantity::Quantity;
 use crate::recognise::{Remark, Use, recognise};
 
@@ -41,7 +42,7 @@ pub struct LogSummary {
     pub source: Option<String>,
     /// Suspicions, in words, such as a last line without line ending.
     pub warnings: Vec<String>,
-    /// What the log says is wrong with itself; of a log in batches, its first one.
+    /// What the first 65 536 rows say is wrong with the log: what one that is read in batches is judged by.
     pub remarks: Vec<Remark>,
 }
 
@@ -50,7 +51,8 @@ impl LogSummary {
     pub(crate) fn new(format: LogFormat, log: &RobotLog, dropped_repeats: usize, unknown_columns: Vec<String>) -> Self {
         let present = Quantity::ALL.into_iter().filter(|&quantity| log.has(quantity)).collect();
         let summary = Self::of_rows(format, log.joints(), &log.time_s, present, dropped_repeats, unknown_columns);
-        Self { remarks: recognise(log), ..summary }
+        let beginning = (log.rows() > ROWS_PER_GROUP).then(|| log.slice(0..ROWS_PER_GROUP).ok()).flatten();
+        Self { remarks: recognise(beginning.as_ref().unwrap_or(log)), ..summary }
     }
 
     /// Describes a log of which only the stamps are at hand.

@@ -3,7 +3,6 @@
 use std::path::{Path, PathBuf};
 
 use serde_json::{Map, Value, json};
-use tribo_diagnose::recognise::recognise;
 use tribo_diagnose::{BlockSettings, FrictionReport, FrictionSettings, JointReport};
 use tribo_ekf::WrenchEkfSettings;
 use tribo_experiments::files::{AnyModel, Model, ModelChoice, SIGN_SMOOTHING_RAD_S};
@@ -12,7 +11,7 @@ use tribo_experiments::{
     WrenchSummary, believed_band, wrench_on_log,
 };
 use tribo_friction::{FrictionBand, FrictionModel, JointFriction};
-use tribo_logs::recognise::Use;
+use tribo_logs::recognise::{self, Use};
 use tribo_logs::{LogSummary, RobotLog, Table, read_log, write_table};
 use tribo_residual::{OBSERVER_GAIN_RAD_S, identify_band};
 use tribo_sim::{Effect, panda_gaz_joints};
@@ -42,7 +41,7 @@ pub fn run(arguments: &Estimate, common: &Common) -> anyhow::Result<()> {
     // The torque residual alone does without dq.
     let wanted = if arguments.residual == "torque" { Use::Diagnosis } else { Use::Wrench };
     // Tables show the warnings of the log themselves.
-    believe(&arguments.log, &summary.remarks, wanted, common.quiet || !common.json)?;
+    believe(&arguments.log, &recognise::recognise(&log), wanted, common.quiet || !common.json)?;
     let nameless = given.is_none() && choice.robot.is_none();
     let smoothing_rad_s = given.as_ref().map_or(SIGN_SMOOTHING_RAD_S, |(_, model)| model.smoothing_rad_s());
     let gears = match TransmissionFriction::of_log(&log, smoothing_rad_s) {
@@ -85,7 +84,7 @@ fn estimate<const N: usize>(
     model: &Model<N>,
 ) -> anyhow::Result<()> {
     let wanted = if arguments.residual == "torque" { Use::Diagnosis } else { Use::Wrench };
-    believe(&arguments.log, &recognise(log, &model.to_nominal()), wanted, common.quiet)?;
+    believe(&arguments.log, &tribo_diagnose::recognise::recognise(log, &model.to_nominal()), wanted, common.quiet)?;
     let believed = Believed::on_log(model);
     warn_not_cancelled(&believed.not_cancelled, common);
     if !(arguments.block_s > 0.0 && arguments.block_s.is_finite()) {
@@ -187,9 +186,9 @@ struct FreeLog<const N: usize> {
 
 impl<const N: usize> FreeLog<N> {
     fn read(path: &Path, model: &Model<N>, believed: &Believed<N>, common: &Common) -> anyhow::Result<Self> {
-        let (log, summary) = read_log(path)?;
-        believe(path, &summary.remarks, Use::Wrench, common.quiet)?;
-        believe(path, &recognise(&log, &model.to_nominal()), Use::Wrench, common.quiet)?;
+        let (log, _) = read_log(path)?;
+        believe(path, &recognise::recognise(&log), Use::Wrench, common.quiet)?;
+        believe(path, &tribo_diagnose::recognise::recognise(&log, &model.to_nominal()), Use::Wrench, common.quiet)?;
         let bad = |error: &dyn std::fmt::Display| BadInput(format!("{}: {error}", path.display()));
         let fits = identify_band(&log, &believed.arm, OBSERVER_GAIN_RAD_S).map_err(|error| bad(&error))?;
         let band = FrictionBand::new(fits.map(|fit| fit.band)).map_err(|error| bad(&error))?;

@@ -5,7 +5,7 @@ use std::path::Path;
 use serde_json::{Map, Value, json};
 use tribo_experiments::{AbortReason, JudgedLog, Told, TuneConfig, UserCampaign, judge_log, trial_remarks};
 use tribo_logs::read_log;
-use tribo_logs::recognise::{Fault, Use};
+use tribo_logs::recognise::{Fault, Use, recognise};
 
 use super::believe::believe;
 use super::now;
@@ -70,9 +70,9 @@ fn judged<const N: usize>(
     common: &Common,
 ) -> anyhow::Result<JudgedLog<N>> {
     let theta = campaign.asked(number)?.theta;
-    let (log, summary) = read_log(path)?;
+    let (log, _) = read_log(path)?;
     // Somebody may have stopped a trial before the arm moved.
-    let mut remarks = summary.remarks;
+    let mut remarks = recognise(&log);
     remarks.retain(|remark| !failed || remark.fault != Fault::Standstill);
     believe(path, &remarks, Use::Trial, common.quiet)?;
     let remarks = trial_remarks(campaign.tune(), campaign.user_trials(), &log, failed);

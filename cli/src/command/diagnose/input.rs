@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use tribo_experiments::files::ModelChoice;
-use tribo_logs::recognise::Use;
+use tribo_logs::recognise::{Use, recognise};
 use tribo_logs::{RobotLog, read_log};
 
 use super::super::believe::believe;
@@ -35,7 +35,7 @@ fn log(path: &Path, common: &Common) -> anyhow::Result<(String, RobotLog)> {
             eprintln!("{}\n{summary}", path.display());
         }
     }
-    believe(path, &summary.remarks, Use::Diagnosis, common.quiet)?;
+    believe(path, &recognise(&log), Use::Diagnosis, common.quiet)?;
     Ok((path.display().to_string(), log))
 }
 
