@@ -40,10 +40,12 @@ const ROBOT_GAIN: f64 = 1.5;
 const LEAD_NATS: f64 = 6.0;
 /// Things that may be wrong at the same time.
 const MOST_CHANGES: usize = 3;
-/// Share of a torque's variance that is left where nothing needs to be asked.
-const EXPLAINED: f64 = 0.03;
-/// Nats that the parameters of such an arm cost against their priors, at most.
+/// Nats that tilt, payload, friction and rotors of an arm cost against their priors, at most; and by how much less they must cost where
+/// nothing else speaks for a hypothesis.
 const PLAUSIBLE_NATS: f64 = 15.0;
+const IMPLAUSIBLE_NATS: f64 = 40.0;
+/// By how much more a hypothesis may leave of any torque.
+const NO_WORSE: f64 = 1.1;
 
 /// The remarks of the rigid model on a log, of which `tau_j_nm` is the torque that acted; none on a good one, or on one too
 /// short to be judged.
@@ -83,11 +85,11 @@ impl<const N: usize> Round<N> {
     fn of(samples: &Samples<N>, believed: &Hypothesis<N>, nominal: &Nominal<N>) -> Option<Self> {
         let columns = Columns::of(samples, believed);
         let before = fit(samples, believed, &columns)?;
-        let well = before.unexplained.iter().all(|left| *left < EXPLAINED) && before.penalty_nats < PLAUSIBLE_NATS;
+        let well = before.unexplained.iter().all(|left| *left < NOT_EXPLAINED) && before.penalty_nats < PLAUSIBLE_NATS;
         let torques = hypothesis::of_torques::<N>().into_iter().chain(factors(samples, believed, &columns));
         let changes: Vec<Change> = torques
             .chain(hypothesis::of_motion(nominal))
-            .filter(|change| !well || matches!(change, Change::OtherSide(_)))
+            .filter(|change| !well || matches!(change, Change::OtherSide(_) | Change::OtherRobot(_)))
             .collect();
         let tried = changes
             .into_par_iter()
@@ -131,11 +133,17 @@ impl<const N: usize> Round<N> {
             // What the priors of tilt and rotors alone speak against.
             Change::OtherSide(_) | Change::NoGravity | Change::Gravity(_) => true,
             Change::OtherRobot(_) => rms(&self.before.left) > ROBOT_GAIN.powi(2) * rms(&after.left),
-            _ => (0..N).any(|j| {
-                self.before.unexplained[j] > NOT_EXPLAINED
-                    && self.before.left[j] > JOINT_GAIN * after.left[j]
-                    && after.unexplained[j] < WELL_ENOUGH
-            }),
+            _ => {
+                let (before, after) = (&self.before, after);
+                let worse = (0..N).any(|j| after.left[j] > NO_WORSE * before.left[j]);
+                let explains = (0..N).any(|j| {
+                    before.unexplained[j] > NOT_EXPLAINED
+                        && before.left[j] > JOINT_GAIN * after.left[j]
+                        && after.unexplained[j] < WELL_ENOUGH
+                });
+                let plausible = before.penalty_nats - after.penalty_nats > IMPLAUSIBLE_NATS;
+                !worse && (explains || plausible)
+            }
         }
     }
 }
