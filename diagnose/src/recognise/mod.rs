@@ -44,7 +44,7 @@ const MOST_CHANGES: usize = 3;
 /// nothing else speaks for a hypothesis.
 const PLAUSIBLE_NATS: f64 = 15.0;
 const IMPLAUSIBLE_NATS: f64 = 40.0;
-/// By how much more a hypothesis may leave of any torque.
+/// By how much more a hypothesis may leave of any torque that is not explained well.
 const NO_WORSE: f64 = 1.1;
 
 /// The remarks of the rigid model on a log, of which `tau_j_nm` is the torque that acted; none on a good one, or on one too
@@ -105,14 +105,14 @@ impl<const N: usize> Round<N> {
         Some(Self { before, tried })
     }
 
-    /// The best hypothesis, if its gain is clear.
+    /// The best hypothesis that convinces, if its gain is clear.
     fn found(&self) -> Option<Found<N>> {
-        let (change, after) = self.tried.iter().min_by(|a, b| a.1.nats.total_cmp(&b.1.nats))?;
-        let gain_nats = self.before.nats - after.nats;
-        let needed = if matches!(change, Change::OtherSide(_)) { SIDE_NATS } else { NAMED_NATS };
-        if gain_nats < needed || !self.convinces(change, after) {
-            return None;
-        }
+        let clear = |(change, after): &&(Change, Fit<N>)| {
+            let needed = if matches!(change, Change::OtherSide(_)) { SIDE_NATS } else { NAMED_NATS };
+            self.before.nats - after.nats > needed && self.convinces(change, after)
+        };
+        let best = self.tried.iter().filter(clear).min_by(|a, b| a.1.nats.total_cmp(&b.1.nats));
+        let (change, after) = best?;
         let near = |fit: &Fit<N>| fit.nats - after.nats < LEAD_NATS;
         let rivals =
             self.tried.iter().filter(|(other, fit)| other != change && near(fit)).map(|(other, _)| other.clone());
@@ -135,7 +135,8 @@ impl<const N: usize> Round<N> {
             Change::OtherRobot(_) => rms(&self.before.left) > ROBOT_GAIN.powi(2) * rms(&after.left),
             _ => {
                 let (before, after) = (&self.before, after);
-                let worse = (0..N).any(|j| after.left[j] > NO_WORSE * before.left[j]);
+                let worse =
+                    (0..N).any(|j| after.left[j] > NO_WORSE * before.left[j] && after.unexplained[j] > NOT_EXPLAINED);
                 let explains = (0..N).any(|j| {
                     before.unexplained[j] > NOT_EXPLAINED
                         && before.left[j] > JOINT_GAIN * after.left[j]
