@@ -40,6 +40,8 @@ const ROBOT_GAIN: f64 = 1.5;
 const LEAD_NATS: f64 = 6.0;
 /// Things that may be wrong at the same time.
 const MOST_CHANGES: usize = 3;
+/// Joints that may stay unexplained: what a second fault explains, and no contact all over the arm.
+const MOST_UNEXPLAINED: usize = 2;
 /// Nats that tilt, payload, friction and rotors of an arm cost against their priors, at most; and by how much less they must cost where
 /// nothing else speaks for a hypothesis.
 const PLAUSIBLE_NATS: f64 = 15.0;
@@ -126,7 +128,7 @@ impl<const N: usize> Round<N> {
 }
 
 impl<const N: usize> Round<N> {
-    /// Whether a hypothesis explains what was not explained, and does not only squeeze out the last percent.
+    /// Whether a hypothesis explains what was not explained, and does not only squeeze out the last percent or move it elsewhere.
     fn convinces(&self, change: &Change, after: &Fit<N>) -> bool {
         let rms = |left: &[f64; N]| left.iter().map(|x| x * x).sum::<f64>();
         match change {
@@ -142,8 +144,12 @@ impl<const N: usize> Round<N> {
                         && before.left[j] > JOINT_GAIN * after.left[j]
                         && after.unexplained[j] < WELL_ENOUGH
                 });
-                let plausible = before.penalty_nats - after.penalty_nats > IMPLAUSIBLE_NATS;
-                !worse && (explains || plausible)
+                let unexplained = |fit: &Fit<N>| fit.unexplained.iter().filter(|left| **left > NOT_EXPLAINED).count();
+                let fewer = unexplained(after) < unexplained(before) && unexplained(after) <= MOST_UNEXPLAINED;
+                // A factor on everything is a heavier payload and another gravity, and less and less of an arm.
+                let plausible = matches!(change, Change::TorqueFactor(_) | Change::AllTorqueSigns)
+                    && before.penalty_nats - after.penalty_nats > IMPLAUSIBLE_NATS;
+                !worse && (explains && fewer || plausible)
             }
         }
     }
