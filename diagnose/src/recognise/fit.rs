@@ -230,19 +230,18 @@ fn correlation(a: impl Iterator<Item = f64> + Clone, b: impl Iterator<Item = f64
     if correlation.is_finite() { correlation } else { 0.0 }
 }
 
-/// RMS of the measured torque over that of the rigid torque, joint by joint, both as deviations from their means where gravity
-/// changes and as they are where it does not.
-pub(super) fn torque_ratios<const N: usize>(
+/// `(|Σ measured · rigid|, Σ rigid²)` of each joint: their ratio is the factor between both, but for friction.
+pub(super) fn torque_products<const N: usize>(
     samples: &Samples<N>,
     hypothesis: &Hypothesis<N>,
     columns: &Columns<N>,
-) -> [f64; N] {
+) -> [(f64, f64); N] {
     std::array::from_fn(|j| {
         let (mut cross, mut square) = (0.0, 0.0);
         for (at, rigid) in samples.instants.iter().zip(&columns.rigid) {
             cross += hypothesis.of(at).tau_nm[j] * rigid[j];
             square += rigid[j] * rigid[j];
         }
-        cross.abs() / square
+        (f64::abs(cross), square)
     })
 }

@@ -157,11 +157,12 @@ impl<const N: usize> Round<N> {
 
 /// Factors between measured and rigid torque that are far from 1.
 fn factors<const N: usize>(samples: &Samples<N>, believed: &Hypothesis<N>, columns: &Columns<N>) -> Vec<Change> {
-    let ratios = fit::torque_ratios(samples, believed, columns);
-    let mut sorted: Vec<f64> = ratios.to_vec();
-    sorted.sort_by(f64::total_cmp);
-    let mut changes: Vec<Change> = [1e3, 1e-3, sorted[N / 2]].into_iter().map(Change::TorqueFactor).collect();
-    changes.extend((0..N).map(|j| Change::JointTorqueFactor(j, ratios[j])));
+    let products = fit::torque_products(samples, believed, columns);
+    // Together the joints that carry the arm decide, of which friction is the smallest part.
+    let (cross, square) = products.iter().fold((0.0, 0.0), |sum, joint| (sum.0 + joint.0, sum.1 + joint.1));
+    let mut changes: Vec<Change> = [1e3, 1e-3, cross / square].into_iter().map(Change::TorqueFactor).collect();
+    changes
+        .extend(products.iter().enumerate().map(|(j, (cross, square))| Change::JointTorqueFactor(j, cross / square)));
     let far = |factor: f64| factor > 0.0 && (0.6..9.0).contains(&factor.ln().abs());
     changes.retain(|change| matches!(change, Change::TorqueFactor(k) | Change::JointTorqueFactor(_, k) if far(*k)));
     changes
