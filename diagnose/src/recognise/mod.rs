@@ -4,7 +4,7 @@
 //! nats(h) = −max ln p(torques | h),     gain(h) = nats(as it is) − nats(h),     h: one thing wrong with the log
 //! ```
 //!
-//! Every hypothesis explains the torques by the same generous regression ([`fit`]): rigid arm, tilt, payload, and of each joint
+//! Every hypothesis explains the torques by the same generous regression (`fit.rs`): rigid arm, tilt, payload, and of each joint
 //! offset, friction and rotor. Only what such an arm cannot be, and what a turned sign, swapped columns or another unit makes
 //! good at once, is named; after the best is taken in, the others are asked again.
 //! Leaves out: everything that is a small error of the model, which is what a diagnosis is for.
