@@ -42,6 +42,13 @@ pub(super) enum Change {
     OtherRobot(String),
 }
 
+impl Change {
+    /// Whether it changes all torques or the arm, so that a payload may hide it.
+    pub fn is_of_the_whole_arm(&self) -> bool {
+        matches!(self, Self::OtherSide(_) | Self::OtherRobot(_) | Self::TorqueFactor(_))
+    }
+}
+
 /// Which column is which: `q'_j = factor · q_source`, torques likewise; and the arm that they are of.
 #[derive(Clone, Debug)]
 pub(super) struct Hypothesis<const N: usize> {

@@ -34,8 +34,8 @@ const SIDE_NATS: f64 = 20.0;
 const JOINT_GAIN: f64 = 2.0;
 const NOT_EXPLAINED: f64 = 0.15;
 const WELL_ENOUGH: f64 = 0.3;
-/// By how much less another arm must leave in all.
-const ROBOT_GAIN: f64 = 1.5;
+/// By how much less must be left in all by another arm, or another unit.
+const ARM_GAIN: f64 = 1.5;
 /// Lead (nats) over others that say something else.
 const LEAD_NATS: f64 = 6.0;
 /// Things that may be wrong at the same time.
@@ -91,7 +91,7 @@ impl<const N: usize> Round<N> {
         let torques = hypothesis::of_torques::<N>().into_iter().chain(factors(samples, believed, &columns));
         let changes: Vec<Change> = torques
             .chain(hypothesis::of_motion(nominal))
-            .filter(|change| !well || matches!(change, Change::OtherSide(_) | Change::OtherRobot(_)))
+            .filter(|change| !well || change.is_of_the_whole_arm())
             .collect();
         let tried = changes
             .into_par_iter()
@@ -130,11 +130,11 @@ impl<const N: usize> Round<N> {
 impl<const N: usize> Round<N> {
     /// Whether a hypothesis explains what was not explained, and does not only squeeze out the last percent or move it elsewhere.
     fn convinces(&self, change: &Change, after: &Fit<N>) -> bool {
-        let rms = |left: &[f64; N]| left.iter().map(|x| x * x).sum::<f64>();
+        let squares = |left: &[f64; N]| left.iter().map(|x| x * x).sum::<f64>();
         match change {
             // What the priors of tilt and rotors alone speak against.
             Change::OtherSide(_) | Change::NoGravity | Change::Gravity(_) => true,
-            Change::OtherRobot(_) => rms(&self.before.left) > ROBOT_GAIN.powi(2) * rms(&after.left),
+            Change::OtherRobot(_) => squares(&self.before.left) > ARM_GAIN.powi(2) * squares(&after.left),
             _ => {
                 let (before, after) = (&self.before, after);
                 let worse =
@@ -146,9 +146,10 @@ impl<const N: usize> Round<N> {
                 });
                 let unexplained = |fit: &Fit<N>| fit.unexplained.iter().filter(|left| **left > NOT_EXPLAINED).count();
                 let fewer = unexplained(after) < unexplained(before) && unexplained(after) <= MOST_UNEXPLAINED;
-                // A factor on everything is a heavier payload and another gravity, and less and less of an arm.
+                // A factor on everything is nearly a heavy payload or another gravity.
                 let plausible = matches!(change, Change::TorqueFactor(_) | Change::AllTorqueSigns)
-                    && before.penalty_nats - after.penalty_nats > IMPLAUSIBLE_NATS;
+                    && (before.penalty_nats - after.penalty_nats > IMPLAUSIBLE_NATS
+                        || squares(&before.left) > ARM_GAIN.powi(2) * squares(&after.left));
                 !worse && (explains && fewer || plausible)
             }
         }
