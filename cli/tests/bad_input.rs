@@ -205,7 +205,7 @@ fn model_of_the_truth() {
 fn log(joints: usize, rows: usize) -> String {
     let names =
         ["q", "dq", "tau_J"].map(|stem| (0..joints).map(|j| format!("{stem}_{j}")).collect::<Vec<_>>().join(","));
-    let cells = vec!["0.25"; 3 * joints].join(",");
+    let cells = ["0.25", "0.00", "0.25"].map(|cell| vec![cell; joints].join(",")).join(",");
     let line = |row: usize| format!("{:.3},{cells}\n", row as f64 * 1e-3);
     format!("time,{}\n{}", names.join(","), (0..rows).map(line).collect::<String>())
 }

@@ -50,6 +50,7 @@ mod parameters;
 mod plots;
 mod posterior;
 mod pruning;
+pub mod recognise;
 mod remarks;
 mod repeats;
 pub mod report;

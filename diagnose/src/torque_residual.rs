@@ -248,7 +248,10 @@ fn rows<const N: usize>(columns: &[Vec<f64>], chain: &SignalChain) -> Vec<SVecto
 }
 
 /// Smoothed, settled rows of a quantity that a log may lack.
-fn smoothed<const N: usize>(columns: Option<&Vec<Vec<f64>>>, chain: &SignalChain) -> Option<Vec<SVector<f64, N>>> {
+pub(crate) fn smoothed<const N: usize>(
+    columns: Option<&Vec<Vec<f64>>>,
+    chain: &SignalChain,
+) -> Option<Vec<SVector<f64, N>>> {
     let columns: Vec<Vec<f64>> = columns?.iter().map(|column| chain.smooth(column)).collect();
     Some(rows(&columns, chain))
 }
@@ -262,7 +265,7 @@ fn deflection_of<const N: usize>(burst: &RobotLog, chain: &SignalChain) -> Optio
 }
 
 /// Smoothed positions and their derivatives, away from the ends of the burst.
-fn motion_of<const N: usize>(burst: &RobotLog, chain: &SignalChain) -> Vec<MotionSample<N>> {
+pub(crate) fn motion_of<const N: usize>(burst: &RobotLog, chain: &SignalChain) -> Vec<MotionSample<N>> {
     let dt_s = chain.rate_hz.recip();
     let q: [Vec<f64>; N] = std::array::from_fn(|j| chain.smooth(&burst.q_rad[j]));
     let qd: [Vec<f64>; N] = std::array::from_fn(|j| central_difference(&q[j], dt_s));

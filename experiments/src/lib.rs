@@ -65,7 +65,9 @@ mod trial_store;
 pub mod watch;
 
 pub use against_ekf::{AgainstEkf, against_ekf};
-pub use ask_tell::{Asked, JudgeError, JudgedLog, SentTorque, Told, UserCampaign, UserTrials, judge_log};
+pub use ask_tell::{
+    Asked, JudgeError, JudgedLog, SentTorque, Told, UserCampaign, UserTrials, judge_log, trial_remarks,
+};
 pub use batches::Batches;
 pub use believed::{Believed, NotCancelled, joint_effects, not_cancelled_sentences};
 pub use by_joints::ByJoints;

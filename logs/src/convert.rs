@@ -16,6 +16,7 @@ use crate::canonical_csv::canonical_rows;
 use crate::csv_rows::CsvRows;
 use crate::csv_writer::CsvWriter;
 use crate::detect::{detect, read_log};
+use crate::differentiated::lacks_velocity;
 use crate::error::LogError;
 use crate::format::LogFormat;
 use crate::libfranka::libfranka_rows;
@@ -24,6 +25,7 @@ use crate::mcap_write::McapWriter;
 use crate::parquet_log::table_metadata;
 use crate::parquet_table::{ROWS_PER_GROUP, TableWriter};
 use crate::quantity::Quantity;
+use crate::recognise::recognise;
 use crate::source::LogFile;
 use crate::summary::LogSummary;
 
@@ -131,11 +133,13 @@ pub fn convert(
 
 /// The rows of a format that can be read in one pass; `None` for the others.
 fn rows_of<'p>(file: &LogFile<'p>, format: LogFormat) -> Result<Option<CsvRows<'p, Box<dyn BufRead>>>, LogError> {
-    match format {
-        LogFormat::Csv | LogFormat::CsvGz => canonical_rows(file.open_text("CSV")?.0, file.path, format).map(Some),
-        LogFormat::Libfranka => libfranka_rows(file).map(Some),
-        _ => Ok(None),
-    }
+    let rows = match format {
+        LogFormat::Csv | LogFormat::CsvGz => canonical_rows(file.open_text("CSV")?.0, file.path, format)?,
+        LogFormat::Libfranka => libfranka_rows(file)?,
+        _ => return Ok(None),
+    };
+    // Velocities are worked out from the whole log.
+    Ok((!lacks_velocity(&rows.header.quantities)).then_some(rows))
 }
 
 /// Every row from the file to the sink.
@@ -146,13 +150,17 @@ fn in_batches(
     mut go_on: impl FnMut() -> Result<(), LogError>,
 ) -> Result<LogSummary, LogError> {
     let mut batch = vec![Vec::new(); rows.header.positions.len()];
-    let mut time_s = Vec::new();
+    let (mut time_s, mut remarks) = (Vec::new(), None);
     loop {
         batch.iter_mut().for_each(Vec::clear);
         let count = rows.append_to(&mut batch, ROWS_PER_GROUP)?;
         time_s.extend_from_slice(&batch[0]);
         if count > 0 {
             sink.write(&batch.iter().map(Vec::as_slice).collect::<Vec<_>>())?;
+        }
+        if remarks.is_none() {
+            let first = std::mem::replace(&mut batch, vec![Vec::new(); rows.header.positions.len()]);
+            remarks = Some(recognise(&rows.header.assemble(first)));
         }
         go_on()?;
         if count < ROWS_PER_GROUP {
@@ -169,6 +177,7 @@ fn in_batches(
     let end = rows.end();
     let mut summary = LogSummary::of_rows(format, joints, &time_s, present, end.dropped_repeats, end.unknown);
     summary.warnings.extend(end.warnings);
+    summary.remarks = remarks.unwrap_or_default();
     Ok(summary)
 }
 

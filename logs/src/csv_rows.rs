@@ -12,6 +12,7 @@ use std::ops::Range;
 use std::path::Path;
 
 use crate::csv_lines::{Lines, RowLayout};
+use crate::differentiated::differentiate;
 use crate::error::LogError;
 use crate::format::LogFormat;
 use crate::header::Header;
@@ -119,7 +120,10 @@ impl<'p, R: BufRead> CsvRows<'p, R> {
     /// The whole log.
     pub fn into_log(self) -> Result<(RobotLog, LogSummary), LogError> {
         let (path, format) = (self.path, self.format);
-        let (columns, end) = self.into_columns()?;
+        let (mut columns, mut end) = self.into_columns()?;
+        if columns.dq_rad_s.is_empty() {
+            end.warnings.push(differentiate(&mut columns));
+        }
         let log = columns.validate().map_err(|error| error.in_file(path))?;
         let mut summary = LogSummary::new(format, &log, end.dropped_repeats, end.unknown);
         summary.warnings.extend(end.warnings);

@@ -1,7 +1,7 @@
 //! From column names to the columns of a log, whatever the order in the file.
 //!
-//! N = 1 + the largest joint index that occurs. A quantity is there with all its columns or not at all; `time`, `q_i`,
-//! `dq_i` and `tau_J_i` must be there. Names that are not canonical are kept as `unknown`.
+//! N = 1 + the largest joint index that occurs. A quantity is there with all its columns or not at all; `time`, `q_i`
+//! and `tau_J_i` must be there. Names that are not canonical are kept as `unknown`.
 
 use std::collections::HashMap;
 use std::ops::Range;
@@ -52,7 +52,9 @@ impl Header {
         for quantity in Quantity::ALL {
             let columns = 0..quantity.column_count(joints);
             let present = columns.clone().any(|index| position_of.contains_key(&(quantity, index)));
-            if !(present || quantity.is_required()) {
+            // Velocities can be worked out from the positions.
+            let needed = quantity.is_required() && quantity != Quantity::Velocity;
+            if !(present || needed) {
                 continue;
             }
             quantities.push(quantity);

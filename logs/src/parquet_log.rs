@@ -3,11 +3,13 @@
 use std::path::Path;
 
 use crate::convert::{LogTarget, write_log};
+use crate::differentiated::{differentiate, lacks_velocity};
 use crate::error::LogError;
 use crate::format::LogFormat;
 use crate::header::Header;
 use crate::log::RobotLog;
 use crate::parquet_table::{Table, table_of};
+use crate::quantity::Quantity;
 use crate::source::LogFile;
 use crate::summary::LogSummary;
 
@@ -35,9 +37,13 @@ pub(crate) fn parquet(file: &LogFile) -> Result<(RobotLog, LogSummary), LogError
     let path = file.path;
     let mut table = table_of(file)?;
     let skipped = std::mem::take(&mut table.skipped_columns);
+    let names: Vec<String> = table.columns.iter().map(|(name, _)| name.clone()).collect();
     let (log, mut unknown) = table.into_log().map_err(|error| error.in_file(path))?;
     unknown.extend(skipped);
-    let summary = LogSummary::new(LogFormat::Parquet, &log, 0, unknown);
+    let mut summary = LogSummary::new(LogFormat::Parquet, &log, 0, unknown);
+    if !names.iter().any(|name| name == &Quantity::Velocity.column_name(0)) {
+        summary.warnings.push("no dq_i: worked out from q_i".to_owned());
+    }
     Ok((log, summary))
 }
 
@@ -64,6 +70,10 @@ impl Table {
         let header = Header::from_names(&names)?;
         let take = |&position: &usize| std::mem::take(&mut self.columns[position].1);
         let columns = header.positions.iter().map(take).collect();
-        Ok((header.assemble(columns).validate()?, header.unknown))
+        let mut columns = header.assemble(columns);
+        if lacks_velocity(&header.quantities) && columns.q_rad.iter().all(|q| q.len() == columns.rows()) {
+            differentiate(&mut columns);
+        }
+        Ok((columns.validate()?, header.unknown))
     }
 }

@@ -5,10 +5,9 @@ use std::fmt;
 use crate::bursts::{GAP_TOLERANCE, bursts, median_period_s};
 use crate::format::LogFormat;
 use crate::log::RobotLog;
+use crate::parquet_table::ROWS_PER_GROUP;
 use crate::quantity::Quantity;
-
-/// Rate up to which stamps that are all whole numbers look like another unit (Hz).
-const SUSPECT_RATE_HZ: f64 = 1.0;
+use crate::recognise::{Remark, Use, recognise};
 
 /// Evidence about a log that was read.
 #[derive(Debug, Clone, PartialEq)]
@@ -43,13 +42,17 @@ pub struct LogSummary {
     pub source: Option<String>,
     /// Suspicions, in words, such as a last line without line ending.
     pub warnings: Vec<String>,
+    /// What the first 65 536 rows say is wrong with the log: what one that is read in batches is judged by.
+    pub remarks: Vec<Remark>,
 }
 
 impl LogSummary {
     /// Describes a log just read.
     pub(crate) fn new(format: LogFormat, log: &RobotLog, dropped_repeats: usize, unknown_columns: Vec<String>) -> Self {
         let present = Quantity::ALL.into_iter().filter(|&quantity| log.has(quantity)).collect();
-        Self::of_rows(format, log.joints(), &log.time_s, present, dropped_repeats, unknown_columns)
+        let summary = Self::of_rows(format, log.joints(), &log.time_s, present, dropped_repeats, unknown_columns);
+        let beginning = (log.rows() > ROWS_PER_GROUP).then(|| log.slice(0..ROWS_PER_GROUP).ok()).flatten();
+        Self { remarks: recognise(beginning.as_ref().unwrap_or(log)), ..summary }
     }
 
     /// Describes a log of which only the stamps are at hand.
@@ -63,9 +66,6 @@ impl LogSummary {
     ) -> Self {
         let duration_s = time_s.last().zip(time_s.first()).map_or(0.0, |(last, first)| last - first);
         let rate_hz = median_period_s(time_s).map_or(0.0, f64::recip);
-        let suspect = rate_hz <= SUSPECT_RATE_HZ && time_s.iter().all(|stamp| stamp.fract() == 0.0);
-        let milliseconds =
-            || "every stamp is a whole number: `time` is in seconds here; is it in milliseconds?".to_owned();
         Self {
             format,
             joints,
@@ -81,7 +81,8 @@ impl LogSummary {
             unwrapped_jumps: 0,
             unknown_columns,
             source: None,
-            warnings: suspect.then(milliseconds).into_iter().collect(),
+            warnings: Vec::new(),
+            remarks: Vec::new(),
         }
     }
 
@@ -119,6 +120,9 @@ impl fmt::Display for LogSummary {
         }
         for warning in &self.warnings {
             write!(f, "\nwarning      {warning}")?;
+        }
+        for remark in self.remarks.iter().filter(|remark| remark.concerns(Use::Conversion)) {
+            write!(f, "\nwarning      {remark}")?;
         }
         Ok(())
     }

@@ -58,7 +58,11 @@ fn what_is_odd_but_legal_is_in_the_summary() {
 #[test]
 fn stamps_that_look_like_milliseconds_are_suspected() {
     let (_, summary) = read(GOOD.replace("\n0.001", "\n1"));
-    assert_eq!(summary.warnings, ["every stamp is a whole number: `time` is in seconds here; is it in milliseconds?"]);
+    let said: Vec<String> = summary.remarks.iter().map(ToString::to_string).collect();
+    let expected =
+        "the stamps are 1 apart: as seconds that is no robot, as milliseconds it is 1000 Hz; divide column time by 1e3";
+    assert_eq!(said, [expected]);
+    assert!(summary.to_string().ends_with(&format!("warning      {expected}")), "{summary}");
     assert!(read(GOOD).1.warnings.is_empty());
 }
 

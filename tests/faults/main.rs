@@ -16,6 +16,8 @@
 //! | model of another arm | the trial ends or is stopped, nothing is unsafe | `robot` |
 //! | a hand pushes with 50 N | compliant: the trial ends or is stopped, within its limits | `robot` |
 //! | power fails in a trial | stopped while the arm has hardly begun to fall | `robot` |
+//! | a log in degrees, ms, ns, mNm; signs turned, joints swapped, encoder frozen, `dq` wrong, gravity left out, another robot or side of the gears | refused, or warned of, in one sentence with the column to mend | `diagnose/tests/recognise`, `cli/tests/wrong_logs.rs` |
+//! | a trial in which most joints stood still; an estimator that could use no sample | refused: what costs nothing is no trial | `cli/tests/wrong_logs.rs` |
 //! | deadline missed, loop stalled | held, then stopped with the safe torque | `runtime/tests/overruns.rs` |
 //! | disk full, directory read-only | exit code 2, file and reason named, nothing lost | `cli/tests/storage_faults.rs` |
 //! | system clock jumps | a campaign's result does not change | `cli/tests/storage_faults.rs` |

@@ -4,8 +4,10 @@ use std::path::Path;
 
 use serde_json::{Value, json};
 use tribo_experiments::switched_off_without;
+use tribo_logs::recognise::Use;
 use tribo_logs::{ColumnNames, LogError, LogSummary, LogTarget, RobotLog, convert};
 
+use super::believe::remarks_json;
 use crate::arguments::{Common, Convert};
 use crate::failure::{BadInput, Stopped};
 use crate::output::{print, print_json};
@@ -65,6 +67,7 @@ fn document(summary: &LogSummary) -> Value {
         }).collect::<Vec<_>>(),
         "unknown_columns": summary.unknown_columns,
         "warnings": summary.warnings,
+        "remarks": remarks_json(&summary.remarks, Use::Conversion),
     })
 }
 

@@ -11,10 +11,12 @@ use tribo_experiments::{
     WrenchSummary, believed_band, wrench_on_log,
 };
 use tribo_friction::{FrictionBand, FrictionModel, JointFriction};
+use tribo_logs::recognise::{self, Use};
 use tribo_logs::{LogSummary, RobotLog, Table, read_log, write_table};
 use tribo_residual::{OBSERVER_GAIN_RAD_S, identify_band};
 use tribo_sim::{Effect, panda_gaz_joints};
 
+use super::believe::believe;
 use super::{check_joints, named, transmission, warn_not_cancelled};
 use crate::arguments::{Common, Estimate};
 use crate::failure::BadInput;
@@ -36,6 +38,10 @@ pub fn run(arguments: &Estimate, common: &Common) -> anyhow::Result<()> {
     let given = choice.given()?;
     let (log, summary) = read_log(&arguments.log)?;
     let everything = arguments.residual == "all";
+    // The torque residual alone does without dq.
+    let wanted = if arguments.residual == "torque" { Use::Diagnosis } else { Use::Wrench };
+    // Tables show the warnings of the log themselves.
+    believe(&arguments.log, &recognise::recognise(&log), wanted, common.quiet || !common.json)?;
     let nameless = given.is_none() && choice.robot.is_none();
     let smoothing_rad_s = given.as_ref().map_or(SIGN_SMOOTHING_RAD_S, |(_, model)| model.smoothing_rad_s());
     let gears = match TransmissionFriction::of_log(&log, smoothing_rad_s) {
@@ -77,6 +83,8 @@ fn estimate<const N: usize>(
     Measured { log, summary, gears }: &Measured,
     model: &Model<N>,
 ) -> anyhow::Result<()> {
+    let wanted = if arguments.residual == "torque" { Use::Diagnosis } else { Use::Wrench };
+    believe(&arguments.log, &tribo_diagnose::recognise::recognise(log, &model.to_nominal()), wanted, common.quiet)?;
     let believed = Believed::on_log(model);
     warn_not_cancelled(&believed.not_cancelled, common);
     if !(arguments.block_s > 0.0 && arguments.block_s.is_finite()) {
@@ -97,7 +105,7 @@ fn estimate<const N: usize>(
     let everything = arguments.residual == "all";
     let wants = |name: &str| everything || arguments.residual == name;
     let torque = wants("torque").then(|| torque_residual(arguments, log, model)).transpose()?;
-    let free = arguments.free.as_deref().map(|path| FreeLog::read(path, &believed)).transpose()?;
+    let free = arguments.free.as_deref().map(|path| FreeLog::read(path, model, &believed, common)).transpose()?;
     let one_encoder = wants(EstimatorName::DoubleEncoder.as_str())
         .then(|| [Some((&arguments.log, log)), free.as_ref().map(|free| (&free.path, &free.log))])
         .and_then(|logs| logs.into_iter().flatten().find(|(_, log)| log.theta_rad.is_none()))
@@ -177,8 +185,10 @@ struct FreeLog<const N: usize> {
 }
 
 impl<const N: usize> FreeLog<N> {
-    fn read(path: &Path, believed: &Believed<N>) -> anyhow::Result<Self> {
+    fn read(path: &Path, model: &Model<N>, believed: &Believed<N>, common: &Common) -> anyhow::Result<Self> {
         let (log, _) = read_log(path)?;
+        believe(path, &recognise::recognise(&log), Use::Wrench, common.quiet)?;
+        believe(path, &tribo_diagnose::recognise::recognise(&log, &model.to_nominal()), Use::Wrench, common.quiet)?;
         let bad = |error: &dyn std::fmt::Display| BadInput(format!("{}: {error}", path.display()));
         let fits = identify_band(&log, &believed.arm, OBSERVER_GAIN_RAD_S).map_err(|error| bad(&error))?;
         let band = FrictionBand::new(fits.map(|fit| fit.band)).map_err(|error| bad(&error))?;

@@ -1,6 +1,7 @@
 //! One file per command.
 
 pub mod ask;
+mod believe;
 pub mod bench;
 pub mod convert;
 pub mod dashboard;

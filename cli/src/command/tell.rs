@@ -3,9 +3,11 @@
 use std::path::Path;
 
 use serde_json::{Map, Value, json};
-use tribo_experiments::{AbortReason, JudgedLog, Told, TuneConfig, UserCampaign, judge_log};
+use tribo_experiments::{AbortReason, JudgedLog, Told, TuneConfig, UserCampaign, judge_log, trial_remarks};
 use tribo_logs::read_log;
+use tribo_logs::recognise::{Fault, Use, recognise};
 
+use super::believe::believe;
 use super::now;
 use crate::arguments::{Common, Tell};
 use crate::failure::BadInput;
@@ -32,7 +34,7 @@ fn tell<const N: usize>(mut campaign: UserCampaign<N>, arguments: &Tell, common:
     }
     let failed = arguments.failed.as_deref();
     let judged = match &arguments.log {
-        Some(path) => Some(judged(&campaign, number, path, failed.is_some())?),
+        Some(path) => Some(judged(&campaign, number, path, failed.is_some(), common)?),
         None => None,
     };
     let told = match (&judged, failed) {
@@ -65,9 +67,16 @@ fn judged<const N: usize>(
     number: usize,
     path: &Path,
     failed: bool,
+    common: &Common,
 ) -> anyhow::Result<JudgedLog<N>> {
     let theta = campaign.asked(number)?.theta;
     let (log, _) = read_log(path)?;
+    // Somebody may have stopped a trial before the arm moved.
+    let mut remarks = recognise(&log);
+    remarks.retain(|remark| !failed || remark.fault != Fault::Standstill);
+    believe(path, &remarks, Use::Trial, common.quiet)?;
+    let remarks = trial_remarks(campaign.tune(), campaign.user_trials(), &log, failed);
+    believe(path, &remarks, Use::Trial, common.quiet)?;
     let judged = judge_log(campaign.tune(), campaign.user_trials(), &theta, &log, failed);
     Ok(judged.map_err(|error| BadInput(format!("{}: {error}", path.display())))?)
 }

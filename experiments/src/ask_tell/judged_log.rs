@@ -20,7 +20,9 @@ pub struct JudgedLog<const N: usize> {
     pub aborted_at_s: Option<f64>,
     /// The decimated log. Task and null-space torque are not told apart; reference and error are not known.
     pub log: TrialLog<N>,
-    /// Judged samples that the estimator could not use.
+    /// Judged samples.
+    pub samples: usize,
+    /// Those of them that the estimator could not use.
     pub faults: usize,
     /// Whether the log says itself what the compensator added.
     pub logged_compensation: bool,
@@ -65,11 +67,24 @@ pub enum JudgeError {
         /// The longest that is bridged (s).
         allowed_s: f64,
     },
+    /// An estimate that stands still costs nothing.
+    #[error("the estimator could use {} of {samples} judged samples; a trial needs {} %", samples - faults, 100.0 * LEAST_USED)]
+    Unused {
+        /// Judged samples.
+        samples: usize,
+        /// Those that could not be used.
+        faults: usize,
+    },
+    /// Positions or torques that are no arm's.
+    #[error("its cost is {0}: no arm has such positions, speeds or torques")]
+    NotFinite(f64),
     /// No estimator.
     #[error(transparent)]
     Estimator(#[from] EstimatorError),
 }
 
+/// Least share of the judged samples that the estimator uses.
+const LEAST_USED: f64 = 0.95;
 /// Period of the decimated log (s).
 const LOG_PERIOD_S: f64 = 0.01;
 
@@ -93,7 +108,7 @@ pub fn judge_log<const N: usize>(
     let mut estimator = AnyEstimator::for_tuning(tune.config.residual, tune.config.ekf, arm, &friction)?;
     let compensator = Compensator::new(friction, VelocitySource::Measured).with_effects(tune.trial.effects);
     let mut bristles = Bristles::default();
-    let (mut accumulator, mut faults) = (CostAccumulator::new(tune.trial.measure), 0);
+    let (mut accumulator, mut samples, mut faults) = (CostAccumulator::new(tune.trial.measure), 0, 0);
     let period_s = nanoseconds(median_period_s(&log.time_s).unwrap_or_default());
     let every = (LOG_PERIOD_S / period_s).round().max(1.0);
     let log_period_s = every * period_s;
@@ -130,6 +145,7 @@ pub fn judge_log<const N: usize>(
         }
         if judged {
             accumulator.add(&estimate.wrench_base);
+            samples += 1;
             faults += usize::from(estimate.fault.is_some());
         }
 
@@ -172,8 +188,16 @@ pub fn judge_log<const N: usize>(
     }
 
     let aborted_at_s = failed.then(|| log.time_s[log.rows() - 1] - log.time_s[0] - user_trials.judged_from_s);
+    if !failed && (samples - faults) as f64 <= LEAST_USED * samples as f64 {
+        return Err(JudgeError::Unused { samples, faults });
+    }
+    let cost = accumulator.finish(aborted_at_s, user_trials.judged_s);
+    if !cost.total().is_finite() {
+        return Err(JudgeError::NotFinite(cost.total()));
+    }
     Ok(JudgedLog {
-        cost: accumulator.finish(aborted_at_s, user_trials.judged_s),
+        cost,
+        samples,
         aborted_at_s,
         log: decimated,
         faults,

@@ -3,8 +3,10 @@
 use std::path::{Path, PathBuf};
 
 use tribo_experiments::files::ModelChoice;
+use tribo_logs::recognise::{Use, recognise};
 use tribo_logs::{RobotLog, read_log};
 
+use super::super::believe::believe;
 use super::super::named;
 use crate::arguments::{Common, Diagnose};
 use crate::failure::BadInput;
@@ -33,6 +35,7 @@ fn log(path: &Path, common: &Common) -> anyhow::Result<(String, RobotLog)> {
             eprintln!("{}\n{summary}", path.display());
         }
     }
+    believe(path, &recognise(&log), Use::Diagnosis, common.quiet)?;
     Ok((path.display().to_string(), log))
 }
 

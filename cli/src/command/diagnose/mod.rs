@@ -7,13 +7,16 @@ mod show;
 
 use std::path::Path;
 
+use tribo_diagnose::recognise::recognise;
 use tribo_diagnose::report::{ClosedLoop, ReportContext, html};
 use tribo_diagnose::{CauseLabel, DiagnoseError, DiagnoseSettings, Diagnosis, Verdict, diagnose_with_reference};
 use tribo_experiments::files::{AnyModel, Model, ModelFile};
 use tribo_experiments::{Believed, ClosedLoopGain, closed_loop_gain, not_cancelled_sentences};
 use tribo_logs::RobotLog;
+use tribo_logs::recognise::Use;
 use tribo_robot::Arm;
 
+use super::believe::believe;
 use super::check_joints;
 use crate::arguments::{Common, Diagnose};
 use crate::failure::{BadInput, CheckFailed, Stopped};
@@ -54,6 +57,11 @@ pub fn run(arguments: &Diagnose, common: &Common) -> anyhow::Result<()> {
     let others = validate.iter().chain(&reference).map(|(name, log)| (name, log));
     for (name, log) in names.iter().zip(&session).chain(others) {
         check_joints(Path::new(name), log, &model)?;
+        let remarks = match &model {
+            AnyModel::Six(model) => recognise(log, &model.to_nominal()),
+            AnyModel::Seven(model) => recognise(log, &model.to_nominal()),
+        };
+        believe(Path::new(name), &remarks, Use::Diagnosis, common.quiet)?;
     }
     let unloaded = reference.into_iter().map(|(_, log)| log).collect();
     let held = Held { names, session, validate, unloaded, model_name: choice.name(model.robot()), model_file };

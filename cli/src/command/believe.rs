@@ -1,0 +1,43 @@
+//! Whether a log is believed.
+
+use std::path::Path;
+
+use serde_json::{Value, json};
+use tribo_logs::recognise::{Remark, Severity, Use};
+
+use crate::failure::BadInput;
+
+/// Remarks in a JSON document.
+pub fn remarks_json(remarks: &[Remark], wanted: Use) -> Value {
+    let remarks = remarks.iter().filter(|remark| remark.concerns(wanted)).map(|remark| {
+        let severity = if remark.severity == Severity::Refuse { "refuse" } else { "warn" };
+        json!({
+            "fault": remark.fault.name(),
+            "severity": severity,
+            "joints": remark.joints,
+            "evidence": remark.evidence,
+            "remedy": remark.remedy,
+        })
+    });
+    remarks.collect()
+}
+
+/// Refuses a log that cannot be right for what it is wanted for, with every reason; what only may be wrong goes to standard error.
+///
+/// # Errors
+/// [`BadInput`], one line per reason.
+pub fn believe(path: &Path, remarks: &[Remark], wanted: Use, quiet: bool) -> anyhow::Result<()> {
+    let name = path.display();
+    let refused: Vec<String> = remarks
+        .iter()
+        .filter(|remark| remark.refuses(wanted))
+        .map(|remark| format!("{name}: {}: {remark}", remark.fault.name()))
+        .collect();
+    if !refused.is_empty() {
+        return Err(BadInput(refused.join("\n")).into());
+    }
+    for remark in remarks.iter().filter(|remark| remark.concerns(wanted) && !quiet) {
+        eprintln!("tribo: {name}: {remark}");
+    }
+    Ok(())
+}

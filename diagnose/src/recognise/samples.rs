@@ -1,0 +1,68 @@
+//! The motion and the torque of a log at a few hundred instants.
+
+use nalgebra::SVector;
+use tribo_logs::{Resampling, RobotLog, resample};
+
+use crate::repeats::without_repeats;
+use crate::torque_residual::{motion_of, smoothed};
+use crate::{ResidualSettings, SignalChain};
+
+/// Cut-off of the smoother (Hz): the motion of an arm.
+const BAND_HZ: f64 = 8.0;
+/// Largest cut-off over the rate of the log.
+const HIGHEST_BAND: f64 = 0.3;
+/// Instants that are kept.
+const MOST: usize = 240;
+/// Rows of the log that are looked at, from its start: five minutes at 1 kHz.
+const MOST_ROWS: usize = 300_000;
+/// Fewest instants that a judgement needs.
+const LEAST: usize = 20;
+
+/// One instant: positions (rad), velocities (rad/s), accelerations (rad/s²) and torques (Nm), all through one smoother.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Instant<const N: usize> {
+    pub q: SVector<f64, N>,
+    pub qd: SVector<f64, N>,
+    pub qdd: SVector<f64, N>,
+    pub tau_nm: SVector<f64, N>,
+}
+
+/// Instants spread evenly over the log, and how long it lasts without its gaps (s).
+#[derive(Clone, Debug)]
+pub(super) struct Samples<const N: usize> {
+    pub instants: Vec<Instant<N>>,
+    pub duration_s: f64,
+}
+
+impl<const N: usize> Samples<N> {
+    /// `None` where no stretch is long enough to be judged.
+    pub fn of(log: &RobotLog) -> Option<Self> {
+        let log = log.slice(0..MOST_ROWS.min(log.rows())).ok()?;
+        let (log, _) = without_repeats(&log);
+        let rate_hz = tribo_logs::median_period_s(&log.time_s).filter(|period| *period > 0.0)?.recip();
+        let band_hz = BAND_HZ.min(HIGHEST_BAND * rate_hz);
+        let settings = ResidualSettings { band_hz, smoothing_over_band: 1.0, ..ResidualSettings::default() };
+        let chain = SignalChain::resolve(&log, &settings).ok()?;
+        let gap_tolerance = f64::max(2.6, chain.longest_gap_s * chain.rate_hz);
+        let resampling = Resampling { period_s: Some(chain.rate_hz.recip()), gap_tolerance, min_rows: 2 };
+        let grids = resample(&log, &resampling).ok()?;
+        let long = |burst: &&RobotLog| burst.duration_s() >= chain.shortest_burst_s();
+        let mut instants = Vec::new();
+        let mut duration_s = 0.0;
+        for burst in grids.bursts.iter().filter(long) {
+            let motion = motion_of::<N>(burst, &chain);
+            let torque: Vec<SVector<f64, N>> = smoothed(Some(&burst.tau_j_nm), &chain)?;
+            duration_s += motion.len() as f64 / chain.rate_hz;
+            instants.extend(motion.iter().zip(torque).map(|(at, tau_nm)| Instant {
+                q: at.q,
+                qd: at.qd,
+                qdd: at.qdd,
+                tau_nm,
+            }));
+        }
+        let finite = |at: &Instant<N>| [at.q, at.qd, at.qdd, at.tau_nm].iter().all(|x| x.amax().is_finite());
+        let step = instants.len().div_ceil(MOST).max(1);
+        let instants: Vec<Instant<N>> = instants.into_iter().step_by(step).filter(finite).collect();
+        (instants.len() >= LEAST).then_some(Self { instants, duration_s })
+    }
+}

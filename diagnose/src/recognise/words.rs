@@ -1,0 +1,152 @@
+//! Findings about a log in words.
+
+use tribo_logs::recognise::{Fault, Remark};
+use tribo_sim::TorqueSide;
+
+use super::Found;
+use super::hypothesis::Change;
+
+/// The remark on a finding.
+pub(super) fn remark<const N: usize>(found: &Found<N>) -> Remark {
+    let left =
+        |j: usize| format!("{:.2} Nm of it are left instead of {:.2} Nm", found.after.left[j], found.before.left[j]);
+    let correlation = |j: usize, sign: f64| format!("correlation {:.2}", sign * found.after.correlation[j]);
+    let in_all = || {
+        let rms = |left: &[f64; N]| (left.iter().map(|x| x * x).sum::<f64>() / N as f64).sqrt();
+        format!("{:.2} Nm RMS are left instead of {:.2} Nm", rms(&found.after.left), rms(&found.before.left))
+    };
+    let refuse = Remark::refuse;
+    let everything: Vec<usize> = (0..N).collect();
+    match &found.change {
+        Change::TorqueSign(j) | Change::PositionSign(j) if found.either_sign(*j) => refuse(
+            Fault::TorqueOrPositionSign,
+            vec![*j],
+            format!("torque or position of joint {j} has the opposite sign: {}", left(*j)),
+            format!("multiply column tau_J_{j}, or q_{j} and dq_{j}, by -1: this motion cannot tell which"),
+        ),
+        Change::TorqueSign(j) => refuse(
+            Fault::TorqueSign,
+            vec![*j],
+            format!(
+                "the torque of joint {j} fits the model with the opposite sign: {}, {}",
+                correlation(*j, -1.0),
+                left(*j)
+            ),
+            format!("multiply column tau_J_{j} by -1"),
+        ),
+        Change::AllTorqueSigns => refuse(
+            Fault::TorqueSign,
+            everything,
+            format!("the torques of all joints fit the model with the opposite sign: {}", in_all()),
+            "multiply the torques by -1: they are those by which the motors act on the arm".to_owned(),
+        ),
+        Change::PositionSign(j) => refuse(
+            Fault::PositionSign,
+            vec![*j],
+            format!("the torques fit the model with the opposite sign of the position of joint {j}: {}", in_all()),
+            format!("multiply columns q_{j} and dq_{j} by -1"),
+        ),
+        Change::AxisSign(j) => refuse(
+            Fault::AxisSign,
+            vec![*j],
+            format!("the log fits the model with the axis of joint {j} pointing the other way: {}", in_all()),
+            format!("multiply columns q_{j}, dq_{j} and tau_J_{j} by -1, or turn the axis in the model"),
+        ),
+        Change::TorquesSwapped(a, b) => refuse(
+            Fault::JointOrder,
+            vec![*a, *b],
+            format!("the torques of joints {a} and {b} fit the model in each other's place: {}", in_all()),
+            format!("exchange columns tau_J_{a} and tau_J_{b}"),
+        ),
+        Change::PositionsSwapped(a, b) => refuse(
+            Fault::JointOrder,
+            vec![*a, *b],
+            format!(
+                "the log fits the model with the positions of joints {a} and {b} in each other's place: {}",
+                in_all()
+            ),
+            format!("exchange columns q_{a} and q_{b}, and dq_{a} and dq_{b}"),
+        ),
+        Change::JointsSwapped(a, b) => refuse(
+            Fault::JointOrder,
+            vec![*a, *b],
+            format!("the log fits the model with joints {a} and {b} in each other's place: {}", in_all()),
+            format!("exchange the columns of joints {a} and {b}"),
+        ),
+        Change::JointsReversed => refuse(
+            Fault::JointOrder,
+            everything,
+            format!("the log fits the model with the joints in the opposite order: {}", in_all()),
+            format!("joint 0 is the one at the base, joint {} the one at the tool", N - 1),
+        ),
+        Change::Degrees => refuse(
+            Fault::Degrees,
+            everything,
+            format!("the torques fit the model with positions in degrees: {}", in_all()),
+            "multiply columns q_i and dq_i by pi/180".to_owned(),
+        ),
+        Change::TorqueFactor(factor) => refuse(
+            Fault::TorqueUnit,
+            everything,
+            format!("the torques are {factor:.4} times those of the model: {}", in_all()),
+            match (factor / 1e3).ln().abs() < 0.2 {
+                true => "they are in mNm, it seems: divide them by 1000".to_owned(),
+                false => {
+                    "look at their unit, at gear ratios and torque constants, and at the model's masses".to_owned()
+                }
+            },
+        ),
+        Change::JointTorqueFactor(j, factor) => refuse(
+            Fault::TorqueUnit,
+            vec![*j],
+            format!("the torque of joint {j} is {factor:.4} times that of the model: {}", left(*j)),
+            format!("look at the unit of tau_J_{j}, at the gear ratio and the torque constant"),
+        ),
+        Change::NoGravity => refuse(
+            Fault::GravityMissing,
+            everything,
+            format!("the torques fit the model without gravity: {}", in_all()),
+            "the weight of the arm is left out of them: add g(q), or log the whole torque; \
+             a campaign can begin with --torque commanded_without_gravity"
+                .to_owned(),
+        ),
+        Change::Gravity(g) => refuse(
+            Fault::GravityDirection,
+            everything,
+            format!(
+                "the torques fit the model with gravity along ({:.1}, {:.1}, {:.1}) m/s²: {}",
+                g.x,
+                g.y,
+                g.z,
+                in_all()
+            ),
+            "the base is mounted another way: say so with gravity_m_s2 in the model file".to_owned(),
+        ),
+        Change::OtherSide(side) => {
+            let (side, option) = match side {
+                TorqueSide::Link => ("link", "link"),
+                TorqueSide::Motor => ("motor", "motor"),
+            };
+            Remark::warn(
+                Fault::TorqueSide,
+                everything,
+                format!("the torques look like those of the {side} side of the gears: {}", in_all()),
+                format!("say --torque-side {option}, or torque_side: {option} in the model file, if they are"),
+            )
+        }
+        Change::OtherRobot(name) => refuse(
+            Fault::OtherRobot,
+            everything,
+            format!("the log fits the arm {name} better than the model: {}", in_all()),
+            format!("say --robot {name} if it is that one"),
+        ),
+    }
+}
+
+impl<const N: usize> Found<N> {
+    /// Whether torque and position of a joint explain the log alike with the opposite sign.
+    fn either_sign(&self, joint: usize) -> bool {
+        let signs = [Change::TorqueSign(joint), Change::PositionSign(joint)];
+        signs.contains(&self.change) && self.rivals.iter().any(|rival| signs.contains(rival))
+    }
+}

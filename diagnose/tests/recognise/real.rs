@@ -1,0 +1,53 @@
+//! The real logs in `$TRIBO_DATA`, each on the robot and the side of the gears that its README names.
+
+use std::path::{Path, PathBuf};
+
+use tribo_diagnose::Nominal;
+use tribo_friction::FrictionModel;
+use tribo_logs::read_log;
+use tribo_robot::urdf::UrdfChain;
+use tribo_robot::{Arm, presets};
+use tribo_sim::TorqueSide;
+
+use super::remarks;
+
+fn nominal<const N: usize>(arm: Arm<N>, torque_side: TorqueSide) -> Nominal<N> {
+    let arm = if torque_side == TorqueSide::Link { arm.link_side() } else { arm };
+    Nominal { arm, friction: FrictionModel::none(), smoothing_rad_s: 0.005, effects: Vec::new(), torque_side }
+}
+
+fn preset(name: &str) -> Arm<7> {
+    presets::find(name).unwrap().with_joints::<7>().unwrap().arm.clone()
+}
+
+fn urdf<const N: usize>(path: &Path) -> Arm<N> {
+    let chain = UrdfChain::parse(&std::fs::read_to_string(path).unwrap(), None, None).unwrap();
+    chain.arm::<N>().unwrap().arm
+}
+
+fn said<const N: usize>(path: &Path, nominal: &Nominal<N>) -> Vec<String> {
+    let log = read_log(path).unwrap().0;
+    remarks(&log, nominal).iter().map(|remark| format!("{}: {remark}", path.display())).collect()
+}
+
+#[test]
+fn every_real_log_is_believed() {
+    let Some(data) = std::env::var_os("TRIBO_DATA").map(PathBuf::from) else {
+        println!("SKIPPED: TRIBO_DATA is not set");
+        return;
+    };
+    let mut alarms = said(&data.join("panda_gaz2019"), &nominal(preset("panda"), TorqueSide::Link));
+    let gen3 = nominal(preset("kinova_gen3"), TorqueSide::Motor);
+    let motions = ["opti_traj_testing1", "opti_traj_testing2", "RunTrajectory1", "RecordTrajectory_quadratic"];
+    let all = motions.iter().map(|name| (*name).to_owned()).chain((1..8).map(|joint| format!("joint_{joint}_trapez")));
+    for name in all {
+        alarms.extend(said(&data.join(format!("kinova_gen3/{name}.csv.gz")), &gen3));
+    }
+    let lwr = nominal(urdf::<7>(&data.join("kuka_lwr4/lwr4.urdf")), TorqueSide::Link);
+    for run in 1..4 {
+        alarms.extend(said(&data.join(format!("kuka_lwr4/run_{run}.csv.gz")), &lwr));
+    }
+    let ur10 = nominal(urdf::<6>(&data.join("ur10_unisa/ur10.urdf")), TorqueSide::Motor);
+    alarms.extend(said(&data.join("ur10_unisa/exciting_trajectory.csv.gz"), &ur10));
+    assert!(alarms.is_empty(), "{}", alarms.join("\n"));
+}
