@@ -9,6 +9,7 @@ mod failure;
 mod output;
 mod processor;
 mod progress;
+mod terminal;
 mod threads;
 
 use std::process::ExitCode;
@@ -59,7 +60,7 @@ fn run() -> ExitCode {
     match result {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => {
-            eprintln!("tribo: {}", failure::describe(&error));
+            output::say!("tribo: {}", failure::describe(&error));
             ExitCode::from(failure::exit_code(&error))
         }
     }

@@ -1,10 +1,10 @@
-//! Tables and JSON on standard output.
-
-use std::io::Write;
+//! Tables and JSON on standard output, messages on standard error.
 
 use comfy_table::{CellAlignment, Table, presets};
 use serde_json::{Value, json};
 use tribo_logs::LogSummary;
+
+use crate::terminal::{Form, write_line};
 
 /// A plain table; all columns but the first are right-aligned.
 pub fn table(header: &[&str]) -> Table {
@@ -20,13 +20,24 @@ pub fn table(header: &[&str]) -> Table {
 
 /// Prints text and a newline. A reader that has gone (`tribo … | head`) is no error of ours.
 pub fn print(text: impl std::fmt::Display) {
-    let _ = writeln!(std::io::stdout().lock(), "{text}");
+    let _ = write_line(&mut std::io::stdout().lock(), Form::Text, text);
 }
 
 /// Prints one JSON document.
 pub fn print_json(document: &Value) {
-    print(format_args!("{document:#}"));
+    let _ = write_line(&mut std::io::stdout().lock(), Form::Json, format_args!("{document:#}"));
 }
+
+/// Says something on standard error; nobody may be listening.
+pub fn tell(text: impl std::fmt::Display) {
+    let _ = write_line(&mut std::io::stderr().lock(), Form::Text, text);
+}
+
+/// Says something on standard error, as `eprintln!` does, with control characters written out.
+macro_rules! say {
+    ($($part:tt)*) => { $crate::output::tell(format_args!($($part)*)) };
+}
+pub(crate) use say;
 
 /// A number with `digits` significant digits, for tables.
 pub fn significant(value: f64, digits: usize) -> String {

@@ -98,6 +98,14 @@ pub enum LogError {
         /// What was wrong.
         detail: String,
     },
+    /// The file is whole, and in a way that is not read.
+    #[error("{path}: {detail}")]
+    NotRead {
+        /// The file.
+        path: PathBuf,
+        /// What it is, and what would be read.
+        detail: String,
+    },
     /// A line cannot be split into cells.
     #[error("{path}:{line}: {detail}")]
     BadLine {

@@ -15,7 +15,6 @@
 
 use std::collections::BTreeMap;
 use std::io::BufReader;
-use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::Path;
 use std::sync::Arc;
 
@@ -23,6 +22,7 @@ use mcap::io::MessageReader;
 use mcap::sans_io::LinearReaderOptions;
 use mcap::{Channel, McapError, Message};
 
+use crate::decoder::guarded;
 use crate::error::LogError;
 use crate::format::LogFormat;
 use crate::joint_order::arm_joints;
@@ -61,8 +61,8 @@ pub fn read_mcap(path: impl AsRef<Path>) -> Result<(RobotLog, LogSummary), LogEr
 /// Reads MCAP.
 pub(crate) fn mcap(file: &LogFile) -> Result<(RobotLog, LogSummary), LogError> {
     // Whatever a damaged file makes the decoder do, it ends here; everything it touched is dropped with it.
-    let read = catch_unwind(AssertUnwindSafe(|| read_best_channel(file)));
-    read.unwrap_or_else(|_| Err(corrupt(file.path, "the MCAP decoder gave up on it".to_owned())))
+    guarded(|| read_best_channel(file))
+        .unwrap_or_else(|| Err(corrupt(file.path, "the MCAP decoder gave up on it".to_owned())))
 }
 
 fn read_best_channel(file: &LogFile) -> Result<(RobotLog, LogSummary), LogError> {

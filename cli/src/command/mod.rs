@@ -25,6 +25,7 @@ use tribo_logs::RobotLog;
 
 use crate::arguments::{CampaignSettings, Common, Scenario};
 use crate::failure::BadInput;
+use crate::output::say;
 
 /// Where campaigns go when nobody says where.
 const CAMPAIGNS: &str = "campaigns";
@@ -103,7 +104,7 @@ fn check_joints(path: &Path, log: &RobotLog, model: &AnyModel) -> anyhow::Result
 fn warn_not_cancelled(left: &[NotCancelled], common: &Common) {
     if !common.quiet {
         for effect in left {
-            eprintln!("tribo: {effect}");
+            say!("tribo: {effect}");
         }
     }
 }

@@ -8,6 +8,7 @@ use tribo_logs::{RobotLog, read_log};
 use super::super::named;
 use crate::arguments::{Common, Diagnose};
 use crate::failure::BadInput;
+use crate::output::say;
 
 /// Which model the logs are held against.
 pub fn choice(arguments: &Diagnose) -> anyhow::Result<ModelChoice> {
@@ -27,10 +28,10 @@ fn log(path: &Path, common: &Common) -> anyhow::Result<(String, RobotLog)> {
     let (log, summary) = read_log(path)?;
     if !common.quiet {
         for warning in &summary.warnings {
-            eprintln!("tribo: {}: {warning}", path.display());
+            say!("tribo: {}: {warning}", path.display());
         }
         if common.verbose {
-            eprintln!("{}\n{summary}", path.display());
+            say!("{}\n{summary}", path.display());
         }
     }
     Ok((path.display().to_string(), log))
