@@ -252,7 +252,7 @@ pub enum LogError {
     /// Somebody asked to stop before the file was whole.
     #[error("{path}: stopped; nothing is written")]
     Stopped {
-        /// The file that was to be written.
+        /// The file that was to be read, or written.
         path: PathBuf,
     },
     /// A setting lies outside its range.

@@ -29,7 +29,7 @@ use crate::joint_order::arm_joints;
 use crate::log::{LogColumns, RobotLog};
 use crate::message_source::{Sample, Source};
 use crate::quantity::{MAX_JOINTS, Quantity};
-use crate::source::{LogFile, RawBytes};
+use crate::source::{Counted, LogFile};
 use crate::summary::LogSummary;
 
 /// First bytes of an MCAP file.
@@ -67,7 +67,9 @@ pub(crate) fn mcap(file: &LogFile) -> Result<(RobotLog, LogSummary), LogError> {
 
 fn read_best_channel(file: &LogFile) -> Result<(RobotLog, LogSummary), LogError> {
     let path = file.path;
+    file.stretch(0.0, 0.5);
     let mut channels = survey(file)?;
+    file.stretch(0.5, 1.0);
     let readable = |(id, candidate): (&u16, &Candidate)| {
         let arm = candidate.arm.as_ref().ok()?;
         Some((arm.quantities.len(), candidate.messages, std::cmp::Reverse(*id)))
@@ -166,8 +168,8 @@ fn length_of(file: &LogFile) -> Result<u64, LogError> {
 }
 
 /// The messages of a file from its start, records capped against the length of the file.
-fn messages(file: &LogFile) -> Result<MessageReader<BufReader<RawBytes>>, LogError> {
-    let raw = file.open("MCAP")?;
+fn messages(file: &LogFile) -> Result<MessageReader<BufReader<Counted>>, LogError> {
+    let raw = file.open_counted("MCAP")?;
     let length = length_of(file)?;
     let most = length.saturating_mul(RECORD_PER_FILE).max(LEAST_RECORD_BYTES);
     let options = LinearReaderOptions::default()

@@ -8,7 +8,7 @@
 //! same bytes. Files of other programs are read too: float and signed integer columns become `f64` where that is exact,
 //! nulls become NaN; other columns (text, dates, lists) are named in [`Table::skipped_columns`].
 //! A damaged file is an error, never a panic: our own files carry a checksum (see `seal`), for others panics of the
-//! decoder are caught. Memory stays in proportion to the file: cells ([`CELLS_PER_BYTE`]) and pages (`parquet_pages`) are bounded
+//! decoder are caught. Memory stays in proportion to the file: cells (`most_cells`) and pages (`parquet_pages`) are bounded
 //! before they are decoded. Leaves out: codecs other than zstd and snappy, which errors name.
 
 use std::io::{Seek, Write};
@@ -39,13 +39,23 @@ const PROGRAM: &str = "tribo-logs";
 /// Rows of a group: a minute at 1 kHz, 31 MB in 60 columns. Trials and most logs are one group.
 pub(crate) const ROWS_PER_GROUP: usize = 1 << 16;
 
-/// The most cells believed per byte of a file, and at least [`LEAST_CELLS`]: memory is up to 256 times the file. Columns that never
-/// change take no bytes, but rows differ in their stamp: logs of arms that stand still have up to 20. Beyond this a damaged or
-/// hostile footer would ask for memory that the file does not justify.
-const CELLS_PER_BYTE: u64 = 32;
+/// The most cells believed per byte of a file: a log of an arm that stands still, all constant but for its stamps, has 140.
+const CELLS_PER_BYTE: u64 = 1 << 10;
+
+/// The most cells believed per byte beyond [`LARGE_CELLS`]: what is measured has less than one. Memory is up to 128 times the file.
+const CELLS_PER_BYTE_OF_LARGE: u64 = 16;
+
+/// Cells of a large table, 512 MB: a quarter of an hour at 1 kHz in 71 columns.
+const LARGE_CELLS: u64 = 1 << 26;
 
 /// The most cells believed of a small file.
 const LEAST_CELLS: u64 = 1 << 20;
+
+/// The most cells that a file of so many bytes may ask memory for.
+fn most_cells(bytes: u64) -> u64 {
+    let large = bytes.saturating_mul(CELLS_PER_BYTE_OF_LARGE).max(LARGE_CELLS);
+    bytes.saturating_mul(CELLS_PER_BYTE).min(large).max(LEAST_CELLS)
+}
 
 /// Values decoded at once.
 const BATCH_ROWS: usize = 1 << 14;
@@ -196,8 +206,8 @@ pub(crate) fn table_of(file: &LogFile, wanted: impl Fn(&str) -> bool) -> Result<
     // The decoder indexes by numbers it read from the file and panics on some damaged inputs. Our own files are checked above;
     // for files of other programs the panic stops here. Nothing shared is left half changed: what the closure touches is dropped.
     let decoded = guarded(|| match bytes {
-        RawBytes::File(file) => decode(file.try_clone()?, file, &wanted),
-        RawBytes::Memory(memory) => decode(memory.get_ref().clone(), memory.into_inner(), &wanted),
+        RawBytes::File(opened) => decode(opened.try_clone()?, opened, file, &wanted),
+        RawBytes::Memory(memory) => decode(memory.get_ref().clone(), memory.into_inner(), file, &wanted),
     });
     let (mut table, promises_seal) = match decoded {
         Some(Ok(decoded)) => decoded,
@@ -225,10 +235,11 @@ fn properties(metadata: &[(String, String)]) -> WriterProperties {
         .build()
 }
 
-/// The wanted columns of a Parquet file that is open twice, and whether its footer says in one of two places that we sealed it.
+/// The wanted columns of a Parquet file that is open twice, told to whoever watches it, and whether its footer says in one of two places that we sealed it.
 fn decode<R: ChunkReader + 'static>(
     file: R,
     again: R,
+    heard: &LogFile,
     wanted: impl Fn(&str) -> bool,
 ) -> Result<(Table, bool), ParquetError> {
     let bytes = file.len();
@@ -237,7 +248,7 @@ fn decode<R: ChunkReader + 'static>(
     let rows = usize::try_from(metadata.num_rows()).map_err(|e| ParquetError::General(e.to_string()))?;
     let numeric = metadata.schema_descr().columns().iter();
     let numeric = numeric.filter(|column| is_number(column) && wanted(column.name())).count().max(1) as u64;
-    if (rows as u64).saturating_mul(numeric) > bytes.saturating_mul(CELLS_PER_BYTE).max(LEAST_CELLS) {
+    if (rows as u64).saturating_mul(numeric) > most_cells(bytes) {
         return Err(ParquetError::General(format!("{rows} rows of {numeric} columns in {bytes} bytes")));
     }
     let mut table = Table::default();
@@ -247,6 +258,7 @@ fn decode<R: ChunkReader + 'static>(
     let ours = metadata.created_by().is_some_and(|program| program.starts_with(PROGRAM));
     let promises_seal = ours || table.metadata_value(SEAL_KEY).is_some();
     for (index, column) in metadata.schema_descr().columns().iter().enumerate() {
+        heard.done(index as f64 / metadata.schema_descr().num_columns() as f64)?;
         let name = column.path().parts().join(".");
         if !is_number(column) {
             table.skipped_columns.push(name);

@@ -11,11 +11,11 @@ use tribo_experiments::{
     TransmissionFriction, WrenchSummary, believed_band, wrench_on_log,
 };
 use tribo_friction::{FrictionBand, FrictionModel, JointFriction};
-use tribo_logs::{LogSummary, RobotLog, Table, read_log, write_table};
+use tribo_logs::{LogSummary, RobotLog, Table, write_table};
 use tribo_residual::{OBSERVER_GAIN_RAD_S, identify_band};
 use tribo_sim::{Effect, panda_gaz_joints};
 
-use super::{check_joints, named, transmission, warn_not_cancelled};
+use super::{check_joints, named, read_log, transmission, warn_not_cancelled};
 use crate::arguments::{Common, Estimate};
 use crate::failure::BadInput;
 use crate::output::{fixed, log_json, print, print_json, say, significant, table};
@@ -34,7 +34,7 @@ pub fn run(arguments: &Estimate, common: &Common) -> anyhow::Result<()> {
         torque_side: named(&arguments.torque_side)?,
     };
     let given = choice.given()?;
-    let (log, summary) = read_log(&arguments.log)?;
+    let (log, summary) = read_log(&arguments.log, common)?;
     let everything = arguments.residual == "all";
     let nameless = given.is_none() && choice.robot.is_none();
     let smoothing_rad_s = given.as_ref().map_or(SIGN_SMOOTHING_RAD_S, |(_, model)| model.smoothing_rad_s());
@@ -97,7 +97,7 @@ fn estimate<const N: usize>(
     let everything = arguments.residual == "all";
     let wants = |name: &str| everything || arguments.residual == name;
     let torque = wants("torque").then(|| torque_residual(arguments, log, model)).transpose()?;
-    let free = arguments.free.as_deref().map(|path| FreeLog::read(path, &believed)).transpose()?;
+    let free = arguments.free.as_deref().map(|path| FreeLog::read(path, &believed, common)).transpose()?;
     let one_encoder = wants(EstimatorName::DoubleEncoder.as_str())
         .then(|| [Some((&arguments.log, log)), free.as_ref().map(|free| (&free.path, &free.log))])
         .and_then(|logs| logs.into_iter().flatten().find(|(_, log)| log.theta_rad.is_none()))
@@ -177,8 +177,8 @@ struct FreeLog<const N: usize> {
 }
 
 impl<const N: usize> FreeLog<N> {
-    fn read(path: &Path, believed: &Believed<N>) -> anyhow::Result<Self> {
-        let (log, _) = read_log(path)?;
+    fn read(path: &Path, believed: &Believed<N>, common: &Common) -> anyhow::Result<Self> {
+        let (log, _) = read_log(path, common)?;
         let bad = |error: &dyn std::fmt::Display| BadInput(format!("{}: {error}", path.display()));
         let fits = identify_band(&log, &believed.arm, OBSERVER_GAIN_RAD_S).map_err(|error| bad(&error))?;
         let band = FrictionBand::new(fits.map(|fit| fit.band)).map_err(|error| bad(&error))?;

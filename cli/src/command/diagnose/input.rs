@@ -3,9 +3,9 @@
 use std::path::{Path, PathBuf};
 
 use tribo_experiments::files::ModelChoice;
-use tribo_logs::{RobotLog, read_log};
+use tribo_logs::RobotLog;
 
-use super::super::named;
+use super::super::{named, read_log};
 use crate::arguments::{Common, Diagnose};
 use crate::failure::BadInput;
 use crate::output::say;
@@ -25,7 +25,7 @@ pub fn logs(paths: &[PathBuf], common: &Common) -> anyhow::Result<Vec<(String, R
 }
 
 fn log(path: &Path, common: &Common) -> anyhow::Result<(String, RobotLog)> {
-    let (log, summary) = read_log(path)?;
+    let (log, summary) = read_log(path, common)?;
     if !common.quiet {
         for warning in &summary.warnings {
             say!("tribo: {}: {warning}", path.display());
