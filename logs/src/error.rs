@@ -171,7 +171,7 @@ pub enum LogError {
         stamps: usize,
     },
     /// A column name occurs twice.
-    #[error("column `{column}` occurs twice, as columns {first} and {second}")]
+    #[error("column `{}` occurs twice, as columns {first} and {second}", visible(column))]
     DuplicateColumn {
         /// Column name.
         column: String,
@@ -185,7 +185,7 @@ pub enum LogError {
         "missing {}: {}{}",
         if missing.len() == 1 { "column" } else { "columns" },
         missing.join(", "),
-        if unknown.is_empty() { String::new() } else { format!(" (not understood: {})", unknown.join(", ")) }
+        if unknown.is_empty() { String::new() } else { format!(" (not understood: {})", listed(unknown)) }
     )]
     MissingColumns {
         /// Names that should be there.
@@ -293,6 +293,20 @@ impl LogError {
             _ => Self::Io { path, action, source },
         }
     }
+}
+
+/// A name out of a file as it can be shown: on one line, control characters written out.
+pub(crate) fn visible(name: &str) -> String {
+    if name.chars().any(char::is_control) {
+        name.chars().flat_map(char::escape_debug).collect()
+    } else {
+        name.to_owned()
+    }
+}
+
+/// Names, separated by commas.
+fn listed(names: &[String]) -> String {
+    names.iter().map(|name| visible(name)).collect::<Vec<_>>().join(", ")
 }
 
 /// The text of a cell as it can be shown: at most 40 characters, no control characters.

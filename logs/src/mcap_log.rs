@@ -23,7 +23,7 @@ use mcap::sans_io::LinearReaderOptions;
 use mcap::{Channel, McapError, Message};
 
 use crate::decoder::guarded;
-use crate::error::LogError;
+use crate::error::{LogError, visible};
 use crate::format::LogFormat;
 use crate::joint_order::arm_joints;
 use crate::log::{LogColumns, RobotLog};
@@ -132,7 +132,7 @@ impl Candidate {
         let kind = channel.schema.as_ref().map_or(&channel.message_encoding, |schema| &schema.name).clone();
         let source = Source::of(channel);
         let arm = Err(source.as_ref().err().cloned().unwrap_or_default());
-        Self { topic: channel.topic.clone(), kind, source, messages: 0, arm }
+        Self { topic: visible(&channel.topic), kind: visible(&kind), source, messages: 0, arm }
     }
 
     /// Looks at a message unless one before told enough.
@@ -193,7 +193,7 @@ impl Arm {
     fn of(sample: &Sample) -> Result<Self, String> {
         let names = arm_joints(&sample.names);
         if names.is_empty() && !sample.names.is_empty() {
-            return Err(format!("has no joint of an arm ({})", sample.names.join(", ")));
+            return Err(format!("has no joint of an arm ({})", visible(&sample.names.join(", "))));
         }
         let joints = if names.is_empty() { sample.of(Quantity::Position).len() } else { names.len() };
         if !(1..=MAX_JOINTS).contains(&joints) {
@@ -238,7 +238,7 @@ impl Arm {
 
     fn described(&self) -> String {
         match (self.names.first(), self.names.last()) {
-            (Some(first), Some(last)) => format!("joints {first} to {last}"),
+            (Some(first), Some(last)) => format!("joints {} to {}", visible(first), visible(last)),
             _ => format!("{} joints without names", self.joints),
         }
     }

@@ -16,6 +16,10 @@
 //! | model of another arm | the trial ends or is stopped, nothing is unsafe | `robot` |
 //! | a hand pushes with 50 N | compliant: the trial ends or is stopped, within its limits | `robot` |
 //! | power fails in a trial | stopped while the arm has hardly begun to fall | `robot` |
+//! | an exported compensator is given NaN, infinity, a negative period, garbage as memory | a torque within half of the joint's largest, also with `-O3 -ffast-math`; garbage is forgotten | `experiments/tests/export_bounds.rs` |
+//! | a file that claims more than it holds, or unpacks without end | refused before the memory is gone | `fuzz_inputs/bombs.rs`, `logs/tests/bad_parquet.rs`, `logs/tests/convert.rs` |
+//! | names in files with control characters | shown, not obeyed | `cli/tests/control_characters.rs` |
+//! | a processor from before 2013 | a sentence, exit code 2 | `cli/tests/old_processor.rs` |
 //! | deadline missed, loop stalled | held, then stopped with the safe torque | `runtime/tests/overruns.rs` |
 //! | disk full, directory read-only | exit code 2, file and reason named, nothing lost | `cli/tests/storage_faults.rs` |
 //! | system clock jumps | a campaign's result does not change | `cli/tests/storage_faults.rs` |
