@@ -244,3 +244,26 @@ fn a_log_of_an_arm_that_stands_still_is_read() {
     println!("{} cells per byte", (rows * table.columns.len()) as f64 / bytes as f64);
     assert_eq!(read_log(&path).unwrap().1.rows, rows);
 }
+
+/// A file of 5 MB, most of it a note, whose columns of equal values would take 720 MB: more than 128 times the file.
+#[test]
+fn a_larger_file_cannot_ask_for_a_thousand_times_its_size() {
+    let (columns, rows) = (4, 22_500_000);
+    let fields: String = (0..columns).map(|k| format!("REQUIRED DOUBLE c{k};")).collect();
+    let schema = Arc::new(parse_message_type(&format!("message m {{ {fields} }}")).unwrap());
+    let note = parquet::file::metadata::KeyValue::new("note".to_owned(), "x".repeat(5 << 20));
+    let properties = WriterProperties::builder().set_key_value_metadata(Some(vec![note])).build();
+    let mut writer = SerializedFileWriter::new(Vec::new(), schema, Arc::new(properties)).unwrap();
+    let mut group = writer.next_row_group().unwrap();
+    let values = vec![1.0; rows];
+    while let Some(mut column) = group.next_column().unwrap() {
+        column.typed::<DoubleType>().write_batch(&values, None, None).unwrap();
+        column.close().unwrap();
+    }
+    group.close().unwrap();
+    let bytes = writer.into_inner().unwrap();
+    assert!((5_000_000..5_600_000).contains(&bytes.len()), "{} bytes", bytes.len());
+    let (_directory, path) = file("large.parquet", bytes);
+    let text = read_table(&path).unwrap_err().to_string();
+    assert!(text.contains("large.parquet: damaged or cut off: 22500000 rows of 4 columns in 5"), "{text}");
+}
