@@ -14,7 +14,7 @@ use common::{Draws, EFFECTS, SOURCES, exported, laws, model, output, there, tune
 use nalgebra::SVector;
 use tribo_experiments::export::{Format, TunedCompensator};
 use tribo_experiments::files::TunedFile;
-use tribo_friction::{Bristles, Compensator, CompensatorInput};
+use tribo_friction::{Bristles, Compensator, CompensatorInput, VelocitySource};
 
 const STATES: usize = 10_000;
 /// Of the torques' own size, or of 1 Nm: rounding of a few terms of that size.
