@@ -25,7 +25,7 @@ macro_rules! sentence {
 }
 
 /// What is said where these bits are lacking.
-const SENTENCES: [&str; 8] = [
+static SENTENCES: [&str; 8] = [
     "",
     sentence!("AVX2"),
     sentence!("FMA"),

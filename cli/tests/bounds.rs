@@ -39,7 +39,7 @@ fn no_table_of_estimate_says_inf_or_nan() {
         let told = run(at, call).ok().stdout;
         let words = told.split(|letter: char| !letter.is_ascii_alphabetic());
         assert!(words.clone().all(|word| !["inf", "NaN", "nan"].contains(&word)), "{call}: {told}");
-        assert!(told.lines().all(|line| line.len() < 200), "{call}: {told}");
+        assert!(told.split_whitespace().all(|word| word.len() < 60), "{call}: {told}");
     }
     let told = run(at, "estimate ten.csv --residual ekf").ok().stdout;
     assert!(told.contains("no figures: estimators settle for 0.5 s"), "{told}");
@@ -84,7 +84,7 @@ fn simulate_says_what_it_leaves_out() {
     let (whole, scaled) = (&plain.2.tau_j_nm[1], &gain.2.tau_j_nm[1]);
     assert!(whole.iter().zip(scaled).all(|(a, b)| (1.2 * a - b).abs() < 1e-9));
     let late = &late.2.tau_j_nm[1];
-    assert!(late[10..].iter().zip(whole).all(|(a, b)| (a - b).abs() < 1e-9));
+    assert!(late[11..].iter().zip(&whole[1..]).all(|(a, b)| (a - b).abs() < 1e-9));
     // Quiet says nothing.
     assert_eq!(run(at, "simulate --truth gain.yaml --json --quiet").ok().stderr, "");
 }

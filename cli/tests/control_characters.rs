@@ -37,10 +37,10 @@ fn no_name_is_obeyed() {
 
     // A column that nobody knows is named in the summary, one that is missing in an error, a cell in another.
     write(at, "odd.csv", &format!("{header},{HOSTILE}\n{wide}"));
-    let summary = run(at, "convert odd.csv --out out.parquet").ok();
+    let summary = run(at, "convert odd.csv out.parquet").ok();
     harmless(&summary);
     assert!(summary.stdout.contains("not known    \\u{1b}[2J\\u{9b}31m"), "{summary:?}");
-    let document = run(at, "convert odd.csv --out out.parquet --json").ok();
+    let document = run(at, "convert odd.csv out.parquet --json").ok();
     harmless(&document);
     document.json();
     write(at, "missing.csv", &format!("time,q_0,dq_0,{HOSTILE}\n0,1,2,3\n"));
