@@ -120,7 +120,7 @@ fn tables_that_are_no_tables_are_not_written() {
 /// Equal values take no bytes: a file must not ask for more memory than a log of its size could need, in one column or in many.
 #[test]
 fn a_small_file_cannot_ask_for_large_memory() {
-    for (columns, rows) in [(1, 4_000_000), (20, 500_000), (7, 200_000)] {
+    for (columns, rows) in [(1, 4_000_000), (20, 500_000)] {
         let fields: String = (0..columns).map(|k| format!("REQUIRED DOUBLE c{k};")).collect();
         let schema = Arc::new(parse_message_type(&format!("message m {{ {fields} }}")).unwrap());
         let one_page =

@@ -148,14 +148,14 @@ fn reading_tells_how_far_it_has_come_and_can_stop() {
     }
 }
 
-/// Gzip holds a thousand times its size: half a gigabyte of blank lines in half a megabyte is not unpacked to its end.
+/// Gzip holds a thousand times its size: 260 MB of blank lines in 1.2 MB are not unpacked to their end.
 #[test]
 fn a_packed_text_has_a_limit() {
     let directory = tempfile::tempdir().unwrap();
     let path = directory.path().join("log.csv.gz");
     let mut encoder = flate2::write::GzEncoder::new(fs::File::create(&path).unwrap(), flate2::Compression::fast());
     std::io::Write::write_all(&mut encoder, b"time,q_0,dq_0,tau_J_0\n0,1,2,3\n1,1,2,4\n").unwrap();
-    for _ in 0..1 << 9 {
+    for _ in 0..260 {
         std::io::Write::write_all(&mut encoder, &[b'\n'; 1 << 20]).unwrap();
     }
     encoder.finish().unwrap();
