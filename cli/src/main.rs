@@ -3,12 +3,15 @@
 //! Results go to standard output as tables, or as one JSON document with `--json`; progress and messages go to standard
 //! error. Exit code 0: done; 1: a check asked for has failed; 2: bad input; 3: an internal error.
 
+#![warn(clippy::print_stderr, clippy::print_stdout)]
+
 mod arguments;
 mod command;
 mod failure;
 mod output;
 mod processor;
 mod progress;
+mod terminal;
 mod threads;
 
 use std::process::ExitCode;
@@ -18,12 +21,7 @@ use clap::{CommandFactory, Parser};
 use arguments::{Arguments, Command};
 
 fn main() -> ExitCode {
-    let lacking = processor::lacking();
-    if !lacking.is_empty() {
-        eprintln!(
-            "tribo: this binary needs {}, which this processor does not have; build it here with RUSTFLAGS=\"-C target-cpu=x86-64\"",
-            lacking.join(", ")
-        );
+    if processor::lacks_something() {
         return ExitCode::from(2);
     }
     run()
@@ -59,7 +57,7 @@ fn run() -> ExitCode {
     match result {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => {
-            eprintln!("tribo: {}", failure::describe(&error));
+            output::say!("tribo: {}", failure::describe(&error));
             ExitCode::from(failure::exit_code(&error))
         }
     }

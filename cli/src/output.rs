@@ -1,10 +1,10 @@
-//! Tables and JSON on standard output.
-
-use std::io::Write;
+//! Tables and JSON on standard output, messages on standard error.
 
 use comfy_table::{CellAlignment, Table, presets};
 use serde_json::{Value, json};
 use tribo_logs::LogSummary;
+
+use crate::terminal::{Form, write_line};
 
 /// A plain table; all columns but the first are right-aligned.
 pub fn table(header: &[&str]) -> Table {
@@ -20,22 +20,47 @@ pub fn table(header: &[&str]) -> Table {
 
 /// Prints text and a newline. A reader that has gone (`tribo … | head`) is no error of ours.
 pub fn print(text: impl std::fmt::Display) {
-    let _ = writeln!(std::io::stdout().lock(), "{text}");
+    let _ = write_line(&mut std::io::stdout().lock(), Form::Text, text);
 }
 
 /// Prints one JSON document.
 pub fn print_json(document: &Value) {
-    print(format_args!("{document:#}"));
+    let _ = write_line(&mut std::io::stdout().lock(), Form::Json, format_args!("{document:#}"));
 }
 
-/// A number with `digits` significant digits, for tables.
+/// Says something on standard error; nobody may be listening.
+pub fn tell(text: impl std::fmt::Display) {
+    let _ = write_line(&mut std::io::stderr().lock(), Form::Text, text);
+}
+
+/// Says something on standard error, as `eprintln!` does, with control characters written out.
+macro_rules! say {
+    ($($part:tt)*) => { $crate::output::tell(format_args!($($part)*)) };
+}
+pub(crate) use say;
+
+/// Sizes from here on are written as powers of ten.
+const LARGE: f64 = 1e9;
+
+/// A number with `digits` significant digits, for tables; `-` where there is none: not a number, or without bound.
 pub fn significant(value: f64, digits: usize) -> String {
-    if value == 0.0 || !value.is_finite() {
-        return format!("{value}");
+    if !value.is_finite() {
+        return "-".to_owned();
+    }
+    if value == 0.0 {
+        return "0".to_owned();
+    }
+    if value.abs() >= LARGE {
+        return format!("{value:.*e}", digits.saturating_sub(1));
     }
     let magnitude = value.abs().log10().floor() as i64;
     let decimals = (digits as i64 - 1 - magnitude).clamp(0, 9) as usize;
     format!("{value:.decimals$}")
+}
+
+/// A number with so many decimals, as [`significant`] where it is too large for them or none.
+pub fn fixed(value: f64, decimals: usize) -> String {
+    if value.is_finite() && value.abs() < LARGE { format!("{value:.decimals$}") } else { significant(value, 3) }
 }
 
 /// What to know about the log.
@@ -45,7 +70,7 @@ pub fn log_json(log: &LogSummary) -> Value {
 
 #[cfg(test)]
 mod tests {
-    use super::significant;
+    use super::{fixed, significant};
 
     #[test]
     fn three_significant_digits() {
@@ -53,5 +78,18 @@ mod tests {
         assert_eq!(significant(0.012345, 3), "0.0123");
         assert_eq!(significant(1234.5, 3), "1234");
         assert_eq!(significant(0.0, 3), "0");
+        assert_eq!(significant(-0.0, 3), "0");
+    }
+
+    #[test]
+    fn no_table_says_inf_or_nan_or_two_hundred_digits() {
+        for value in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
+            assert_eq!((significant(value, 3), fixed(value, 2)), ("-".to_owned(), "-".to_owned()));
+        }
+        assert_eq!(
+            (significant(1.7876e250, 3), fixed(-1.7876e250, 3)),
+            ("1.79e250".to_owned(), "-1.79e250".to_owned())
+        );
+        assert_eq!(fixed(-1.2345, 3), "-1.234");
     }
 }

@@ -105,7 +105,8 @@ impl StudyProgress for CellProgress {
     }
 }
 
-/// A progress bar for one computation in stages. Hidden when standard error is not a terminal or `--quiet` is given.
+/// A progress bar for one computation in stages; clones share it. Hidden when standard error is not a terminal or `--quiet` is given.
+#[derive(Clone)]
 pub struct StageProgress {
     bar: ProgressBar,
 }

@@ -233,6 +233,25 @@ impl TuneConfig {
         Ok(Robot::preset(name).ok_or_else(wrong)?)
     }
 
+    /// The pose about which the tool moves (rad): of the file of the truth or of the model that gives poses, else the robot's own.
+    fn start<const N: usize>(&self, robot: &Robot<N>) -> Result<SVector<f64, N>, ConfigError> {
+        let files = [("truth_content", &self.truth_content), ("model_content", &self.model_content)];
+        let mut given = files.into_iter().filter_map(|(field, file)| Some((field, file.as_ref()?)));
+        let poses_rad = match given.find(|(_, file)| file.poses_rad.is_some()) {
+            Some((field, file)) => within(field, file.validate::<N>())?.robot.poses_rad,
+            None => robot.poses_rad,
+        };
+        let start = poses_rad[self.pose];
+        match robot.arm.first_joint_outside_limits(&start) {
+            None => Ok(start),
+            Some(j) => {
+                let limits = &robot.arm.limits;
+                let allowed = format!("a pose within {} to {} in joint {j}", limits.q_min_rad[j], limits.q_max_rad[j]);
+                Err(FieldError::new("pose", format!("{} with joint {j} at {}", self.pose, start[j]), allowed).into())
+            }
+        }
+    }
+
     /// Which trials are chosen together.
     pub fn batches(&self) -> Batches {
         Batches { size: self.batch }
@@ -350,7 +369,7 @@ impl TuneConfig {
             Some(file) => Some(Believed::by_controller(&within("model_content", file.validate())?)),
             None => None,
         };
-        let start: SVector<f64, N> = robot.poses_rad[self.pose];
+        let start = self.start(&robot)?;
         let box_scale = robot.box_scale().to_vec();
         let model = robot.arm;
         let phase_rad = match self.phases {

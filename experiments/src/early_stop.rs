@@ -60,7 +60,14 @@ impl EarlyStop {
 
     /// What the campaign of a directory has left; a missing or damaged file is as good as none, and tells of a campaign that goes on.
     pub fn read(campaign: &Path) -> Option<Self> {
-        YamlDocument::read(&campaign.join(NAME)).ok()?.parse().ok()
+        Self::parse(&YamlDocument::read(&campaign.join(NAME)).ok()?)
+    }
+
+    /// What a file of this kind says; none where it is damaged: not of this form, no trial, or a gain that is no number of at least 0.
+    pub fn parse(document: &YamlDocument) -> Option<Self> {
+        let stop: Self = document.parse().ok()?;
+        let sizes = [stop.expected_gain, stop.least_gain, stop.repeatability];
+        (stop.trials > 0 && sizes.iter().all(|size| size.is_finite() && *size >= 0.0)).then_some(stop)
     }
 
     /// Leaves it in the directory of its campaign.

@@ -83,7 +83,7 @@ pub use estimator::{AnyEstimator, EstimatorError, EstimatorName, VELOCITY_SD_RAD
 pub use follow::{Followed, follow};
 pub use friction_limit::{Allowance, FrictionLimit};
 pub use in_memory::run_in_memory;
-pub use log_wrench::{LogWrench, ReferenceErrors, WrenchSummary, wrench_on_log};
+pub use log_wrench::{LogWrench, ReferenceErrors, SETTLE_S, WrenchSummary, wrench_on_log};
 pub use monitor::{AbortReason, PenaltyLimits, TrialMonitor};
 use numbered_trial::noise_seed;
 pub use numbered_trial::run_numbered;

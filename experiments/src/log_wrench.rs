@@ -30,7 +30,7 @@ pub struct LogWrench {
 }
 
 /// Time after the start of a burst that summaries leave out (s): the estimator is still forgetting its start.
-const SETTLE_S: f64 = 0.5;
+pub const SETTLE_S: f64 = 0.5;
 
 /// Runs an estimator over the bursts of a log, starting anew at each.
 ///

@@ -92,7 +92,8 @@ impl TruthName {
     ) -> Result<LoadedTruth<N>, FieldError> {
         if let Some(file) = content {
             let model = within("truth_content", file.validate())?;
-            return Ok(LoadedTruth { truth: model.to_truth(), oracle: Believed::by_controller(&model) });
+            let truth = model.to_plant();
+            return Ok(LoadedTruth { oracle: Believed::of(truth.clone()), truth });
         }
         let unknown = |allowed: &str| FieldError::new("truth", String::from(self.clone()), allowed);
         let friction = || {

@@ -15,7 +15,7 @@ use crate::atomic::{failed, replace};
 use crate::canonical_csv::canonical_rows;
 use crate::csv_rows::CsvRows;
 use crate::csv_writer::CsvWriter;
-use crate::detect::{detect, read_log};
+use crate::detect::{detect, read_log_watched};
 use crate::differentiated::lacks_velocity;
 use crate::error::LogError;
 use crate::format::LogFormat;
@@ -101,7 +101,7 @@ pub fn convert(
     from: impl AsRef<Path>,
     to: impl AsRef<Path>,
     target: LogTarget,
-    mut progress: impl FnMut(f64) -> bool,
+    progress: impl Fn(f64) -> bool + Clone + 'static,
 ) -> Result<LogSummary, LogError> {
     let (from, to) = (from.as_ref(), to.as_ref());
     let stopped = || LogError::Stopped { path: to.to_path_buf() };
@@ -121,7 +121,11 @@ pub fn convert(
             summary.ok_or_else(stopped)
         }
         None => {
-            let (log, summary) = read_log(from)?;
+            let read = read_log_watched(from, progress.clone());
+            let (log, summary) = read.map_err(|error| match error {
+                LogError::Stopped { .. } => stopped(),
+                other => other,
+            })?;
             if !progress(1.0) {
                 return Err(stopped());
             }

@@ -74,10 +74,24 @@ fn format_of(file: &LogFile) -> Result<LogFormat, LogError> {
 /// # Errors
 /// Those of [`detect`] and of the reader of the format.
 pub fn read_log(path: impl AsRef<Path>) -> Result<(RobotLog, LogSummary), LogError> {
+    read_log_watched(path, |_| true)
+}
+
+/// Reads a log of any known format. `hear` is told the part that has been read, 0 to 1, after each megabyte (Parquet: each column), and
+/// stops by saying false.
+///
+/// # Errors
+/// Those of [`read_log`]; [`LogError::Stopped`].
+pub fn read_log_watched(
+    path: impl AsRef<Path>,
+    hear: impl Fn(f64) -> bool + 'static,
+) -> Result<(RobotLog, LogSummary), LogError> {
     let path = path.as_ref();
     let format = detect(path)?;
     let bag = if format == LogFormat::Mcap { bag_file(path)? } else { None };
-    read_as(&LogFile::new(bag.as_deref().unwrap_or(path)), format)
+    let file = LogFile::new(bag.as_deref().unwrap_or(path)).watched(hear);
+    let read = read_as(&file, format);
+    if file.stopped() { Err(LogError::Stopped { path: path.to_path_buf() }) } else { read }
 }
 
 /// Reads a log that is in memory, in any known format of one file; `name` is what errors call it.

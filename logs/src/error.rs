@@ -98,6 +98,14 @@ pub enum LogError {
         /// What was wrong.
         detail: String,
     },
+    /// The file is whole, and in a way that is not read.
+    #[error("{path}: {detail}")]
+    NotRead {
+        /// The file.
+        path: PathBuf,
+        /// What it is, and what would be read.
+        detail: String,
+    },
     /// A line cannot be split into cells.
     #[error("{path}:{line}: {detail}")]
     BadLine {
@@ -163,7 +171,7 @@ pub enum LogError {
         stamps: usize,
     },
     /// A column name occurs twice.
-    #[error("column `{column}` occurs twice, as columns {first} and {second}")]
+    #[error("column `{}` occurs twice, as columns {first} and {second}", visible(column))]
     DuplicateColumn {
         /// Column name.
         column: String,
@@ -177,7 +185,7 @@ pub enum LogError {
         "missing {}: {}{}",
         if missing.len() == 1 { "column" } else { "columns" },
         missing.join(", "),
-        if unknown.is_empty() { String::new() } else { format!(" (not understood: {})", unknown.join(", ")) }
+        if unknown.is_empty() { String::new() } else { format!(" (not understood: {})", listed(unknown)) }
     )]
     MissingColumns {
         /// Names that should be there.
@@ -244,7 +252,7 @@ pub enum LogError {
     /// Somebody asked to stop before the file was whole.
     #[error("{path}: stopped; nothing is written")]
     Stopped {
-        /// The file that was to be written.
+        /// The file that was to be read, or written.
         path: PathBuf,
     },
     /// A setting lies outside its range.
@@ -285,6 +293,20 @@ impl LogError {
             _ => Self::Io { path, action, source },
         }
     }
+}
+
+/// A name out of a file as it can be shown: on one line, control characters written out.
+pub(crate) fn visible(name: &str) -> String {
+    if name.chars().any(char::is_control) {
+        name.chars().flat_map(char::escape_debug).collect()
+    } else {
+        name.to_owned()
+    }
+}
+
+/// Names, separated by commas.
+fn listed(names: &[String]) -> String {
+    names.iter().map(|name| visible(name)).collect::<Vec<_>>().join(", ")
 }
 
 /// The text of a cell as it can be shown: at most 40 characters, no control characters.

@@ -15,7 +15,6 @@
 
 use std::collections::BTreeMap;
 use std::io::BufReader;
-use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::Path;
 use std::sync::Arc;
 
@@ -23,13 +22,14 @@ use mcap::io::MessageReader;
 use mcap::sans_io::LinearReaderOptions;
 use mcap::{Channel, McapError, Message};
 
-use crate::error::LogError;
+use crate::decoder::guarded;
+use crate::error::{LogError, visible};
 use crate::format::LogFormat;
 use crate::joint_order::arm_joints;
 use crate::log::{LogColumns, RobotLog};
 use crate::message_source::{Sample, Source};
 use crate::quantity::{MAX_JOINTS, Quantity};
-use crate::source::{LogFile, RawBytes};
+use crate::source::{Counted, LogFile};
 use crate::summary::LogSummary;
 
 /// First bytes of an MCAP file.
@@ -61,13 +61,15 @@ pub fn read_mcap(path: impl AsRef<Path>) -> Result<(RobotLog, LogSummary), LogEr
 /// Reads MCAP.
 pub(crate) fn mcap(file: &LogFile) -> Result<(RobotLog, LogSummary), LogError> {
     // Whatever a damaged file makes the decoder do, it ends here; everything it touched is dropped with it.
-    let read = catch_unwind(AssertUnwindSafe(|| read_best_channel(file)));
-    read.unwrap_or_else(|_| Err(corrupt(file.path, "the MCAP decoder gave up on it".to_owned())))
+    guarded(|| read_best_channel(file))
+        .unwrap_or_else(|| Err(corrupt(file.path, "the MCAP decoder gave up on it".to_owned())))
 }
 
 fn read_best_channel(file: &LogFile) -> Result<(RobotLog, LogSummary), LogError> {
     let path = file.path;
+    file.stretch(0.0, 0.5);
     let mut channels = survey(file)?;
+    file.stretch(0.5, 1.0);
     let readable = |(id, candidate): (&u16, &Candidate)| {
         let arm = candidate.arm.as_ref().ok()?;
         Some((arm.quantities.len(), candidate.messages, std::cmp::Reverse(*id)))
@@ -130,7 +132,7 @@ impl Candidate {
         let kind = channel.schema.as_ref().map_or(&channel.message_encoding, |schema| &schema.name).clone();
         let source = Source::of(channel);
         let arm = Err(source.as_ref().err().cloned().unwrap_or_default());
-        Self { topic: channel.topic.clone(), kind, source, messages: 0, arm }
+        Self { topic: visible(&channel.topic), kind: visible(&kind), source, messages: 0, arm }
     }
 
     /// Looks at a message unless one before told enough.
@@ -166,8 +168,8 @@ fn length_of(file: &LogFile) -> Result<u64, LogError> {
 }
 
 /// The messages of a file from its start, records capped against the length of the file.
-fn messages(file: &LogFile) -> Result<MessageReader<BufReader<RawBytes>>, LogError> {
-    let raw = file.open("MCAP")?;
+fn messages(file: &LogFile) -> Result<MessageReader<BufReader<Counted>>, LogError> {
+    let raw = file.open_counted("MCAP")?;
     let length = length_of(file)?;
     let most = length.saturating_mul(RECORD_PER_FILE).max(LEAST_RECORD_BYTES);
     let options = LinearReaderOptions::default()
@@ -191,7 +193,7 @@ impl Arm {
     fn of(sample: &Sample) -> Result<Self, String> {
         let names = arm_joints(&sample.names);
         if names.is_empty() && !sample.names.is_empty() {
-            return Err(format!("has no joint of an arm ({})", sample.names.join(", ")));
+            return Err(format!("has no joint of an arm ({})", visible(&sample.names.join(", "))));
         }
         let joints = if names.is_empty() { sample.of(Quantity::Position).len() } else { names.len() };
         if !(1..=MAX_JOINTS).contains(&joints) {
@@ -236,7 +238,7 @@ impl Arm {
 
     fn described(&self) -> String {
         match (self.names.first(), self.names.last()) {
-            (Some(first), Some(last)) => format!("joints {first} to {last}"),
+            (Some(first), Some(last)) => format!("joints {} to {}", visible(first), visible(last)),
             _ => format!("{} joints without names", self.joints),
         }
     }

@@ -35,7 +35,8 @@ pub fn read_parquet(path: impl AsRef<Path>) -> Result<(RobotLog, LogSummary), Lo
 /// Reads a log from Parquet.
 pub(crate) fn parquet(file: &LogFile) -> Result<(RobotLog, LogSummary), LogError> {
     let path = file.path;
-    let mut table = table_of(file)?;
+    let canonical = |name: &str| Quantity::from_column_name(name).is_some();
+    let mut table = table_of(file, canonical)?;
     let skipped = std::mem::take(&mut table.skipped_columns);
     let names: Vec<String> = table.columns.iter().map(|(name, _)| name.clone()).collect();
     let (log, mut unknown) = table.into_log().map_err(|error| error.in_file(path))?;

@@ -8,11 +8,11 @@
 //! same bytes. Files of other programs are read too: float and signed integer columns become `f64` where that is exact,
 //! nulls become NaN; other columns (text, dates, lists) are named in [`Table::skipped_columns`].
 //! A damaged file is an error, never a panic: our own files carry a checksum (see `seal`), for others panics of the
-//! decoder are caught. Leaves out: codecs other than zstd and snappy.
+//! decoder are caught. Memory stays in proportion to the file: cells (`most_cells`) and pages (`parquet_pages`) are bounded
+//! before they are decoded. Leaves out: codecs other than zstd and snappy, which errors name.
 
 use std::io::{Seek, Write};
 use std::ops::Range;
-use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::Path;
 use std::sync::Arc;
 
@@ -27,7 +27,9 @@ use parquet::file::writer::SerializedFileWriter;
 use parquet::schema::types::{ColumnDescriptor, Type};
 
 use crate::atomic::{failed, replace};
+use crate::decoder::guarded;
 use crate::error::LogError;
+use crate::parquet_pages;
 use crate::seal::{self, OPEN_SEAL, SEAL_KEY, SEAL_VALUE, Seal, Sealer};
 use crate::source::{LogFile, RawBytes};
 
@@ -37,12 +39,23 @@ const PROGRAM: &str = "tribo-logs";
 /// Rows of a group: a minute at 1 kHz, 31 MB in 60 columns. Trials and most logs are one group.
 pub(crate) const ROWS_PER_GROUP: usize = 1 << 16;
 
-/// The most cells believed per byte of a file, and at least [`LEAST_CELLS`]. Columns that never change take no bytes, but rows differ in
-/// their stamp; beyond this a damaged or hostile footer would ask for memory that the file does not justify.
-const MOST_CELLS_PER_BYTE: u64 = 1 << 10;
+/// The most cells believed per byte of a file: a log of an arm that stands still, all constant but for its stamps, has 140.
+const CELLS_PER_BYTE: u64 = 1 << 10;
+
+/// The most cells believed per byte beyond [`LARGE_CELLS`]: what is measured has less than one. Memory is up to 128 times the file.
+const CELLS_PER_BYTE_OF_LARGE: u64 = 16;
+
+/// Cells of a large table, 512 MB: a quarter of an hour at 1 kHz in 71 columns.
+const LARGE_CELLS: u64 = 1 << 26;
 
 /// The most cells believed of a small file.
 const LEAST_CELLS: u64 = 1 << 20;
+
+/// The most cells that a file of so many bytes may ask memory for.
+fn most_cells(bytes: u64) -> u64 {
+    let large = bytes.saturating_mul(CELLS_PER_BYTE_OF_LARGE).max(LARGE_CELLS);
+    bytes.saturating_mul(CELLS_PER_BYTE).min(large).max(LEAST_CELLS)
+}
 
 /// Values decoded at once.
 const BATCH_ROWS: usize = 1 << 14;
@@ -171,11 +184,14 @@ impl<W: Write + Seek + Send> TableWriter<W> {
 /// [`LogError::NotFound`], [`LogError::IsDirectory`], [`LogError::Io`], [`LogError::Empty`], and
 /// [`LogError::Corrupt`] for anything the decoder or the checksum refuses.
 pub fn read_table(path: impl AsRef<Path>) -> Result<Table, LogError> {
-    table_of(&LogFile::new(path.as_ref()))
+    let path = path.as_ref();
+    let table = table_of(&LogFile::new(path), |_| true)?;
+    table.check().map_err(|error| corrupt(path, error.to_string()))?;
+    Ok(table)
 }
 
-/// Reads a table.
-pub(crate) fn table_of(file: &LogFile) -> Result<Table, LogError> {
+/// Reads the columns of a table whose name is `wanted`. The other columns of numbers are there and empty; names may be there twice.
+pub(crate) fn table_of(file: &LogFile, wanted: impl Fn(&str) -> bool) -> Result<Table, LogError> {
     let path = file.path;
     let io = |source| LogError::io(path, "read", source);
     let mut bytes = file.open("Parquet")?;
@@ -187,17 +203,17 @@ pub(crate) fn table_of(file: &LogFile) -> Result<Table, LogError> {
         return Err(corrupt(path, "the checksum of the file does not match its content".to_owned()));
     }
 
-    // The decoder indexes and allocates by numbers it read from the file and panics on some damaged inputs. Our own
-    // files are checked above; for files of other programs the panic stops here. Nothing shared is left half changed:
-    // everything the closure touches is dropped with it.
-    let decoded = catch_unwind(AssertUnwindSafe(|| match bytes {
-        RawBytes::File(file) => decode(file),
-        RawBytes::Memory(memory) => decode(memory.into_inner()),
-    }));
+    // The decoder indexes by numbers it read from the file and panics on some damaged inputs. Our own files are checked above;
+    // for files of other programs the panic stops here. Nothing shared is left half changed: what the closure touches is dropped.
+    let decoded = guarded(|| match bytes {
+        RawBytes::File(opened) => decode(opened.try_clone()?, opened, file, &wanted),
+        RawBytes::Memory(memory) => decode(memory.get_ref().clone(), memory.into_inner(), file, &wanted),
+    });
     let (mut table, promises_seal) = match decoded {
-        Ok(Ok(decoded)) => decoded,
-        Ok(Err(error)) => return Err(corrupt(path, error.to_string())),
-        Err(_) => return Err(corrupt(path, "the Parquet decoder gave up on it".to_owned())),
+        Some(Ok(decoded)) => decoded,
+        Some(Err(ParquetError::NYI(detail))) => return Err(LogError::NotRead { path: path.to_path_buf(), detail }),
+        Some(Err(error)) => return Err(corrupt(path, told_plainly(error))),
+        None => return Err(corrupt(path, "the Parquet decoder gave up on it".to_owned())),
     };
     if seal == Seal::Absent && promises_seal {
         return Err(corrupt(path, "the checksum that its footer promises is not there".to_owned()));
@@ -219,14 +235,20 @@ fn properties(metadata: &[(String, String)]) -> WriterProperties {
         .build()
 }
 
-/// All numeric columns of a Parquet file, and whether its footer says in one of two places that we sealed it.
-fn decode<R: ChunkReader + 'static>(file: R) -> Result<(Table, bool), ParquetError> {
+/// The wanted columns of a Parquet file that is open twice, told to whoever watches it, and whether its footer says in one of two places that we sealed it.
+fn decode<R: ChunkReader + 'static>(
+    file: R,
+    again: R,
+    heard: &LogFile,
+    wanted: impl Fn(&str) -> bool,
+) -> Result<(Table, bool), ParquetError> {
     let bytes = file.len();
-    let reader = SerializedFileReader::new(file)?;
+    let reader = SerializedFileReader::new(again)?;
     let metadata = reader.metadata().file_metadata();
     let rows = usize::try_from(metadata.num_rows()).map_err(|e| ParquetError::General(e.to_string()))?;
-    let numeric = metadata.schema_descr().columns().iter().filter(|column| is_number(column)).count().max(1) as u64;
-    if (rows as u64).saturating_mul(numeric) > bytes.saturating_mul(MOST_CELLS_PER_BYTE).max(LEAST_CELLS) {
+    let numeric = metadata.schema_descr().columns().iter();
+    let numeric = numeric.filter(|column| is_number(column) && wanted(column.name())).count().max(1) as u64;
+    if (rows as u64).saturating_mul(numeric) > most_cells(bytes) {
         return Err(ParquetError::General(format!("{rows} rows of {numeric} columns in {bytes} bytes")));
     }
     let mut table = Table::default();
@@ -236,13 +258,19 @@ fn decode<R: ChunkReader + 'static>(file: R) -> Result<(Table, bool), ParquetErr
     let ours = metadata.created_by().is_some_and(|program| program.starts_with(PROGRAM));
     let promises_seal = ours || table.metadata_value(SEAL_KEY).is_some();
     for (index, column) in metadata.schema_descr().columns().iter().enumerate() {
+        heard.done(index as f64 / metadata.schema_descr().num_columns() as f64)?;
         let name = column.path().parts().join(".");
         if !is_number(column) {
             table.skipped_columns.push(name);
             continue;
         }
         let mut values = Vec::new();
+        if !wanted(&name) {
+            table.columns.push((name, values));
+            continue;
+        }
         for group in 0..reader.num_row_groups() {
+            parquet_pages::check(&file, reader.metadata().row_group(group).column(index), rows as u64)?;
             let chunk = reader.get_row_group(group)?.get_column_reader(index)?;
             read_chunk(chunk, column, rows, &mut values)?;
         }
@@ -251,7 +279,6 @@ fn decode<R: ChunkReader + 'static>(file: R) -> Result<(Table, bool), ParquetErr
         }
         table.columns.push((name, values));
     }
-    table.check().map_err(|error| ParquetError::General(error.to_string()))?;
     Ok((table, promises_seal))
 }
 
@@ -327,6 +354,14 @@ fn told(path: &Path, error: ParquetError) -> LogError {
             Err(cause) => corrupt(path, cause.to_string()),
         },
         other => corrupt(path, other.to_string()),
+    }
+}
+
+/// An error of the decoder; ours without the decoder's name before them.
+fn told_plainly(error: ParquetError) -> String {
+    match error {
+        ParquetError::General(ours) => ours,
+        other => other.to_string(),
     }
 }
 

@@ -10,6 +10,7 @@ use bytes::Bytes;
 use flate2::bufread::MultiGzDecoder;
 
 use crate::error::LogError;
+use crate::limited::Limited;
 
 /// First bytes of a gzip stream.
 pub(crate) const GZIP_MAGIC: [u8; 2] = [0x1f, 0x8b];
@@ -25,17 +26,66 @@ pub(crate) struct LogFile<'p> {
     memory: Option<Bytes>,
     /// Bytes, packed or not, taken as text since it was opened last.
     taken: Rc<Cell<u64>>,
+    /// Who hears how far reading has come.
+    watch: Option<Rc<Watch>>,
 }
+
+/// Who hears the part of a file that has been read, 0 to 1, and stops by saying false.
+pub(crate) struct Watch {
+    hear: Box<dyn Fn(f64) -> bool>,
+    /// Part that the next opening of the file begins at, and ends at.
+    stretch: Cell<(f64, f64)>,
+    /// Whether somebody has stopped.
+    pub stopped: Cell<bool>,
+}
+
+impl Watch {
+    /// The part of the stretch that has been read; an error where somebody stops.
+    fn hear(&self, part: f64) -> std::io::Result<()> {
+        let (from, to) = self.stretch.get();
+        if (self.hear)(from + (to - from) * part.clamp(0.0, 1.0)) {
+            return Ok(());
+        }
+        self.stopped.set(true);
+        Err(std::io::Error::other("stopped"))
+    }
+}
+
+/// Bytes between two words to whoever watches.
+const WORD_BYTES: u64 = 1 << 20;
 
 impl<'p> LogFile<'p> {
     /// A file on the disk.
     pub fn new(path: &'p Path) -> Self {
-        Self { path, memory: None, taken: Rc::default() }
+        Self { path, memory: None, taken: Rc::default(), watch: None }
+    }
+
+    /// The same file, watched by `hear`.
+    pub fn watched(self, hear: impl Fn(f64) -> bool + 'static) -> Self {
+        let (stretch, stopped) = (Cell::new((0.0, 1.0)), Cell::new(false));
+        Self { watch: Some(Rc::new(Watch { hear: Box::new(hear), stretch, stopped })), ..self }
+    }
+
+    /// Whether whoever watches has stopped it.
+    pub fn stopped(&self) -> bool {
+        self.watch.as_ref().is_some_and(|watch| watch.stopped.get())
+    }
+
+    /// Says that reading goes on from this part of the work to that.
+    pub fn stretch(&self, from: f64, to: f64) {
+        if let Some(watch) = &self.watch {
+            watch.stretch.set((from, to));
+        }
+    }
+
+    /// Says that this part of the stretch is done; an error where somebody stops.
+    pub fn done(&self, part: f64) -> std::io::Result<()> {
+        self.watch.as_ref().map_or(Ok(()), |watch| watch.hear(part))
     }
 
     /// Bytes in memory under a name.
     pub fn in_memory(bytes: Bytes, name: &'p Path) -> Self {
-        Self { path: name, memory: Some(bytes), taken: Rc::default() }
+        Self { path: name, memory: Some(bytes), taken: Rc::default(), watch: None }
     }
 
     /// Opens it from its start; `expected` says what kind for the error about a directory.
@@ -52,14 +102,20 @@ impl<'p> LogFile<'p> {
 
     /// Opens it as text from its start, unpacked if its first bytes are those of gzip. The flag says whether it was.
     pub fn open_text(&self, expected: &'static str) -> Result<(Box<dyn BufRead>, bool), LogError> {
-        self.taken.set(0);
-        let raw = Counted { raw: self.open(expected)?, taken: Rc::clone(&self.taken) };
-        let mut reader = BufReader::with_capacity(BUFFER_BYTES, raw);
+        let mut reader = BufReader::with_capacity(BUFFER_BYTES, self.open_counted(expected)?);
         if peek(self.path, &mut reader)?.starts_with(&GZIP_MAGIC) {
-            let unpacked = MultiGzDecoder::new(reader);
+            let unpacked = Limited::new(MultiGzDecoder::new(reader), self.length().unwrap_or(0));
             return Ok((Box::new(BufReader::with_capacity(BUFFER_BYTES, unpacked)), true));
         }
         Ok((Box::new(reader), false))
+    }
+
+    /// Opens it from its start, counting what is read and telling whoever watches.
+    pub fn open_counted(&self, expected: &'static str) -> Result<Counted, LogError> {
+        self.taken.set(0);
+        let length = self.length().unwrap_or(0).max(1);
+        let (taken, watch) = (Rc::clone(&self.taken), self.watch.clone());
+        Ok(Counted { raw: self.open(expected)?, length, taken, watch, told: 0 })
     }
 
     /// Number of bytes.
@@ -92,16 +148,25 @@ impl Read for RawBytes {
     }
 }
 
-/// Text that counts what is read of it.
-struct Counted {
+/// Bytes that count what is read of them.
+pub(crate) struct Counted {
     raw: RawBytes,
+    length: u64,
     taken: Rc<Cell<u64>>,
+    watch: Option<Rc<Watch>>,
+    /// Bytes that were taken when whoever watches heard of it last.
+    told: u64,
 }
 
 impl Read for Counted {
     fn read(&mut self, bytes: &mut [u8]) -> std::io::Result<usize> {
         let count = self.raw.read(bytes)?;
-        self.taken.set(self.taken.get() + count as u64);
+        let taken = self.taken.get() + count as u64;
+        self.taken.set(taken);
+        if let Some(watch) = self.watch.as_ref().filter(|_| taken >= self.told + WORD_BYTES) {
+            self.told = taken;
+            watch.hear(taken as f64 / self.length as f64)?;
+        }
         Ok(count)
     }
 }

@@ -3,6 +3,7 @@
 use std::fmt;
 
 use crate::bursts::{GAP_TOLERANCE, bursts, median_period_s};
+use crate::error::visible;
 use crate::format::LogFormat;
 use crate::log::RobotLog;
 use crate::parquet_table::ROWS_PER_GROUP;
@@ -116,7 +117,11 @@ impl fmt::Display for LogSummary {
             write!(f, "\nunwrapped    {} jumps of a turn in q_i", self.unwrapped_jumps)?;
         }
         if !self.unknown_columns.is_empty() {
-            write!(f, "\nnot known    {}", self.unknown_columns.join(", "))?;
+            write!(
+                f,
+                "\nnot known    {}",
+                self.unknown_columns.iter().map(|name| visible(name)).collect::<Vec<_>>().join(", ")
+            )?;
         }
         for warning in &self.warnings {
             write!(f, "\nwarning      {warning}")?;

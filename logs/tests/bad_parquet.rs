@@ -136,9 +136,134 @@ fn a_small_file_cannot_ask_for_large_memory() {
         let length = bytes.len();
         let (_directory, path) = file("bomb.parquet", bytes);
         let text = read_table(&path).unwrap_err().to_string();
-        let expected = format!(
-            "bomb.parquet: damaged or cut off: Parquet error: {rows} rows of {columns} columns in {length} bytes"
-        );
+        let expected = format!("bomb.parquet: damaged or cut off: {rows} rows of {columns} columns in {length} bytes");
         assert!(text.ends_with(&expected), "{text}");
     }
+}
+
+/// Writes one column of the first page's header anew: where the bytes of `from` stand, `to` stands afterwards.
+fn with_bytes(whole: &[u8], from: &[u8], to: &[u8]) -> Vec<u8> {
+    let places: Vec<usize> = (0..whole.len() - from.len()).filter(|&k| whole[k..].starts_with(from)).collect();
+    assert_eq!(places.len(), 1, "{places:?}");
+    [&whole[..places[0]], to, &whole[places[0] + from.len()..]].concat()
+}
+
+/// A file of one column of `rows` values 1 in a dictionary, by another program.
+fn in_a_dictionary(rows: usize) -> Vec<u8> {
+    let schema = Arc::new(parse_message_type("message m { REQUIRED DOUBLE a; }").unwrap());
+    let properties = WriterProperties::builder().set_compression(parquet::basic::Compression::SNAPPY).build();
+    let mut writer = SerializedFileWriter::new(Vec::new(), schema, Arc::new(properties)).unwrap();
+    let mut group = writer.next_row_group().unwrap();
+    let mut column = group.next_column().unwrap().unwrap();
+    column.typed::<DoubleType>().write_batch(&vec![1.0; rows], None, None).unwrap();
+    column.close().unwrap();
+    group.close().unwrap();
+    writer.into_inner().unwrap()
+}
+
+/// A page of 300 bytes that claims a dictionary of 2^31 − 1 numbers (17 GB), or to unpack to 2^31 − 1 bytes: refused before anybody makes
+/// room for it.
+#[test]
+fn a_page_cannot_ask_for_more_than_its_rows() {
+    let whole = in_a_dictionary(100);
+    let (_directory, path) = file("good.parquet", &whole);
+    assert_eq!(read_table(&path).unwrap().column("a"), Some(&[1.0; 100][..]));
+    // Kind 2, 8 bytes unpacked, packed; field 7 with one value: zigzag in the compact protocol.
+    let packed = whole[4 + 5];
+    let header = [0x15, 0x04, 0x15, 0x10, 0x15, packed, 0x4c, 0x15, 0x02];
+    assert!(whole[4..].starts_with(&header), "{:x?}", &whole[..40]);
+    let most = [0xfe, 0xff, 0xff, 0xff, 0x0f];
+    let values = [&header[..8], &most].concat();
+    let unpacked = [&header[..3], &most[..], &header[4..]].concat();
+    for (claim, expected) in
+        [(values, "a page of 2147483647 values in 8 bytes"), (unpacked, "a page of 1 values in 2147483647 bytes")]
+    {
+        // Four bytes more before the data: the column begins where it did, and its length in the footer covers the page still.
+        let (_directory, path) = file("page.parquet", with_bytes(&whole, &header, &claim));
+        let text = read_table(&path).unwrap_err().to_string();
+        assert!(
+            text.ends_with(&format!("page.parquet: damaged or cut off: column a: {expected}, in a file of 100 rows")),
+            "{text}"
+        );
+    }
+}
+
+#[test]
+fn a_codec_that_is_not_read_is_named() {
+    let whole = in_a_dictionary(3);
+    // Field 4 of the column's metadata in the footer: SNAPPY, 1, becomes GZIP, 2, LZO, 3, and BROTLI, 4. The names before it are `a`.
+    let before = [0x18, 0x01, b'a', 0x15];
+    for (codec, name) in [(2_u8, "GZIP"), (4, "BROTLI"), (5, "LZ4"), (7, "LZ4_RAW")] {
+        let mut other = whole.clone();
+        let at = (0..whole.len()).rev().find(|&k| whole[k..].starts_with(&before)).or_else(|| {
+            let list = [0x19, 0x18, 0x01, b'a', 0x15];
+            (0..whole.len()).rev().find(|&k| whole[k..].starts_with(&list)).map(|k| k + 1)
+        });
+        let at = at.unwrap() + before.len();
+        assert_eq!(other[at], 2, "SNAPPY");
+        other[at] = 2 * codec;
+        let (_directory, path) = file("codec.parquet", other);
+        let error = read_table(&path).unwrap_err();
+        let text = error.to_string();
+        let expected = format!(
+            "codec.parquet: column a is packed with {name}; read are files without compression, SNAPPY and ZSTD"
+        );
+        assert!(matches!(error, LogError::NotRead { .. }) && text.contains(&expected), "{text}");
+    }
+}
+
+/// The columns of a log are decoded, no others: what a file holds besides takes no memory.
+#[test]
+fn columns_that_are_no_part_of_a_log_are_named_and_not_decoded() {
+    let mut table = Table::from(&synthetic_log(1, 5, false));
+    table.columns.push(("voltage".to_owned(), vec![48.0; 5]));
+    let directory = tempfile::tempdir().unwrap();
+    let path = directory.path().join("log.parquet");
+    write_table(&path, &table).unwrap();
+    let (_, summary) = read_log(&path).unwrap();
+    assert_eq!(summary.unknown_columns, ["voltage"]);
+    assert_eq!(read_table(&path).unwrap().column("voltage"), Some(&[48.0; 5][..]));
+}
+
+/// The longest log of an arm that stands still, all constant but for its stamps, is as small as a log can be; it is read.
+#[test]
+fn a_log_of_an_arm_that_stands_still_is_read() {
+    let rows = 200_000;
+    let log = synthetic_log(7, 2, true);
+    let mut table = Table::from(&log);
+    for (name, values) in &mut table.columns {
+        *values = vec![0.125; rows];
+        if name == "time" {
+            *values = (0..rows).map(|k| k as f64 * 1e-3).collect();
+        }
+    }
+    let directory = tempfile::tempdir().unwrap();
+    let path = directory.path().join("still.parquet");
+    write_table(&path, &table).unwrap();
+    let bytes = fs::metadata(&path).unwrap().len();
+    println!("{} cells per byte", (rows * table.columns.len()) as f64 / bytes as f64);
+    assert_eq!(read_log(&path).unwrap().1.rows, rows);
+}
+
+/// A file of 5 MB, most of it a note, whose columns of equal values would take 720 MB: more than 128 times the file.
+#[test]
+fn a_larger_file_cannot_ask_for_a_thousand_times_its_size() {
+    let (columns, rows) = (4, 22_500_000);
+    let fields: String = (0..columns).map(|k| format!("REQUIRED DOUBLE c{k};")).collect();
+    let schema = Arc::new(parse_message_type(&format!("message m {{ {fields} }}")).unwrap());
+    let note = parquet::file::metadata::KeyValue::new("note".to_owned(), "x".repeat(5 << 20));
+    let properties = WriterProperties::builder().set_key_value_metadata(Some(vec![note])).build();
+    let mut writer = SerializedFileWriter::new(Vec::new(), schema, Arc::new(properties)).unwrap();
+    let mut group = writer.next_row_group().unwrap();
+    let values = vec![1.0; rows];
+    while let Some(mut column) = group.next_column().unwrap() {
+        column.typed::<DoubleType>().write_batch(&values, None, None).unwrap();
+        column.close().unwrap();
+    }
+    group.close().unwrap();
+    let bytes = writer.into_inner().unwrap();
+    assert!((5_000_000..5_600_000).contains(&bytes.len()), "{} bytes", bytes.len());
+    let (_directory, path) = file("large.parquet", bytes);
+    let text = read_table(&path).unwrap_err().to_string();
+    assert!(text.contains("large.parquet: damaged or cut off: 22500000 rows of 4 columns in 5"), "{text}");
 }

@@ -4,11 +4,13 @@
 
 mod common;
 
+use std::cell::RefCell;
 use std::fs;
 use std::path::Path;
+use std::rc::Rc;
 
 use common::{bits, libfranka_csv, pack, relative, synthetic_log};
-use tribo_logs::{ColumnNames, LogError, LogTarget, convert, detect, read_log, write_csv, write_log};
+use tribo_logs::{ColumnNames, LogError, LogTarget, convert, detect, read_log, read_log_watched, write_csv, write_log};
 
 const TARGETS: [(&str, LogTarget); 5] = [
     ("out.csv", LogTarget::Csv(ColumnNames::Canonical)),
@@ -96,12 +98,14 @@ fn progress_runs_from_nought_to_one_and_can_stop() {
     for name in ["log.csv", "log.csv.gz"] {
         let (log, out) = (directory.path().join(name), directory.path().join("out.parquet"));
         write_csv(&log, &synthetic_log(1, 300_000, false)).unwrap();
-        let mut parts = Vec::new();
-        convert(&log, &out, LogTarget::Parquet, |part| {
-            parts.push(part);
+        let heard = Rc::new(RefCell::new(Vec::new()));
+        let parts = Rc::clone(&heard);
+        convert(&log, &out, LogTarget::Parquet, move |part| {
+            parts.borrow_mut().push(part);
             true
         })
         .unwrap();
+        let parts = heard.take();
         assert_eq!(parts.len(), 5, "one for each batch");
         assert!(parts.windows(2).all(|pair| pair[0] < pair[1] || pair[1] == 1.0), "{parts:?}");
         assert!((0.1..0.4).contains(&parts[0]) && parts.last() == Some(&1.0), "{parts:?}");
@@ -110,6 +114,53 @@ fn progress_runs_from_nought_to_one_and_can_stop() {
         assert!(matches!(&stopped, LogError::Stopped { path } if *path == out), "{stopped}");
         assert!(!out.exists());
     }
+}
+
+/// Every format tells how far it has come while it is read as a whole, and can be stopped.
+#[test]
+fn reading_tells_how_far_it_has_come_and_can_stop() {
+    let directory = tempfile::tempdir().unwrap();
+    let log = synthetic_log(2, 60_000, false);
+    for name in ["log.csv", "log.csv.gz", "log.parquet", "log.mcap"] {
+        let path = directory.path().join(name);
+        let target = match name.rsplit('.').next() {
+            Some("parquet") => LogTarget::Parquet,
+            Some("mcap") => LogTarget::Mcap,
+            _ => LogTarget::Csv(ColumnNames::Canonical),
+        };
+        write_log(&path, &log, target).unwrap();
+        let heard = Rc::new(RefCell::new(Vec::new()));
+        let parts = Rc::clone(&heard);
+        let (read, _) = read_log_watched(&path, move |part| {
+            parts.borrow_mut().push(part);
+            true
+        })
+        .unwrap();
+        assert_eq!(read, log, "{name}");
+        let parts = heard.take();
+        assert!(parts.len() >= 2 && parts.windows(2).all(|pair| pair[0] <= pair[1]), "{name}: {parts:?}");
+        assert!(
+            parts.iter().all(|part| (0.0..=1.0).contains(part)) && *parts.last().unwrap() > 0.5,
+            "{name}: {parts:?}"
+        );
+        let stopped = read_log_watched(&path, |part| part < 0.3).unwrap_err();
+        assert!(matches!(&stopped, LogError::Stopped { path: named } if *named == path), "{name}: {stopped}");
+    }
+}
+
+/// Gzip holds a thousand times its size: 260 MB of blank lines in 1.2 MB are not unpacked to their end.
+#[test]
+fn a_packed_text_has_a_limit() {
+    let directory = tempfile::tempdir().unwrap();
+    let path = directory.path().join("log.csv.gz");
+    let mut encoder = flate2::write::GzEncoder::new(fs::File::create(&path).unwrap(), flate2::Compression::fast());
+    std::io::Write::write_all(&mut encoder, b"time,q_0,dq_0,tau_J_0\n0,1,2,3\n1,1,2,4\n").unwrap();
+    for _ in 0..260 {
+        std::io::Write::write_all(&mut encoder, &[b'\n'; 1 << 20]).unwrap();
+    }
+    encoder.finish().unwrap();
+    let error = read_log(&path).unwrap_err().to_string();
+    assert!(error.contains("log.csv.gz: damaged or cut off: unpacks to more than 268435456 bytes from "), "{error}");
 }
 
 #[test]

@@ -48,8 +48,8 @@ fn refusals_name_the_joint_or_link_to_blame() {
         (no_mass, &["joint_4", "no mass", "link_4"]),
         (changed("<child link=\"link_2\"/>", "<child link=\"link_9\"/>"), &["joint_2", "link_9", "not there"]),
         (
-            changed("<child link=\"link_2\"/>", "<child link=\"link_1\"/>"),
-            &["link_1", "joint_1", "joint_2", "closed loops"],
+            changed("<child link=\"link_3\"/>", "<child link=\"link_1\"/>"),
+            &["link_1", "joint_1", "joint_3", "closed loops"],
         ),
         (changed("<parent link=\"link_0\"/>", "<parent link=\"flange\"/>"), &["0 joints", "`link_0`"]),
         (
@@ -152,4 +152,64 @@ fn no_mutation_brings_it_down() {
         }
     }
     assert!(read > 100, "only {read} of 3000 could still be read: the mutations are too coarse to test anything");
+}
+
+/// A chain of `links` links: the first are welded by fixed joints, the last seven are an arm's.
+fn long_chain(links: usize) -> String {
+    let mut text = "<robot name=\"r\">\n".to_owned();
+    for k in 0..links {
+        text += &format!(
+            "<link name=\"l{k}\"><inertial><mass value=\"1\"/><inertia ixx=\"1\" ixy=\"0\" ixz=\"0\" iyy=\"1\" iyz=\"0\" izz=\"1\"/></inertial></link>\n"
+        );
+    }
+    for k in 1..links {
+        let kind = if k + 7 < links { "fixed" } else { "revolute" };
+        text += &format!(
+            "<joint name=\"j{k}\" type=\"{kind}\"><origin xyz=\"0 0 0.01\"/><parent link=\"l{}\"/><child link=\"l{k}\"/><axis xyz=\"0 0 1\"/>\
+             <limit lower=\"-1\" upper=\"1\" effort=\"10\" velocity=\"1\"/></joint>\n",
+            k - 1
+        );
+    }
+    text + "</robot>\n"
+}
+
+/// The least of three times (s) that it takes to read a text.
+fn seconds(text: &str) -> f64 {
+    let once = || {
+        let begun = std::time::Instant::now();
+        UrdfChain::parse(text, None, None).expect("an arm");
+        begun.elapsed().as_secs_f64()
+    };
+    (0..3).map(|_| once()).fold(f64::INFINITY, f64::min)
+}
+
+/// Reading takes time in proportion to the file: eight times the links, about eight times as long. Quadratic would be 64.
+#[test]
+fn a_long_chain_is_read_in_linear_time() {
+    let [short, long] = [1_000, 8_000].map(|links| seconds(&long_chain(links)));
+    println!("1000 links in {short:.3} s, 8000 links in {long:.3} s");
+    assert!(long < 24.0 * short, "{short} s, {long} s");
+}
+
+#[test]
+fn a_joint_of_a_link_with_itself_is_refused() {
+    let text =
+        long_chain(8).replace("<parent link=\"l2\"/><child link=\"l3\"/>", "<parent link=\"l3\"/><child link=\"l3\"/>");
+    let error = UrdfChain::parse(&text, None, None).expect_err("no arm").to_string();
+    assert_eq!(error, "joint `j3` has link `l3` as parent and as child");
+}
+
+/// What a terminal would obey is refused, and shown written out.
+#[test]
+fn names_with_control_characters_are_refused() {
+    for (from, to, expected) in [
+        ("\"l3\"", "\"l&#27;[2J3\"", "not a URDF"),
+        ("\"j3\"", "\"j&#x9b;2J3\"", "the name of joint `j\\u{9b}2J3` has a control character"),
+        ("\"l3\"", "\"l&#10;3\"", "the name of link `l\\n3` has a control character"),
+        ("\"r\"", "\"r\u{9b}31m\"", "the name of robot `r\\u{9b}31m` has a control character"),
+    ] {
+        let text = long_chain(8).replace(from, to);
+        let error = UrdfChain::parse(&text, None, None).expect_err("no arm").to_string();
+        assert!(error.contains(expected) && !error.contains(|letter: char| letter.is_control()), "{error:?}");
+    }
 }

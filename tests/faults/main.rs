@@ -18,6 +18,10 @@
 //! | power fails in a trial | stopped while the arm has hardly begun to fall | `robot` |
 //! | a log in degrees, ms, ns, mNm; signs turned, joints swapped, encoder frozen, `dq` wrong, gravity left out, another robot or side of the gears | refused, or warned of, in one sentence with the column to mend | `diagnose/tests/recognise`, `cli/tests/wrong_logs.rs` |
 //! | a trial in which most joints stood still; an estimator that could use no sample | refused: what costs nothing is no trial | `cli/tests/wrong_logs.rs` |
+//! | an exported compensator is given NaN, infinity, a negative period, garbage as memory | a torque within half of the joint's largest, also with `-O3 -ffast-math`; garbage is forgotten | `experiments/tests/export_bounds.rs` |
+//! | a file that claims more than it holds, or unpacks without end | refused before the memory is gone | `fuzz_inputs/bombs.rs`, `logs/tests/bad_parquet.rs`, `logs/tests/convert.rs` |
+//! | names in files with control characters | shown, not obeyed | `cli/tests/control_characters.rs` |
+//! | a processor from before 2013 | a sentence, exit code 2 | `cli/tests/old_processor.rs` |
 //! | deadline missed, loop stalled | held, then stopped with the safe torque | `runtime/tests/overruns.rs` |
 //! | disk full, directory read-only | exit code 2, file and reason named, nothing lost | `cli/tests/storage_faults.rs` |
 //! | system clock jumps | a campaign's result does not change | `cli/tests/storage_faults.rs` |

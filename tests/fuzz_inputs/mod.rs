@@ -25,6 +25,7 @@ mod scratch;
 
 pub mod arguments;
 pub mod campaign_journal;
+pub mod early_stop_yaml;
 pub mod expected_json;
 pub mod experiment_yaml;
 pub mod journal;
@@ -34,6 +35,7 @@ pub mod panda_gaz_log;
 pub mod references_yaml;
 pub mod study_cell_json;
 pub mod study_yaml;
+pub mod told_trial;
 pub mod trajectory_yaml;
 pub mod tune_yaml;
 pub mod tuned_yaml;
@@ -45,10 +47,11 @@ pub use robot_log::{csv_log, mcap_log, parquet_log};
 pub type Target = (&'static str, fn(&[u8]));
 
 /// Every target.
-pub const TARGETS: [Target; 20] = [
+pub const TARGETS: [Target; 22] = [
     ("arguments", arguments::check),
     ("campaign_journal", campaign_journal::check),
     ("csv_log", csv_log),
+    ("early_stop_yaml", early_stop_yaml::check),
     ("expected_json", expected_json::check),
     ("experiment_yaml", experiment_yaml::check),
     ("journal", journal::check),
@@ -62,6 +65,7 @@ pub const TARGETS: [Target; 20] = [
     ("references_yaml", references_yaml::check),
     ("study_cell_json", study_cell_json::check),
     ("study_yaml", study_yaml::check),
+    ("told_trial", told_trial::check),
     ("trajectory_yaml", trajectory_yaml::check),
     ("tune_yaml", tune_yaml::check),
     ("tuned_yaml", tuned_yaml::check),

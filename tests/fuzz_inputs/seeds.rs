@@ -37,6 +37,12 @@ fn seeds() -> Vec<(&'static str, &'static str, Vec<u8>)> {
         write_log_to(&mut file, Path::new(name), &log(), target).expect("a log can be written");
         seeds.push((folder, name, file.into_inner()));
     }
+    for (name, options) in [("commanded", 0_u8), ("failed_without_gravity", 5), ("measured_momentum", 10)] {
+        let mut file = Cursor::new(Vec::new());
+        write_log_to(&mut file, Path::new(name), &trial(), LogTarget::Csv(Default::default()))
+            .expect("a log can be written");
+        seeds.push(("told_trial", name, [&[options][..], &file.into_inner()].concat()));
+    }
     let messages: Vec<Recorded> = (0..3).flat_map(|k| [joint_state(k), json(k)]).collect();
     for (name, packed) in
         [("plain.mcap", None), ("zstd.mcap", Some(Compression::Zstd)), ("lz4.mcap", Some(Compression::Lz4))]
@@ -70,6 +76,27 @@ fn log() -> RobotLog {
         temperature_c: Some(columns(25.0)),
         temperature_ambient_c: Some(vec![20.0, 20.5, 1e-300]),
         o_f_ext: Some(std::array::from_fn(|k| vec![k as f64, 0.5, -0.0])),
+    };
+    log.validate().expect("a valid log")
+}
+
+/// A Panda of two encoders that moves for 30 ms.
+fn trial() -> RobotLog {
+    let rows = 31;
+    let pose = [0.0, -0.7, 0.0, -2.3, 0.0, 1.5, 0.7];
+    let column = |value: &dyn Fn(f64) -> f64| -> Vec<f64> { (0..rows).map(|k| value(f64::from(k) * 1e-3)).collect() };
+    let each = |value: &dyn Fn(usize, f64) -> f64| -> Vec<Vec<f64>> {
+        (0..7).map(|j| column(&|t| (value(j, t) * 1e6).round() / 1e6)).collect()
+    };
+    let log = LogColumns {
+        time_s: column(&|t| t),
+        q_rad: each(&|j, t| pose[j] + 0.1 * t),
+        dq_rad_s: each(&|_, _| 0.1),
+        tau_j_nm: each(&|j, t| 5.0 - j as f64 + t),
+        tau_j_d_nm: Some(each(&|j, _| 5.0 - j as f64)),
+        tau_friction_nm: Some(each(&|_, _| 0.5)),
+        theta_rad: Some(each(&|j, t| pose[j] + 0.1 * t + 1e-4)),
+        ..LogColumns::default()
     };
     log.validate().expect("a valid log")
 }

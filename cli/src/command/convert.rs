@@ -22,7 +22,8 @@ pub fn run(arguments: &Convert, common: &Common) -> anyhow::Result<()> {
     stop_on_signal();
     let progress = StageProgress::new(common.quiet);
     let name = arguments.log.display().to_string();
-    let summary = convert(&arguments.log, &arguments.out, target, |part| progress.stage(&name, part));
+    let shown = progress.clone();
+    let summary = convert(&arguments.log, &arguments.out, target, move |part| shown.stage(&name, part));
     progress.finish();
     let summary = summary.map_err(|error| match error {
         LogError::Stopped { .. } => Stopped.into(),

@@ -7,20 +7,20 @@ use tribo_diagnose::{BlockSettings, FrictionReport, FrictionSettings, JointRepor
 use tribo_ekf::WrenchEkfSettings;
 use tribo_experiments::files::{AnyModel, Model, ModelChoice, SIGN_SMOOTHING_RAD_S};
 use tribo_experiments::{
-    AnyEstimator, Believed, Calibration, ContactPrior, EstimatorError, EstimatorName, LogWrench, TransmissionFriction,
-    WrenchSummary, believed_band, wrench_on_log,
+    AnyEstimator, Believed, Calibration, ContactPrior, EstimatorError, EstimatorName, LogWrench, SETTLE_S,
+    TransmissionFriction, WrenchSummary, believed_band, wrench_on_log,
 };
 use tribo_friction::{FrictionBand, FrictionModel, JointFriction};
 use tribo_logs::recognise::{self, Use};
-use tribo_logs::{LogSummary, RobotLog, Table, read_log, write_table};
+use tribo_logs::{LogSummary, RobotLog, Table, write_table};
 use tribo_residual::{OBSERVER_GAIN_RAD_S, identify_band};
 use tribo_sim::{Effect, panda_gaz_joints};
 
 use super::believe::believe;
-use super::{check_joints, named, transmission, warn_not_cancelled};
+use super::{check_joints, named, read_log, transmission, warn_not_cancelled};
 use crate::arguments::{Common, Estimate};
 use crate::failure::BadInput;
-use crate::output::{log_json, print, print_json, significant, table};
+use crate::output::{fixed, log_json, print, print_json, say, significant, table};
 
 /// Names of the wrench components in file order.
 const AXES: [&str; 6] = ["Fx [N]", "Fy [N]", "Fz [N]", "Mx [Nm]", "My [Nm]", "Mz [Nm]"];
@@ -36,7 +36,7 @@ pub fn run(arguments: &Estimate, common: &Common) -> anyhow::Result<()> {
         torque_side: named(&arguments.torque_side)?,
     };
     let given = choice.given()?;
-    let (log, summary) = read_log(&arguments.log)?;
+    let (log, summary) = read_log(&arguments.log, common)?;
     let everything = arguments.residual == "all";
     // The torque residual alone does without dq.
     let wanted = if arguments.residual == "torque" { Use::Diagnosis } else { Use::Wrench };
@@ -51,7 +51,7 @@ pub fn run(arguments: &Estimate, common: &Common) -> anyhow::Result<()> {
         }
         Err(error) => {
             if !common.quiet {
-                eprintln!("tribo: {}: {error}", arguments.log.display());
+                say!("tribo: {}: {error}", arguments.log.display());
             }
             None
         }
@@ -98,7 +98,7 @@ fn estimate<const N: usize>(
         .iter()
         .any(|effect| matches!(effect, Effect::Coulomb { .. } | Effect::Viscous { .. } | Effect::FrictionCurve { .. }));
     if model.friction == FrictionModel::none() && !has_friction && feels_friction && !common.quiet {
-        eprintln!(
+        say!(
             "tribo: no friction is believed, so that of the arm counts as wrench, outside of the intervals too; --model says what it has"
         );
     }
@@ -114,7 +114,7 @@ fn estimate<const N: usize>(
         });
     match &one_encoder {
         Some(message) if !everything => return Err(BadInput(message.clone()).into()),
-        Some(message) if !common.quiet => eprintln!("tribo: {message}; it is left out"),
+        Some(message) if !common.quiet => say!("tribo: {message}; it is left out"),
         _ => {}
     }
     let contact =
@@ -186,7 +186,7 @@ struct FreeLog<const N: usize> {
 
 impl<const N: usize> FreeLog<N> {
     fn read(path: &Path, model: &Model<N>, believed: &Believed<N>, common: &Common) -> anyhow::Result<Self> {
-        let (log, _) = read_log(path)?;
+        let (log, _) = read_log(path, common)?;
         believe(path, &recognise::recognise(&log), Use::Wrench, common.quiet)?;
         believe(path, &tribo_diagnose::recognise::recognise(&log, &model.to_nominal()), Use::Wrench, common.quiet)?;
         let bad = |error: &dyn std::fmt::Display| BadInput(format!("{}: {error}", path.display()));
@@ -246,8 +246,8 @@ fn show_torque(report: &FrictionReport, rigid: &str, model_label: &str) {
         let fit =
             |pick: fn(&tribo_friction::identify::JointTorqueFit) -> f64, sd: usize| match (&joint.fit, &joint.held_out)
             {
-                (Ok(fit), Ok(held_out)) => format!("{:.3} ± {:.3}", pick(fit), held_out.sd[sd]),
-                (Ok(fit), Err(_)) => format!("{:.3}", pick(fit)),
+                (Ok(fit), Ok(held_out)) => format!("{} ± {}", fixed(pick(fit), 3), fixed(held_out.sd[sd], 3)),
+                (Ok(fit), Err(_)) => fixed(pick(fit), 3),
                 _ => "-".to_owned(),
             };
         rows.add_row([
@@ -281,29 +281,43 @@ fn show_wrenches(wrenches: &[Estimated], out: Option<&Path>) {
     }
     let mut rows = table(&header);
     for Estimated { name, summary, .. } in wrenches {
+        // What nothing was estimated from has no figures.
+        let told = summary.samples > summary.faults;
+        let figure = |value: f64| significant(if told { value } else { f64::NAN }, 3);
         for (i, axis) in AXES.iter().enumerate() {
             let mut row = vec![
                 if i == 0 { name.as_str().to_owned() } else { String::new() },
                 (*axis).to_owned(),
-                significant(summary.mean[i], 3),
-                significant(summary.rms[i], 3),
-                significant(summary.max[i], 3),
-                significant(summary.stated_sd[i], 3),
-                significant(summary.half_width95[i], 3),
+                figure(summary.mean[i]),
+                figure(summary.rms[i]),
+                figure(summary.max[i]),
+                figure(summary.stated_sd[i]),
+                figure(summary.half_width95[i]),
             ];
             if let Some(errors) = &summary.against_reference {
-                row.push(significant(errors.bias[i], 3));
-                row.push(format!("{:.1} %", 100.0 * errors.coverage95[i]));
+                row.push(figure(errors.bias[i]));
+                let covered = if told { errors.coverage95[i] } else { f64::NAN };
+                row.push(if covered.is_finite() { format!("{:.1} %", 100.0 * covered) } else { "-".to_owned() });
             }
             rows.add_row(row);
         }
     }
     print(rows);
+    if samples == 0 {
+        print(format_args!("no figures: estimators settle for {SETTLE_S} s, and no burst of the log lasts longer"));
+    }
     for Estimated { name, calibration, summary, .. } in wrenches {
         let name = name.as_str();
         if let Some(Calibration { tare: [fx, fy, fz, mx, my, mz], noise_factor, .. }) = calibration {
             print(format_args!(
-                "{name}: noise × {noise_factor:.2}, tare ({fx:.2}, {fy:.2}, {fz:.2}) N, ({mx:.3}, {my:.3}, {mz:.3}) Nm from the contact-free log"
+                "{name}: noise × {}, tare ({}, {}, {}) N, ({}, {}, {}) Nm from the contact-free log",
+                fixed(*noise_factor, 2),
+                fixed(*fx, 2),
+                fixed(*fy, 2),
+                fixed(*fz, 2),
+                fixed(*mx, 3),
+                fixed(*my, 3),
+                fixed(*mz, 3)
             ));
         }
         if let Some(nis) = summary.mean_nis.filter(|nis| *nis > OVERCONFIDENT_NIS) {

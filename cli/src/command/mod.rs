@@ -22,10 +22,12 @@ use std::path::Path;
 use serde::de::DeserializeOwned;
 use tribo_experiments::files::{AnyModel, YamlDocument};
 use tribo_experiments::{AnyTune, ConfigError, NotCancelled, TuneConfig};
-use tribo_logs::RobotLog;
+use tribo_logs::{LogError, LogSummary, RobotLog, read_log_watched};
 
 use crate::arguments::{CampaignSettings, Common, Scenario};
-use crate::failure::BadInput;
+use crate::failure::{BadInput, Stopped};
+use crate::output::say;
+use crate::progress::StageProgress;
 
 /// Where campaigns go when nobody says where.
 const CAMPAIGNS: &str = "campaigns";
@@ -91,6 +93,18 @@ impl CampaignSettings {
     }
 }
 
+/// Reads a log of any known format; a bar shows how far, and goes when it is read.
+fn read_log(path: &Path, common: &Common) -> anyhow::Result<(RobotLog, LogSummary)> {
+    let (progress, name) = (StageProgress::new(common.quiet), path.display().to_string());
+    let shown = progress.clone();
+    let read = read_log_watched(path, move |part| shown.stage(&name, part));
+    progress.finish();
+    read.map_err(|error| match error {
+        LogError::Stopped { .. } => Stopped.into(),
+        other => other.into(),
+    })
+}
+
 /// Refuses a log of another robot than the model's.
 fn check_joints(path: &Path, log: &RobotLog, model: &AnyModel) -> anyhow::Result<()> {
     if log.joints() == model.joints() {
@@ -104,7 +118,7 @@ fn check_joints(path: &Path, log: &RobotLog, model: &AnyModel) -> anyhow::Result
 fn warn_not_cancelled(left: &[NotCancelled], common: &Common) {
     if !common.quiet {
         for effect in left {
-            eprintln!("tribo: {effect}");
+            say!("tribo: {effect}");
         }
     }
 }

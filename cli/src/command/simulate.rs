@@ -7,13 +7,13 @@ use tribo_experiments::files::{ModelFile, TrajectoryFile, TunedFile, YamlDocumen
 use tribo_experiments::{AnyEstimator, AnyTune, Believed, NotCancelled, ValidTune, follow, simulate_log};
 use tribo_friction::{FrictionModel, JointEffects};
 use tribo_logs::RobotLog;
-use tribo_sim::WrenchPulses;
+use tribo_sim::{WrenchPulses, not_simulated};
 
 use super::convert::{target_of, write_log};
 use super::{configured, named, warn_not_cancelled};
 use crate::arguments::{Common, Simulate};
 use crate::failure::BadInput;
-use crate::output::{print, print_json, significant, table};
+use crate::output::{print, print_json, say, significant, table};
 
 /// Runs one trial, or one joint-space motion, and writes its log.
 pub fn run(arguments: &Simulate, common: &Common) -> anyhow::Result<()> {
@@ -52,6 +52,13 @@ fn simulate<const N: usize>(arguments: &Simulate, common: &Common, mut tune: Val
     let (friction, left) = belief(arguments, &mut tune)?;
     let friction = friction.scaled(arguments.scale);
     warn_not_cancelled(&left, common);
+    let limits = not_simulated(&tune.trial.truth.effects);
+    if !common.quiet {
+        for limit in &limits {
+            say!("tribo: {limit}");
+        }
+    }
+    let left = Left { not_cancelled: left, not_simulated: limits };
     match &arguments.trajectory {
         Some(path) => run_trajectory(path, arguments, common, &tune, &friction, &left),
         None => run_trial(arguments, common, &tune, &friction, &left),
@@ -113,11 +120,20 @@ fn is_model(path: &Path) -> anyhow::Result<bool> {
     Ok(schema.is_some_and(|schema| schema.starts_with("tribo.model/")))
 }
 
-/// `log` and `not_cancelled` of every document; the latter only where there is something to tell.
-fn finish_document(mut document: Value, log: Option<&PathBuf>, left: &[NotCancelled]) -> Value {
+/// What the controller does not cancel, and what the plant does not have.
+struct Left {
+    not_cancelled: Vec<NotCancelled>,
+    not_simulated: Vec<String>,
+}
+
+/// `log`, `not_cancelled` and `not_simulated` of every document; the latter two only where there is something to tell.
+fn finish_document(mut document: Value, log: Option<&PathBuf>, left: &Left) -> Value {
     document["log"] = json!(log);
-    if !left.is_empty() {
-        document["not_cancelled"] = left.iter().map(|effect| json!(effect.to_string())).collect();
+    if !left.not_cancelled.is_empty() {
+        document["not_cancelled"] = left.not_cancelled.iter().map(|effect| json!(effect.to_string())).collect();
+    }
+    if !left.not_simulated.is_empty() {
+        document["not_simulated"] = json!(left.not_simulated);
     }
     document
 }
@@ -133,7 +149,7 @@ fn run_trial<const N: usize>(
     common: &Common,
     tune: &ValidTune<N>,
     friction: &FrictionModel<N>,
-    left: &[NotCancelled],
+    left: &Left,
 ) -> anyhow::Result<()> {
     let config = &tune.config;
     let estimator = AnyEstimator::for_tuning(config.residual, config.ekf, &tune.trial.model, friction)?;
@@ -175,7 +191,7 @@ fn run_trajectory<const N: usize>(
     common: &Common,
     tune: &ValidTune<N>,
     friction: &FrictionModel<N>,
-    left: &[NotCancelled],
+    left: &Left,
 ) -> anyhow::Result<()> {
     let motion = TrajectoryFile::read(path, &tune.trial.model)?.path();
     let (followed, log) = follow(&tune.trial, friction, &motion, tune.config.seed)?;

@@ -1,5 +1,6 @@
 //! The compensator as a C99 header.
 
+use super::bounds;
 use super::float::floats;
 use super::program::Program;
 use super::text::{in_comment, is_identifier};
@@ -8,28 +9,30 @@ use super::{ExportError, Exported, TunedCompensator};
 /// Prefix of the names where nobody gives one.
 const PREFIX: &str = "tribo";
 
-/// One `static inline` function in C99 that C++ takes as well, in need of `math.h` alone: `PREFIX_compensate`. Without
+/// One `static inline` function in C99 that C++ takes as well, in need of the standard library alone: `PREFIX_compensate`. Without
 /// effects it maps two velocities to torques; with effects (see [`crate::Believed`]) it also takes position, load, period
-/// and the bristles' memory, `PREFIX_BRISTLES` numbers. It is the compensator to rounding: 1e-12 Nm.
+/// and the bristles' memory, `PREFIX_BRISTLES` numbers. It is the compensator to rounding, 1e-12 Nm,
+/// within the bounds of [`super::bounds`].
 pub(super) fn export<const N: usize>(tuned: &TunedCompensator<N>, name: Option<&str>) -> Result<Exported, ExportError> {
     let prefix = name.unwrap_or(PREFIX);
     if !is_identifier(prefix) || prefix.starts_with('_') {
         let allowed = "letters, digits and _, beginning with a letter";
         return Err(ExportError::Name { name: prefix.to_owned(), allowed });
     }
-    let program = Program::of(tuned);
+    let program = Program::of(tuned, prefix);
     let macros = prefix.to_uppercase();
     let mut text = String::from("/*\n");
     for remark in &program.remarks {
         text.push_str(&format!(" * {}\n", in_comment(remark)));
     }
     text.push_str(&format!(
-        " */\n#ifndef {macros}_COMPENSATOR_H\n#define {macros}_COMPENSATOR_H\n\n#include <math.h>\n\n#define {macros}_JOINTS {N}\n"
+        " */\n#ifndef {macros}_COMPENSATOR_H\n#define {macros}_COMPENSATOR_H\n\n#include <math.h>\n#include <stdint.h>\n#include <string.h>\n\n#define {macros}_JOINTS {N}\n"
     ));
     if program.effects {
         text.push_str(&format!("#define {macros}_BRISTLES {}\n", program.memory));
     }
     text.push('\n');
+    text.push_str(&bounds::c_functions(prefix));
 
     let vector = |name: &str| format!("const double {name}[{macros}_JOINTS]");
     let velocities = format!("{}, {}", vector("dq_measured"), vector("dq_reference"));
@@ -44,7 +47,7 @@ pub(super) fn export<const N: usize>(tuned: &TunedCompensator<N>, name: Option<&
         text.push_str(&format!("    static const double {table}[{macros}_JOINTS] = {{{}}};\n", floats(*values)));
     }
     text.push_str(&format!("    int j;\n    for (j = 0; j < {macros}_JOINTS; ++j) {{\n"));
-    let statements = body(&program);
+    let statements = body(&program, prefix);
     for line in statements.iter().flat_map(|statement| statement.lines()) {
         text.push_str(&format!("    {}{line}\n", if line.starts_with(' ') { "" } else { "    " }));
     }
@@ -57,10 +60,10 @@ pub(super) fn export<const N: usize>(tuned: &TunedCompensator<N>, name: Option<&
 }
 
 /// The statements of the loop over joints.
-fn body<const N: usize>(program: &Program<N>) -> Vec<String> {
+fn body<const N: usize>(program: &Program<N>, prefix: &str) -> Vec<String> {
     let mut statements: Vec<String> = program.opening.iter().map(|statement| statement.c.clone()).collect();
     statements.extend(program.terms.iter().map(|term| term.c.clone()));
-    statements.push("tau[j] = torque;".to_owned());
+    statements.push(bounds::closing(prefix).c);
     statements
 }
 

@@ -3,7 +3,7 @@
 //! | format | for | leaves out |
 //! |---|---|---|
 //! | `yaml`, `json` | Tribo itself, scripts | nothing |
-//! | `c`, `rust` | a controller's source: the compensator itself | nothing of it |
+//! | `c`, `rust` | a controller's source: the compensator itself, bounded by half of the joints' largest torques | nothing of it |
 //! | `ros2` | parameters of a ROS 2 node | nothing of it |
 //! | `crisp` | `crisp_controllers` | viscous friction, the Stribeck curve |
 //! | `urdf` | everything that reads URDF | all but Coulomb and viscous friction, rotor inertia |
@@ -11,6 +11,7 @@
 //!
 //! What is left out, and how much torque that is, is in [`Exported::losses`] and in the file.
 
+mod bounds;
 mod c_header;
 mod columns;
 mod crisp;

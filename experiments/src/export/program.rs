@@ -2,6 +2,7 @@
 
 use tribo_friction::VelocitySource;
 
+use super::bounds;
 use super::loss::{believed_arm, not_cancelled};
 use super::terms::{Statement, Term, effect_terms, law_term, memory, sign, velocity};
 use super::{Loss, TunedCompensator};
@@ -14,6 +15,8 @@ pub(super) struct Program<const N: usize> {
     pub terms: Vec<Term<N>>,
     /// Whether there are effects: then the function takes position, load, period and memory too.
     pub effects: bool,
+    /// The largest torque of each joint (Nm), as a table.
+    pub most_nm: (String, [f64; N]),
     /// Bristles in the memory.
     pub memory: usize,
     /// Whether it takes the measured velocity, and the reference velocity.
@@ -25,12 +28,13 @@ pub(super) struct Program<const N: usize> {
 }
 
 impl<const N: usize> Program<N> {
-    /// The program of a compensator.
-    pub fn of(tuned: &TunedCompensator<N>) -> Self {
+    /// The program of a compensator; in C its functions begin with `prefix`.
+    pub fn of(tuned: &TunedCompensator<N>, prefix: &str) -> Self {
         let mut terms = vec![law_term(tuned)];
-        terms.extend(effect_terms(tuned));
+        terms.extend(effect_terms(tuned, prefix));
         let (effects, memory) = (tuned.has_effects(), memory(tuned));
         let mut losses = not_cancelled(tuned);
+        losses.extend(bounds::cut_off(tuned));
         losses.extend(believed_arm(tuned));
 
         let mut remarks = vec![format!("Friction compensation of {}.", tuned.robot), format!("{}.", tuned.origin)];
@@ -41,16 +45,18 @@ impl<const N: usize> Program<N> {
             true => format!("s = tanh(dq / {smoothing}), the smoothed sign of dq."),
             false => "s is the sign of dq, 0 at 0.".to_owned(),
         });
-        let nan = "A velocity that is not a number gives a torque that is not a number";
         remarks.push(match tuned.compensator.source {
-            VelocitySource::Measured => format!("dq is the measured velocity. {nan}."),
-            VelocitySource::Reference => format!("dq is the reference velocity; the measured one is not looked at. {nan}."),
+            VelocitySource::Measured => "dq is the measured velocity.".to_owned(),
+            VelocitySource::Reference => {
+                "dq is the reference velocity; the measured one is not looked at.".to_owned()
+            }
             VelocitySource::Hybrid => format!(
                 "dq is the measured velocity where that is above {} rad/s, else the reference velocity: also where the measured \
-                 one is not a number. {nan} where it is taken.",
+                 one is not finite.",
                 tuned.compensator.hybrid_threshold_rad_s
             ),
         });
+        remarks.extend(bounds::remarks(tuned, effects));
         remarks.push("SI units (rad, rad/s, Nm, s); joints from the base.".to_owned());
         if effects {
             remarks.push(
@@ -62,11 +68,13 @@ impl<const N: usize> Program<N> {
                 false => String::new(),
             };
             remarks.push(format!(
-                "z is the memory of the compensator, one bristle per joint{parts}: zero at the start, then left alone."
+                "z is the memory of the compensator, one bristle per joint{parts}: zero at the start, then left alone. \
+                 What is beyond 1 counts as 1, what is not finite as 0: garbage is forgotten within the distance of presliding."
             ));
         }
         remarks.extend(losses.iter().map(|loss| format!("Not in this file: {loss}")));
-        let mut opening = vec![velocity(tuned)];
+        let mut opening = vec![velocity(tuned, prefix)];
+        opening.extend(bounds::opening(prefix, |name| any_uses(&terms, name)));
         if any_uses(&terms, "s") {
             opening.push(sign(tuned));
         }
@@ -75,12 +83,13 @@ impl<const N: usize> Program<N> {
             VelocitySource::Reference => [false, true],
             VelocitySource::Hybrid => [true, true],
         };
-        Self { opening, terms, effects, memory, takes, losses, remarks }
+        let most_nm = ("most_nm".to_owned(), std::array::from_fn(|j| bounds::most_nm(tuned, j)));
+        Self { opening, most_nm, terms, effects, memory, takes, losses, remarks }
     }
 
     /// The tables of all terms, each once.
     pub fn tables(&self) -> Vec<&(String, [f64; N])> {
-        let mut tables: Vec<&(String, [f64; N])> = Vec::new();
+        let mut tables: Vec<&(String, [f64; N])> = vec![&self.most_nm];
         for table in self.terms.iter().flat_map(|term| &term.tables) {
             if tables.iter().all(|known| known.0 != table.0) {
                 tables.push(table);
@@ -89,9 +98,9 @@ impl<const N: usize> Program<N> {
         tables
     }
 
-    /// Whether a variable is used in any statement (those in C stand for those in Rust).
-    pub fn uses(&self, variable: &str) -> bool {
-        any_uses(&self.terms, variable)
+    /// Whether an argument is used in any statement (those in C stand for those in Rust).
+    pub fn uses(&self, argument: &str) -> bool {
+        any_uses(&self.terms, bounds::checked(argument))
     }
 }
 

@@ -1,5 +1,6 @@
 //! The compensator as a Rust module.
 
+use super::bounds;
 use super::float::floats;
 use super::program::Program;
 use super::text::in_comment;
@@ -7,9 +8,10 @@ use super::{ExportError, Exported, TunedCompensator};
 
 /// A module without dependencies, `JOINTS` and `compensate`, as a file of its own or by `include!`. Without effects
 /// `compensate` maps two velocities to torques; with effects (see [`crate::Believed`]) it also takes position, load, period
-/// and the bristles' memory, `BRISTLES` numbers. It is the compensator to rounding: 1e-12 Nm.
+/// and the bristles' memory, `BRISTLES` numbers. It is the compensator to rounding, 1e-12 Nm, within the bounds of
+/// [`super::bounds`].
 pub(super) fn export<const N: usize>(tuned: &TunedCompensator<N>) -> Result<Exported, ExportError> {
-    let program = Program::of(tuned);
+    let program = Program::of(tuned, "");
     let mut text = String::new();
     for remark in &program.remarks {
         text.push_str(&format!("// {}\n", in_comment(remark)));
@@ -19,6 +21,7 @@ pub(super) fn export<const N: usize>(tuned: &TunedCompensator<N>) -> Result<Expo
         let memory = program.memory;
         text.push_str(&format!("/// Number of bristles in the memory.\npub const BRISTLES: usize = {memory};\n\n"));
     }
+    text.push_str(bounds::RUST_FUNCTIONS);
     text.push_str("/// Friction compensation torque (Nm) of every joint.\n#[allow(clippy::needless_range_loop)]\n");
 
     let argument = |name: &str, used: bool, kind: &str| format!("{}{name}: {kind}", if used { "" } else { "_" });
@@ -49,6 +52,6 @@ fn body<const N: usize>(program: &Program<N>) -> Vec<String> {
     let law = &program.terms[0].rust;
     statements.push(if program.terms.len() > 1 { law.clone() } else { law.replacen("let mut", "let", 1) });
     statements.extend(program.terms[1..].iter().map(|term| term.rust.clone()));
-    statements.push("tau[j] = torque;".to_owned());
+    statements.push(bounds::closing("").rust);
     statements
 }

@@ -3,12 +3,14 @@
 use tribo_friction::{JointEffects, MAX_BRISTLES, MAX_CURVES, MAX_RIPPLES, VelocitySource};
 
 use super::TunedCompensator;
+use super::bounds::MOST_FINITE;
 use super::columns::law_columns;
 use super::float::float;
 
 /// One term of the torque of joint j: its tables, one value per joint, and the statement that adds it to `torque`, in both
-/// languages. Statements know `j`, `dq` [rad/s], `s` (the smoothed sign of dq), `q` (rad), `load` (Nm), `dt` (s) and the
-/// bristles `z`, those of whole joints first, then those of parts ([`memory`]); tables have their name in capitals in Rust.
+/// languages. Statements know `j`, `dq` [rad/s], `s` (the smoothed sign of dq), `q_j` (rad), `load_j` (Nm), `step` (s), all of
+/// them finite ([`super::bounds`]), and the bristles `z`, those of whole joints first, then those of parts ([`memory`]); tables
+/// have their name in capitals in Rust.
 pub(super) struct Term<const N: usize> {
     /// Name and values of the tables.
     pub tables: Vec<(String, [f64; N])>,
@@ -28,15 +30,21 @@ pub(super) struct Statement {
     pub rust: String,
 }
 
-/// `dq`, the velocity that the compensator believes.
-pub(super) fn velocity<const N: usize>(tuned: &TunedCompensator<N>) -> Statement {
+/// `dq`, the velocity that the compensator believes; the hybrid one takes a measurement that is finite.
+pub(super) fn velocity<const N: usize>(tuned: &TunedCompensator<N>, prefix: &str) -> Statement {
     let threshold = float(tuned.compensator.hybrid_threshold_rad_s);
     let (c, rust) = match tuned.compensator.source {
         VelocitySource::Measured => ("dq_measured[j]".to_owned(), "dq_measured[j]".to_owned()),
         VelocitySource::Reference => ("dq_reference[j]".to_owned(), "dq_reference[j]".to_owned()),
         VelocitySource::Hybrid => (
-            format!("fabs(dq_measured[j]) > {threshold} ? dq_measured[j] : dq_reference[j]"),
-            format!("if dq_measured[j].abs() > {threshold} {{ dq_measured[j] }} else {{ dq_reference[j] }}"),
+            format!(
+                "{prefix}_within(&dq_measured[j], {MOST_FINITE}) && fabs(dq_measured[j]) > {threshold}\n        \
+                 ? dq_measured[j] : dq_reference[j]"
+            ),
+            format!(
+                "if within(dq_measured[j], f64::MAX) && dq_measured[j].abs() > {threshold} {{ dq_measured[j] }} \
+                 else {{ dq_reference[j] }}"
+            ),
         ),
     };
     Statement { c: format!("const double dq = {c};"), rust: format!("let dq = {rust};") }
@@ -96,7 +104,7 @@ pub(super) fn law_term<const N: usize>(tuned: &TunedCompensator<N>) -> Term<N> {
 }
 
 /// The effects that any joint has.
-pub(super) fn effect_terms<const N: usize>(tuned: &TunedCompensator<N>) -> Vec<Term<N>> {
+pub(super) fn effect_terms<const N: usize>(tuned: &TunedCompensator<N>, prefix: &str) -> Vec<Term<N>> {
     let effects = &tuned.compensator.effects;
     let column = |name: &str, value: &dyn Fn(&JointEffects) -> f64| {
         (format!("added_{name}"), std::array::from_fn(|j| value(&effects[j])))
@@ -147,8 +155,8 @@ pub(super) fn effect_terms<const N: usize>(tuned: &TunedCompensator<N>) -> Vec<T
         term(
             vec![column("load_coefficient", &|it| it.load_coefficient)],
             "gamma |load| s",
-            "torque += added_load_coefficient[j] * fabs(load[j]) * s;",
-            "torque += ADDED_LOAD_COEFFICIENT[j] * load[j].abs() * s;",
+            "torque += added_load_coefficient[j] * fabs(load_j) * s;",
+            "torque += ADDED_LOAD_COEFFICIENT[j] * load_j.abs() * s;",
         ),
         term(
             vec![
@@ -156,21 +164,17 @@ pub(super) fn effect_terms<const N: usize>(tuned: &TunedCompensator<N>) -> Vec<T
                 column("spring_rest_rad", &|it| it.spring_rest_rad),
             ],
             "k (q - rest)",
-            "torque += added_spring_nm_per_rad[j] * (q[j] - added_spring_rest_rad[j]);",
-            "torque += ADDED_SPRING_NM_PER_RAD[j] * (q[j] - ADDED_SPRING_REST_RAD[j]);",
+            "torque += added_spring_nm_per_rad[j] * (q_j - added_spring_rest_rad[j]);",
+            "torque += ADDED_SPRING_NM_PER_RAD[j] * (q_j - ADDED_SPRING_REST_RAD[j]);",
         ),
     ];
     for k in 0..MAX_RIPPLES {
         let name = |part: &str| format!("ripple_{k}_{part}");
         let [amplitude, cycles, phase] = ["amplitude_nm", "cycles_per_rev", "phase_rad"].map(name);
         let upper = |name: &str| format!("added_{name}").to_uppercase();
-        let c = format!("torque += added_{amplitude}[j] * sin(added_{cycles}[j] * q[j] + added_{phase}[j]);");
-        let rust = format!(
-            "torque += {}[j] * ({}[j] * q[j] + {}[j]).sin();",
-            upper(&amplitude),
-            upper(&cycles),
-            upper(&phase)
-        );
+        let c = format!("torque += added_{amplitude}[j] * sin(added_{cycles}[j] * q_j + added_{phase}[j]);");
+        let rust =
+            format!("torque += {}[j] * ({}[j] * q_j + {}[j]).sin();", upper(&amplitude), upper(&cycles), upper(&phase));
         let tables = vec![
             column(&amplitude, &|it| it.ripples[k].amplitude_nm),
             column(&cycles, &|it| it.ripples[k].cycles_per_rev),
@@ -195,9 +199,9 @@ pub(super) fn effect_terms<const N: usize>(tuned: &TunedCompensator<N>) -> Vec<T
     let any = |term: &Term<N>| term.tables[0].1.iter().any(|size| *size != 0.0);
     terms.retain(any);
     if slides {
-        terms.push(presliding_term(tuned, presliding, coulomb()));
+        terms.push(presliding_term(tuned, prefix, presliding, coulomb()));
     }
-    terms.extend((0..MAX_BRISTLES).map(|k| part_term(tuned, k)).filter(any));
+    terms.extend((0..MAX_BRISTLES).map(|k| part_term(tuned, prefix, k)).filter(any));
     terms
 }
 
@@ -209,25 +213,23 @@ pub(super) fn memory<const N: usize>(tuned: &TunedCompensator<N>) -> usize {
 }
 
 /// The k-th parts of dry friction, each behind a bristle of its own.
-fn part_term<const N: usize>(tuned: &TunedCompensator<N>, k: usize) -> Term<N> {
+fn part_term<const N: usize>(tuned: &TunedCompensator<N>, prefix: &str, k: usize) -> Term<N> {
     let effects = &tuned.compensator.effects;
     let (amplitude, distance) = (format!("added_bristle_{k}_amplitude_nm"), format!("added_bristle_{k}_distance_rad"));
     let (upper_amplitude, upper_distance) = (amplitude.to_uppercase(), distance.to_uppercase());
     let first = N * (k + 1);
     let c = format!(
-        "/* A velocity that is not finite must not stay in the memory. */\n    \
-         if ({amplitude}[j] != 0.0 && dq - dq == 0.0) {{\n        \
+        "if ({amplitude}[j] != 0.0) {{\n        \
          const double way = dq > 0.0 ? 1.0 : dq < 0.0 ? -1.0 : 0.0;\n        \
          double *const part = &z[{first} + j];\n        \
-         *part = way + (*part - way) * exp(-fabs(dq) * dt / {distance}[j]);\n        \
+         *part = way + ({prefix}_bounded(part, 1.0) - way) * exp(-fabs(dq) * step / {distance}[j]);\n        \
          torque += {amplitude}[j] * (*part - s);\n    }}"
     );
     let rust = format!(
-        "// A velocity that is not finite must not stay in the memory.\n        \
-         if {upper_amplitude}[j] != 0.0 && dq.is_finite() {{\n            \
+        "if {upper_amplitude}[j] != 0.0 {{\n            \
          let way = if dq == 0.0 {{ 0.0 }} else {{ dq.signum() }};\n            \
          let part = &mut z[{first} + j];\n            \
-         *part = way + (*part - way) * (-dq.abs() * dt / {upper_distance}[j]).exp();\n            \
+         *part = way + (bounded(*part, 1.0) - way) * (-dq.abs() * step / {upper_distance}[j]).exp();\n            \
          torque += {upper_amplitude}[j] * (*part - s);\n        }}"
     );
     let tables = vec![
@@ -240,6 +242,7 @@ fn part_term<const N: usize>(tuned: &TunedCompensator<N>, k: usize) -> Term<N> {
 /// Presliding: dry friction follows a bristle in place of s, integrated exactly over each period.
 fn presliding_term<const N: usize>(
     tuned: &TunedCompensator<N>,
+    prefix: &str,
     distance: (String, [f64; N]),
     added_coulomb: (String, [f64; N]),
 ) -> Term<N> {
@@ -252,19 +255,17 @@ fn presliding_term<const N: usize>(
         _ => ("coulomb_nm[j]", "COULOMB_NM[j]"),
     };
     let c = format!(
-        "/* A velocity that is not finite must not stay in the memory. */\n    \
-         if (added_presliding_distance_rad[j] > 0.0 && dq - dq == 0.0) {{\n        \
+        "if (added_presliding_distance_rad[j] > 0.0) {{\n        \
          const double way = dq > 0.0 ? 1.0 : dq < 0.0 ? -1.0 : 0.0;\n        \
          const double coulomb = {c_coulomb} + added_coulomb_nm[j];\n        \
-         z[j] = way + (z[j] - way) * exp(-fabs(dq) * dt / added_presliding_distance_rad[j]);\n        \
+         z[j] = way + ({prefix}_bounded(&z[j], 1.0) - way) * exp(-fabs(dq) * step / added_presliding_distance_rad[j]);\n        \
          torque += coulomb * (z[j] - s);\n    }}"
     );
     let rust = format!(
-        "// A velocity that is not finite must not stay in the memory.\n        \
-         if ADDED_PRESLIDING_DISTANCE_RAD[j] > 0.0 && dq.is_finite() {{\n            \
+        "if ADDED_PRESLIDING_DISTANCE_RAD[j] > 0.0 {{\n            \
          let way = if dq == 0.0 {{ 0.0 }} else {{ dq.signum() }};\n            \
          let coulomb = ({rust_coulomb}) + ADDED_COULOMB_NM[j];\n            \
-         z[j] = way + (z[j] - way) * (-dq.abs() * dt / ADDED_PRESLIDING_DISTANCE_RAD[j]).exp();\n            \
+         z[j] = way + (bounded(z[j], 1.0) - way) * (-dq.abs() * step / ADDED_PRESLIDING_DISTANCE_RAD[j]).exp();\n            \
          torque += coulomb * (z[j] - s);\n        }}"
     );
     Term { tables: vec![distance, added_coulomb], formula: "Fc (z - s)", c, rust }

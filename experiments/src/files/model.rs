@@ -64,6 +64,15 @@ impl<const N: usize> Model<N> {
         }
         Truth { arm, friction: self.friction, warm_up: None, effects: self.effects.clone() }
     }
+
+    /// The plant to the letter of the file: a motor-side model whose rotors weigh nothing has none to turn. (A controller does not
+    /// believe that: see [`Self::to_truth`].)
+    pub fn to_plant(&self) -> Truth<N> {
+        match self.torque_side {
+            TorqueSide::Motor => Truth { arm: self.arm.clone(), ..self.to_truth() },
+            TorqueSide::Link => self.to_truth(),
+        }
+    }
 }
 
 impl Model<7> {

@@ -1,5 +1,7 @@
 //! Rigid bodies: links welded by fixed joints.
 
+use std::collections::BTreeSet;
+
 use nalgebra::{Matrix3, Rotation3, Vector3};
 use urdf_rs::{JointType, Link, Pose};
 
@@ -66,12 +68,12 @@ fn inertia_of(link: &Link) -> Result<LinkInertia, UrdfError> {
     Ok(LinkInertia { mass_kg, com_m: Vector3::zeros(), inertia_kg_m2 }.placed(&at.rotation, &at.translation))
 }
 
-/// Everything welded to `link`, which is at `body_from_link`, but for what hangs on the joints of the chain.
+/// Everything welded to `link`, which is at `body_from_link`, but for what hangs on the joints of the chain, in any order.
 pub(super) fn welded(
     tree: &Tree,
     link: &str,
     body_from_link: Frame,
-    chain: &[usize],
+    chain: &BTreeSet<usize>,
 ) -> Result<LinkInertia, UrdfError> {
     let mut body = NO_MASS;
     let mut waiting = vec![(link.to_owned(), body_from_link)];

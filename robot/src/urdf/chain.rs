@@ -48,6 +48,7 @@ impl UrdfChain {
         let (mut joints, mut placements, mut links) = (Vec::new(), Vec::new(), Vec::new());
         // The frame of the link that the path has come to, in the frame of the body that it belongs to.
         let mut body_from_link = same();
+        let chain = path.joints.iter().copied().collect();
         for &k in &path.joints {
             let joint = &tree.robot.joints[k];
             if let Some(kind) = unsupported(&joint.joint_type) {
@@ -63,7 +64,7 @@ impl UrdfChain {
             let joint_from_body = Frame { rotation: axis_from_z(joint)?, translation: Vector3::zeros() };
             placements.push(chained(&body_from_joint, &joint_from_body));
             body_from_link = Frame { rotation: joint_from_body.rotation.transpose(), ..joint_from_body };
-            let body = welded(&tree, &joint.child.link, body_from_link, &path.joints)?;
+            let body = welded(&tree, &joint.child.link, body_from_link, &chain)?;
             if body.mass_kg <= 0.0 {
                 return Err(UrdfError::NoInertia { joint: joint.name.clone(), link: joint.child.link.clone() });
             }

@@ -22,6 +22,22 @@ pub enum UrdfError {
         /// The link.
         link: String,
     },
+    /// A name that would do something to a terminal.
+    #[error("the name of {kind} `{name}` has a control character")]
+    ControlCharacter {
+        /// `robot`, `link` or `joint`.
+        kind: &'static str,
+        /// Its name, with the character written out.
+        name: String,
+    },
+    /// A joint that joins a link to itself.
+    #[error("joint `{joint}` has link `{link}` as parent and as child")]
+    OwnParent {
+        /// The joint.
+        joint: String,
+        /// The link.
+        link: String,
+    },
     /// A link that hangs on two joints: a closed loop.
     #[error("link `{link}` is the child of joints `{first}` and `{second}`; closed loops are not supported")]
     TwoParents {

@@ -1,6 +1,6 @@
 //! The tree of links, and the way from base to tip.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 use urdf_rs::{Joint, JointType, Link, Robot};
 
@@ -20,6 +20,8 @@ pub(super) struct Tree {
     above: BTreeMap<String, usize>,
     /// Places of the joints below each link.
     below: BTreeMap<String, Vec<usize>>,
+    /// Whether each joint of `robot.joints`, or any joint that hangs on it, is not fixed.
+    moves: Vec<bool>,
 }
 
 /// Places in `robot.joints` of the joints from base to tip, and the names of both ends.
@@ -40,6 +42,12 @@ impl Tree {
             return Err(UrdfError::Syntax(format!("elements are nested more than {DEEPEST} deep")));
         }
         let robot = urdf_rs::read_from_string(text).map_err(|error| UrdfError::Syntax(error.to_string()))?;
+        let names = robot.links.iter().map(|link| ("link", &link.name));
+        let names =
+            names.chain(robot.joints.iter().map(|joint| ("joint", &joint.name))).chain([("robot", &robot.name)]);
+        if let Some((kind, name)) = names.into_iter().find(|(_, name)| name.chars().any(char::is_control)) {
+            return Err(UrdfError::ControlCharacter { kind, name: name.escape_debug().to_string() });
+        }
         let twice = |kind, name: &str| UrdfError::Twice { kind, name: name.to_owned() };
         let mut links = BTreeMap::new();
         for (k, link) in robot.links.iter().enumerate() {
@@ -48,14 +56,18 @@ impl Tree {
             }
         }
         let (mut above, mut below) = (BTreeMap::<String, usize>::new(), BTreeMap::<String, Vec<usize>>::new());
+        let mut joints = BTreeSet::new();
         for (k, joint) in robot.joints.iter().enumerate() {
-            if robot.joints[..k].iter().any(|other| other.name == joint.name) {
+            if !joints.insert(&joint.name) {
                 return Err(twice("joint", &joint.name));
             }
             for link in [&joint.parent.link, &joint.child.link] {
                 if !links.contains_key(link) {
                     return Err(UrdfError::NoSuchLink { joint: joint.name.clone(), link: link.clone() });
                 }
+            }
+            if joint.parent.link == joint.child.link {
+                return Err(UrdfError::OwnParent { joint: joint.name.clone(), link: joint.child.link.clone() });
             }
             below.entry(joint.parent.link.clone()).or_default().push(k);
             if let Some(first) = above.insert(joint.child.link.clone(), k) {
@@ -66,7 +78,8 @@ impl Tree {
                 });
             }
         }
-        Ok(Self { robot, links, above, below })
+        let moves = moving(&robot, &above);
+        Ok(Self { robot, links, above, below, moves })
     }
 
     /// A link by name.
@@ -119,7 +132,7 @@ impl Tree {
         let (mut joints, mut link) = (Vec::new(), base.as_str());
         loop {
             let below: Vec<(usize, &Joint)> = self.below(link).collect();
-            let moving: Vec<&(usize, &Joint)> = below.iter().filter(|(_, joint)| self.moves(joint)).collect();
+            let moving: Vec<&(usize, &Joint)> = below.iter().filter(|(k, _)| self.moves[*k]).collect();
             let candidates: Vec<&(usize, &Joint)> = if moving.is_empty() { below.iter().collect() } else { moving };
             match candidates[..] {
                 _ if joints.len() > self.links.len() => return Err(UrdfError::NoRoot { links: Vec::new() }),
@@ -139,20 +152,19 @@ impl Tree {
         let tip = link.to_owned();
         Ok(Path { base, tip, joints })
     }
+}
 
-    /// Whether a joint, or any joint that hangs on it, is not fixed.
-    fn moves(&self, joint: &Joint) -> bool {
-        let mut waiting = vec![joint];
-        let mut seen = 0;
-        while let Some(joint) = waiting.pop().filter(|_| seen <= self.robot.joints.len()) {
-            if joint.joint_type != JointType::Fixed {
-                return true;
-            }
-            seen += 1;
-            waiting.extend(self.below(&joint.child.link).map(|(_, joint)| joint));
+/// Which joints move, or carry one that does: from every joint that is not fixed up to the base, or to where another one came by.
+fn moving(robot: &Robot, above: &BTreeMap<String, usize>) -> Vec<bool> {
+    let mut moves = vec![false; robot.joints.len()];
+    for (k, joint) in robot.joints.iter().enumerate() {
+        let mut at = (joint.joint_type != JointType::Fixed).then_some(k);
+        while let Some(k) = at.filter(|&k| !moves[k]) {
+            moves[k] = true;
+            at = above.get(&robot.joints[k].parent.link).copied();
         }
-        false
     }
+    moves
 }
 
 /// How deep the elements of a text are nested at most; what is in comments or quotes may count too.

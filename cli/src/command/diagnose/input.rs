@@ -3,13 +3,14 @@
 use std::path::{Path, PathBuf};
 
 use tribo_experiments::files::ModelChoice;
+use tribo_logs::RobotLog;
 use tribo_logs::recognise::{Use, recognise};
-use tribo_logs::{RobotLog, read_log};
 
 use super::super::believe::believe;
-use super::super::named;
+use super::super::{named, read_log};
 use crate::arguments::{Common, Diagnose};
 use crate::failure::BadInput;
+use crate::output::say;
 
 /// Which model the logs are held against.
 pub fn choice(arguments: &Diagnose) -> anyhow::Result<ModelChoice> {
@@ -26,13 +27,13 @@ pub fn logs(paths: &[PathBuf], common: &Common) -> anyhow::Result<Vec<(String, R
 }
 
 fn log(path: &Path, common: &Common) -> anyhow::Result<(String, RobotLog)> {
-    let (log, summary) = read_log(path)?;
+    let (log, summary) = read_log(path, common)?;
     if !common.quiet {
         for warning in &summary.warnings {
-            eprintln!("tribo: {}: {warning}", path.display());
+            say!("tribo: {}: {warning}", path.display());
         }
         if common.verbose {
-            eprintln!("{}\n{summary}", path.display());
+            say!("{}\n{summary}", path.display());
         }
     }
     believe(path, &recognise(&log), Use::Diagnosis, common.quiet)?;
