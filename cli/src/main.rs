@@ -5,6 +5,13 @@
 
 #![warn(clippy::print_stderr, clippy::print_stdout)]
 
+/// A message on standard error, which never fails: see [`output::message`].
+macro_rules! message {
+    ($($argument:tt)*) => {
+        $crate::output::message(format_args!($($argument)*))
+    };
+}
+
 mod arguments;
 mod command;
 mod failure;
@@ -57,7 +64,7 @@ fn run() -> ExitCode {
     match result {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => {
-            output::say!("tribo: {}", failure::describe(&error));
+            message!("tribo: {}", failure::describe(&error));
             ExitCode::from(failure::exit_code(&error))
         }
     }

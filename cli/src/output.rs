@@ -28,16 +28,10 @@ pub fn print_json(document: &Value) {
     let _ = write_line(&mut std::io::stdout().lock(), Form::Json, format_args!("{document:#}"));
 }
 
-/// Says something on standard error; nobody may be listening.
-pub fn tell(text: impl std::fmt::Display) {
+/// A message on standard error. If it cannot be written nobody can be told, and the work goes on.
+pub fn message(text: impl std::fmt::Display) {
     let _ = write_line(&mut std::io::stderr().lock(), Form::Text, text);
 }
-
-/// Says something on standard error, as `eprintln!` does, with control characters written out.
-macro_rules! say {
-    ($($part:tt)*) => { $crate::output::tell(format_args!($($part)*)) };
-}
-pub(crate) use say;
 
 /// Sizes from here on are written as powers of ten.
 const LARGE: f64 = 1e9;

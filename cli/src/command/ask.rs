@@ -8,7 +8,7 @@ use tribo_logs::write_atomic;
 use super::{configured, now, set};
 use crate::arguments::{Ask, Common};
 use crate::failure::BadInput;
-use crate::output::{print, print_json, say};
+use crate::output::{print, print_json};
 use crate::threads;
 
 /// Hands out the next parameters of a campaign; begins the campaign where there is none.
@@ -112,7 +112,7 @@ fn ask<const N: usize>(mut campaign: UserCampaign<N>, arguments: &Ask, common: &
     if !common.quiet {
         let directory = arguments.campaign.display();
         let chosen = asked.origin;
-        say!(
+        message!(
             "trial {} of {} (chosen by {chosen}); when it has run: tribo tell {directory} LOG --trial {}",
             asked.number,
             campaign.tune().config.trials,

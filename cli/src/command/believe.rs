@@ -37,7 +37,7 @@ pub fn believe(path: &Path, remarks: &[Remark], wanted: Use, quiet: bool) -> any
         return Err(BadInput(refused.join("\n")).into());
     }
     for remark in remarks.iter().filter(|remark| remark.concerns(wanted) && !quiet) {
-        eprintln!("tribo: {name}: {remark}");
+        message!("tribo: {name}: {remark}");
     }
     Ok(())
 }

@@ -11,7 +11,7 @@ use tribo_experiments::{AnyTune, TuneConfig};
 
 use crate::arguments::{Bench, Common};
 use crate::failure::{BadInput, CheckFailed};
-use crate::output::{print, print_json, say, significant, table};
+use crate::output::{print, print_json, significant, table};
 
 /// Longest run on the clock (s): a day.
 const LONGEST_S: f64 = 86_400.0;
@@ -32,7 +32,7 @@ fn speed(tune: &AnyTune, arguments: &Bench, common: &Common) -> anyhow::Result<(
     let settings = BenchSettings { ticks: arguments.ticks.unwrap_or(usual.ticks), ..usual };
     let report = tune.bench(settings, |stage| {
         if !(common.quiet || common.json) {
-            say!("tribo: measuring: {stage}");
+            message!("tribo: measuring: {stage}");
         }
     })?;
     if common.json {

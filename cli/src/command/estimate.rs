@@ -20,7 +20,7 @@ use super::believe::believe;
 use super::{check_joints, named, read_log, transmission, warn_not_cancelled};
 use crate::arguments::{Common, Estimate};
 use crate::failure::BadInput;
-use crate::output::{fixed, log_json, print, print_json, say, significant, table};
+use crate::output::{fixed, log_json, print, print_json, significant, table};
 
 /// Names of the wrench components in file order.
 const AXES: [&str; 6] = ["Fx [N]", "Fy [N]", "Fz [N]", "Mx [Nm]", "My [Nm]", "Mz [Nm]"];
@@ -51,7 +51,7 @@ pub fn run(arguments: &Estimate, common: &Common) -> anyhow::Result<()> {
         }
         Err(error) => {
             if !common.quiet {
-                say!("tribo: {}: {error}", arguments.log.display());
+                message!("tribo: {}: {error}", arguments.log.display());
             }
             None
         }
@@ -98,7 +98,7 @@ fn estimate<const N: usize>(
         .iter()
         .any(|effect| matches!(effect, Effect::Coulomb { .. } | Effect::Viscous { .. } | Effect::FrictionCurve { .. }));
     if model.friction == FrictionModel::none() && !has_friction && feels_friction && !common.quiet {
-        say!(
+        message!(
             "tribo: no friction is believed, so that of the arm counts as wrench, outside of the intervals too; --model says what it has"
         );
     }
@@ -114,7 +114,7 @@ fn estimate<const N: usize>(
         });
     match &one_encoder {
         Some(message) if !everything => return Err(BadInput(message.clone()).into()),
-        Some(message) if !common.quiet => say!("tribo: {message}; it is left out"),
+        Some(message) if !common.quiet => message!("tribo: {message}; it is left out"),
         _ => {}
     }
     let contact =

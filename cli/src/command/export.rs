@@ -8,7 +8,7 @@ use tribo_logs::write_atomic;
 
 use super::named;
 use crate::arguments::{Common, Export};
-use crate::output::{print, print_json, say};
+use crate::output::{print, print_json};
 
 /// Writes tuned parameters in another format, and says what that format cannot.
 pub fn run(arguments: &Export, common: &Common) -> anyhow::Result<()> {
@@ -26,10 +26,10 @@ pub fn run(arguments: &Export, common: &Common) -> anyhow::Result<()> {
     }
     if !common.quiet {
         for loss in &exported.losses {
-            say!("tribo: not in the {} file: {loss}", arguments.format);
+            message!("tribo: not in the {} file: {loss}", arguments.format);
         }
         if let Some(out) = &arguments.out {
-            say!("written {}", out.display());
+            message!("written {}", out.display());
         }
     }
     if common.json {

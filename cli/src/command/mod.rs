@@ -26,7 +26,6 @@ use tribo_logs::{LogError, LogSummary, RobotLog, read_log_watched};
 
 use crate::arguments::{CampaignSettings, Common, Scenario};
 use crate::failure::{BadInput, Stopped};
-use crate::output::say;
 use crate::progress::StageProgress;
 
 /// Where campaigns go when nobody says where.
@@ -118,7 +117,7 @@ fn check_joints(path: &Path, log: &RobotLog, model: &AnyModel) -> anyhow::Result
 fn warn_not_cancelled(left: &[NotCancelled], common: &Common) {
     if !common.quiet {
         for effect in left {
-            say!("tribo: {effect}");
+            message!("tribo: {effect}");
         }
     }
 }

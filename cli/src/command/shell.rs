@@ -8,7 +8,6 @@ use tribo_logs::write_atomic;
 
 use crate::arguments::{Arguments, Common, Man};
 use crate::failure::BadInput;
-use crate::output::say;
 
 /// Prints the completion script of a shell.
 pub fn completions(shell: clap_complete::Shell) -> anyhow::Result<()> {
@@ -39,7 +38,7 @@ pub fn man(arguments: &Man, common: &Common) -> anyhow::Result<()> {
         write_atomic(&path, |file| file.write_all(&page))?;
     }
     if !common.quiet {
-        say!("{} pages written to {}", commands.len(), directory.display());
+        message!("{} pages written to {}", commands.len(), directory.display());
     }
     Ok(())
 }

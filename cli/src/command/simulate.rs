@@ -13,7 +13,7 @@ use super::convert::{target_of, write_log};
 use super::{configured, named, warn_not_cancelled};
 use crate::arguments::{Common, Simulate};
 use crate::failure::BadInput;
-use crate::output::{print, print_json, say, significant, table};
+use crate::output::{print, print_json, significant, table};
 
 /// Runs one trial, or one joint-space motion, and writes its log.
 pub fn run(arguments: &Simulate, common: &Common) -> anyhow::Result<()> {
@@ -55,7 +55,7 @@ fn simulate<const N: usize>(arguments: &Simulate, common: &Common, mut tune: Val
     let limits = not_simulated(&tune.trial.truth.effects);
     if !common.quiet {
         for limit in &limits {
-            say!("tribo: {limit}");
+            message!("tribo: {limit}");
         }
     }
     let left = Left { not_cancelled: left, not_simulated: limits };

@@ -11,7 +11,7 @@ use super::believe::believe;
 use super::now;
 use crate::arguments::{Common, Tell};
 use crate::failure::BadInput;
-use crate::output::{print, print_json, say, significant, table};
+use crate::output::{print, print_json, significant, table};
 
 /// Records what came of a trial.
 pub fn run(arguments: &Tell, common: &Common) -> anyhow::Result<()> {
@@ -116,10 +116,10 @@ fn show<const N: usize>(campaign: &UserCampaign<N>, told: &Told, judged: Option<
     print(rows);
     if let Some(judged) = judged {
         if judged.faults > 0 {
-            say!("tribo: the estimator could not use {} of the judged samples", judged.faults);
+            message!("tribo: the estimator could not use {} of the judged samples", judged.faults);
         }
         if !judged.logged_compensation {
-            say!("tribo: no tau_friction in the log; what the compensator added is worked out from dq");
+            message!("tribo: no tau_friction in the log; what the compensator added is worked out from dq");
         }
     }
     let best = told.best.map_or("no trial has succeeded yet".to_owned(), |(trial, cost)| {

@@ -12,7 +12,7 @@ use tribo_experiments::{
 use super::{CAMPAIGNS, configured, now, warn_not_cancelled};
 use crate::arguments::{Common, Tune};
 use crate::failure::{BadInput, CheckFailed};
-use crate::output::{print, print_json, say, significant, table};
+use crate::output::{print, print_json, significant, table};
 use crate::progress::{TrialProgress, stop_on_signal};
 use crate::threads;
 
@@ -57,7 +57,7 @@ fn finish<const N: usize>(
 ) -> anyhow::Result<()> {
     let (total, finished) = (campaign.tune().config.trials, campaign.finished());
     if !common.quiet {
-        say!("campaign {} ({} of {total} trials done)", directory.display(), finished);
+        message!("campaign {} ({} of {total} trials done)", directory.display(), finished);
     }
     if let Some(believed) = &campaign.tune().believed {
         warn_not_cancelled(&believed.not_cancelled, common);
@@ -81,11 +81,11 @@ fn finish<const N: usize>(
     let (result, report) = result.map_err(|_| anyhow::anyhow!("the campaign's thread panicked"))?;
     progress.finish();
     if let Err(error) = window {
-        say!("tribo: {error}");
+        message!("tribo: {error}");
     }
     let result = match result {
         Err(CampaignError::Stopped { finished }) => {
-            say!(
+            message!(
                 "tribo: stopped after {finished} of {total} trials; go on with: tribo tune --resume --out {}",
                 directory.display()
             );
@@ -96,10 +96,10 @@ fn finish<const N: usize>(
     if let Some(stop) = &result.early_stop
         && !common.quiet
     {
-        say!("tribo: {stop}");
+        message!("tribo: {stop}");
     }
     if tune.config.residual != EstimatorName::Ekf && !common.quiet {
-        say!("the same campaign with the EKF, for comparison");
+        message!("the same campaign with the EKF, for comparison");
     }
     let judged = pool.install(|| against_ekf(&tune, &result))?;
     let wall_s = started.elapsed().as_secs_f64();

@@ -10,7 +10,6 @@ use super::super::believe::believe;
 use super::super::{named, read_log};
 use crate::arguments::{Common, Diagnose};
 use crate::failure::BadInput;
-use crate::output::say;
 
 /// Which model the logs are held against.
 pub fn choice(arguments: &Diagnose) -> anyhow::Result<ModelChoice> {
@@ -30,10 +29,10 @@ fn log(path: &Path, common: &Common) -> anyhow::Result<(String, RobotLog)> {
     let (log, summary) = read_log(path, common)?;
     if !common.quiet {
         for warning in &summary.warnings {
-            say!("tribo: {}: {warning}", path.display());
+            message!("tribo: {}: {warning}", path.display());
         }
         if common.verbose {
-            say!("{}\n{summary}", path.display());
+            message!("{}\n{summary}", path.display());
         }
     }
     believe(path, &recognise(&log), Use::Diagnosis, common.quiet)?;

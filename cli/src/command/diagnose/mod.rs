@@ -20,7 +20,7 @@ use super::believe::believe;
 use super::check_joints;
 use crate::arguments::{Common, Diagnose};
 use crate::failure::{BadInput, CheckFailed, Stopped};
-use crate::output::{print_json, say};
+use crate::output::print_json;
 use crate::progress::{StageProgress, stop_on_signal};
 use crate::threads;
 use files::Outputs;
@@ -142,7 +142,7 @@ fn run_with<const N: usize>(
         show::show(&diagnosis, &extras, common.verbose);
     }
     for remark in extras.remarks.iter().filter(|_| common.json && !common.quiet) {
-        say!("tribo: {remark}");
+        message!("tribo: {remark}");
     }
     written?;
     if arguments.check && diagnosis.verdict != Verdict::NothingMissing {
