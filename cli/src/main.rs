@@ -3,6 +3,13 @@
 //! Results go to standard output as tables, or as one JSON document with `--json`; progress and messages go to standard
 //! error. Exit code 0: done; 1: a check asked for has failed; 2: bad input; 3: an internal error.
 
+/// A message on standard error, which never fails: see [`output::message`].
+macro_rules! message {
+    ($($argument:tt)*) => {
+        $crate::output::message(format_args!($($argument)*))
+    };
+}
+
 mod arguments;
 mod command;
 mod failure;
@@ -20,7 +27,7 @@ use arguments::{Arguments, Command};
 fn main() -> ExitCode {
     let lacking = processor::lacking();
     if !lacking.is_empty() {
-        eprintln!(
+        message!(
             "tribo: this binary needs {}, which this processor does not have; build it here with RUSTFLAGS=\"-C target-cpu=x86-64\"",
             lacking.join(", ")
         );
@@ -32,11 +39,22 @@ fn main() -> ExitCode {
 /// Apart, so that nothing of it comes before the question above.
 #[inline(never)]
 fn run() -> ExitCode {
-    let arguments = Arguments::parse();
+    let arguments = match Arguments::try_parse() {
+        Ok(arguments) => arguments,
+        Err(refusal) if refusal.use_stderr() => {
+            // Nobody can be told that nobody can be told.
+            let _ = refusal.print();
+            return ExitCode::from(2);
+        }
+        Err(help) => {
+            output::noted(help.print());
+            return ended(Ok(()));
+        }
+    };
     let Some(command) = arguments.command else {
-        // Help on standard output is what a bare call asks for; a broken pipe is the reader's wish.
-        let _ = Arguments::command().print_help();
-        return ExitCode::SUCCESS;
+        // Help is what a bare call asks for.
+        output::noted(Arguments::command().print_help());
+        return ended(Ok(()));
     };
     let common = arguments.common;
     let result = match command {
@@ -56,10 +74,15 @@ fn run() -> ExitCode {
         Command::Completions { shell } => command::shell::completions(shell),
         Command::Man(man) => command::shell::man(&man, &common),
     };
-    match result {
+    ended(result)
+}
+
+/// The exit code of a command, once what it printed has arrived.
+fn ended(result: anyhow::Result<()>) -> ExitCode {
+    match result.and_then(|()| Ok(output::printed()?)) {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => {
-            eprintln!("tribo: {}", failure::describe(&error));
+            message!("tribo: {}", failure::describe(&error));
             ExitCode::from(failure::exit_code(&error))
         }
     }

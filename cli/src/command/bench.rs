@@ -32,7 +32,7 @@ fn speed(tune: &AnyTune, arguments: &Bench, common: &Common) -> anyhow::Result<(
     let settings = BenchSettings { ticks: arguments.ticks.unwrap_or(usual.ticks), ..usual };
     let report = tune.bench(settings, |stage| {
         if !(common.quiet || common.json) {
-            eprintln!("tribo: measuring: {stage}");
+            message!("tribo: measuring: {stage}");
         }
     })?;
     if common.json {

@@ -45,7 +45,7 @@ pub fn run(arguments: &Estimate, common: &Common) -> anyhow::Result<()> {
         }
         Err(error) => {
             if !common.quiet {
-                eprintln!("tribo: {}: {error}", arguments.log.display());
+                message!("tribo: {}: {error}", arguments.log.display());
             }
             None
         }
@@ -90,7 +90,7 @@ fn estimate<const N: usize>(
         .iter()
         .any(|effect| matches!(effect, Effect::Coulomb { .. } | Effect::Viscous { .. } | Effect::FrictionCurve { .. }));
     if model.friction == FrictionModel::none() && !has_friction && feels_friction && !common.quiet {
-        eprintln!(
+        message!(
             "tribo: no friction is believed, so that of the arm counts as wrench, outside of the intervals too; --model says what it has"
         );
     }
@@ -106,7 +106,7 @@ fn estimate<const N: usize>(
         });
     match &one_encoder {
         Some(message) if !everything => return Err(BadInput(message.clone()).into()),
-        Some(message) if !common.quiet => eprintln!("tribo: {message}; it is left out"),
+        Some(message) if !common.quiet => message!("tribo: {message}; it is left out"),
         _ => {}
     }
     let contact =

@@ -7,6 +7,7 @@ pub mod dashboard;
 pub mod diagnose;
 pub mod estimate;
 pub mod export;
+mod learnt;
 pub mod report;
 pub mod reproduce;
 pub mod shell;
@@ -103,7 +104,7 @@ fn check_joints(path: &Path, log: &RobotLog, model: &AnyModel) -> anyhow::Result
 fn warn_not_cancelled(left: &[NotCancelled], common: &Common) {
     if !common.quiet {
         for effect in left {
-            eprintln!("tribo: {effect}");
+            message!("tribo: {effect}");
         }
     }
 }

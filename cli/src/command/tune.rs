@@ -4,6 +4,7 @@ use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use anyhow::Context;
+use tribo_experiments::files::FileError;
 use tribo_experiments::watch::write_report;
 use tribo_experiments::{
     AgainstEkf, AnyTune, Campaign, CampaignError, CampaignResult, CostName, EstimatorName, TuneConfig, against_ekf,
@@ -11,7 +12,7 @@ use tribo_experiments::{
 
 use super::{CAMPAIGNS, configured, now, warn_not_cancelled};
 use crate::arguments::{Common, Tune};
-use crate::failure::{BadInput, CheckFailed};
+use crate::failure::{BadInput, CheckFailed, Stopped};
 use crate::output::{print, print_json, significant, table};
 use crate::progress::{TrialProgress, stop_on_signal};
 use crate::threads;
@@ -57,7 +58,7 @@ fn finish<const N: usize>(
 ) -> anyhow::Result<()> {
     let (total, finished) = (campaign.tune().config.trials, campaign.finished());
     if !common.quiet {
-        eprintln!("campaign {} ({} of {total} trials done)", directory.display(), finished);
+        message!("campaign {} ({} of {total} trials done)", directory.display(), finished);
     }
     if let Some(believed) = &campaign.tune().believed {
         warn_not_cancelled(&believed.not_cancelled, common);
@@ -81,14 +82,19 @@ fn finish<const N: usize>(
     let (result, report) = result.map_err(|_| anyhow::anyhow!("the campaign's thread panicked"))?;
     progress.finish();
     if let Err(error) = window {
-        eprintln!("tribo: {error}");
+        message!("tribo: {error}");
     }
     let result = match result {
         Err(CampaignError::Stopped { finished }) => {
-            eprintln!(
-                "tribo: stopped after {finished} of {total} trials; go on with: tribo tune --resume --out {}",
+            let go_on = format!(
+                "stopped after {finished} of {total} trials; go on with: tribo tune --resume --out {}",
                 directory.display()
             );
+            // What was asked for with --check is not known: that is no success.
+            if arguments.check.is_some() {
+                return Err(Stopped(go_on).into());
+            }
+            message!("tribo: {go_on}");
             return Ok(());
         }
         other => other?,
@@ -96,10 +102,10 @@ fn finish<const N: usize>(
     if let Some(stop) = &result.early_stop
         && !common.quiet
     {
-        eprintln!("tribo: {stop}");
+        message!("tribo: {stop}");
     }
     if tune.config.residual != EstimatorName::Ekf && !common.quiet {
-        eprintln!("the same campaign with the EKF, for comparison");
+        message!("the same campaign with the EKF, for comparison");
     }
     let judged = pool.install(|| against_ekf(&tune, &result))?;
     let wall_s = started.elapsed().as_secs_f64();
@@ -120,12 +126,22 @@ fn configured_campaign(arguments: &Tune) -> anyhow::Result<(PathBuf, AnyTune)> {
     let tune = configured(arguments.config.as_deref(), |config| arguments.settings.apply(config))?;
     let directory = match &arguments.out {
         Some(directory) => directory.clone(),
-        None => {
-            let next = last_campaign().map_or(1, |(number, _)| number + 1);
-            Path::new(CAMPAIGNS).join(format!("{next:04}"))
-        }
+        None => next_campaign()?,
     };
     Ok((directory, tune))
+}
+
+/// A numbered directory that nobody has, made: of several who begin at once each gets one of its own.
+fn next_campaign() -> Result<PathBuf, FileError> {
+    std::fs::create_dir_all(CAMPAIGNS).map_err(FileError::io(CAMPAIGNS))?;
+    loop {
+        let next = last_campaign().map_or(1, |(number, _)| number + 1);
+        let directory = Path::new(CAMPAIGNS).join(format!("{next:04}"));
+        match std::fs::create_dir(&directory) {
+            Err(error) if error.kind() == std::io::ErrorKind::AlreadyExists => {}
+            made => return made.map(|()| directory.clone()).map_err(FileError::io(directory)),
+        }
+    }
 }
 
 /// The directory of the campaign to go on with.

@@ -27,10 +27,10 @@ fn log(path: &Path, common: &Common) -> anyhow::Result<(String, RobotLog)> {
     let (log, summary) = read_log(path)?;
     if !common.quiet {
         for warning in &summary.warnings {
-            eprintln!("tribo: {}: {warning}", path.display());
+            message!("tribo: {}: {warning}", path.display());
         }
         if common.verbose {
-            eprintln!("{}\n{summary}", path.display());
+            message!("{}\n{summary}", path.display());
         }
     }
     Ok((path.display().to_string(), log))

@@ -95,7 +95,7 @@ fn run_with<const N: usize>(
         Ok(diagnosis) => diagnosis,
         Err(DiagnoseError::Cancelled) => {
             progress.finish();
-            return Err(Stopped.into());
+            return Err(Stopped::empty_handed().into());
         }
         Err(error) => {
             progress.finish();
@@ -120,7 +120,7 @@ fn run_with<const N: usize>(
     }
     progress.finish();
     if progress.stopped() {
-        return Err(Stopped.into());
+        return Err(Stopped::empty_handed().into());
     }
     let extended =
         valid.map(|_| extended).map_err(|error| anyhow::anyhow!("the findings make no valid model: {error}"));
@@ -134,7 +134,7 @@ fn run_with<const N: usize>(
         show::show(&diagnosis, &extras, common.verbose);
     }
     for remark in extras.remarks.iter().filter(|_| common.json && !common.quiet) {
-        eprintln!("tribo: {remark}");
+        message!("tribo: {remark}");
     }
     written?;
     if arguments.check && diagnosis.verdict != Verdict::NothingMissing {
