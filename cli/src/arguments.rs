@@ -266,7 +266,7 @@ pub struct Tell {
     #[arg(long, value_name = "N", requires = "reason", conflicts_with_all = ["log", "failed", "give_up", "trial"])]
     pub withdraw: Option<usize>,
     /// Why it is taken back, in your words.
-    #[arg(long, value_name = "REASON", requires = "withdraw")]
+    #[arg(long, value_name = "REASON", requires = "withdraw", conflicts_with_all = ["log", "failed", "give_up", "trial"])]
     pub reason: Option<String>,
 }
 

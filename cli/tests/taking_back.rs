@@ -42,7 +42,8 @@ fn a_trial_is_taken_back() {
         ("tell mine --withdraw 2 --reason slip", "trial 2 has not been told; to give it up: --give-up"),
         ("tell mine --withdraw 7 --reason slip", "trial 7 has not been asked for"),
         ("tell mine --withdraw 1", "--reason"),
-        ("tell mine trial.csv --reason slip", "--withdraw"),
+        ("tell mine trial.csv --reason slip", "cannot be used with"),
+        ("tell mine --reason slip", "--withdraw"),
         ("tell mine trial.csv --withdraw 1 --reason slip", "cannot be used with"),
     ] {
         let refused = run(at.path(), call);

@@ -27,16 +27,19 @@ pub fn show(learnt: &[Learnt]) {
         rows.add_row(of_joint.first().map(|first| first.joint.to_string()).into_iter().chain(cells));
     }
     print(rows);
-    let unsure: Vec<String> = learnt
-        .iter()
-        .filter(|parameter| parameter.is_unsure())
-        .map(|parameter| format!("{} of joint {}", parameter.name, parameter.joint))
-        .collect();
+    let unsure: Vec<String> = names.iter().filter_map(|name| unsure(learnt, name)).collect();
     if unsure.is_empty() {
         print(format_args!("every parameter is known to better than {:.0} %", 100.0 * Learnt::UNSURE));
     } else {
         print(format_args!("still unsure (± more than {:.0} %): {}", 100.0 * Learnt::UNSURE, unsure.join(", ")));
     }
+}
+
+/// `coulomb_nm of joint 3, 5`; none where all joints are sure.
+fn unsure(learnt: &[Learnt], name: &str) -> Option<String> {
+    let unsure = learnt.iter().filter(|parameter| parameter.name == name && parameter.is_unsure());
+    let joints: Vec<String> = unsure.map(|parameter| parameter.joint.to_string()).collect();
+    (!joints.is_empty()).then(|| format!("{name} of joint {}", joints.join(", ")))
 }
 
 /// The same for programs.
