@@ -49,9 +49,9 @@ pub struct Common {
     /// More messages.
     #[arg(long, short, global = true)]
     pub verbose: bool,
-    /// Threads for trials and searches; 0 is one per core. The results do not depend on it.
-    #[arg(long, global = true, default_value_t = 0, value_name = "N")]
-    pub threads: usize,
+    /// Threads for trials and searches, at most 1024; 0 is one per core. The results do not depend on it.
+    #[arg(long, global = true, default_value_t = 0, value_name = "N", value_parser = clap::value_parser!(u16).range(0..=1024))]
+    pub threads: u16,
 }
 
 /// The commands.
@@ -192,7 +192,7 @@ pub struct CampaignSettings {
     /// What chooses the next parameters.
     #[arg(long, value_parser = PossibleValuesParser::new(["zero", "gaz", "random", "sobol", "paper", "bo", "composite", "cma_es", "iterative_learning", "grey_box"]))]
     pub strategy: Option<String>,
-    /// Number of trials.
+    /// Number of trials [default: 50; of a new campaign of `ask` with grey_box: 5].
     #[arg(long, allow_negative_numbers = true)]
     pub trials: Option<usize>,
     /// Trials of the initial design.
@@ -249,7 +249,7 @@ pub struct Tell {
     #[arg(value_name = "DIR")]
     pub campaign: PathBuf,
     /// Log of the trial, in any format that convert reads; of a failed trial, as far as it goes.
-    #[arg(value_name = "LOG", required_unless_present_any = ["failed", "give_up"])]
+    #[arg(value_name = "LOG", required_unless_present_any = ["failed", "give_up", "withdraw"])]
     pub log: Option<PathBuf>,
     /// The trial [default: the one that is running].
     #[arg(long, value_name = "N")]
@@ -261,6 +261,13 @@ pub struct Tell {
     /// Nothing will come of the trial: it counts for nothing.
     #[arg(long, conflicts_with_all = ["log", "failed"])]
     pub give_up: bool,
+    /// Take back trial N, which was told: it counts for nothing any more, another may be asked for in its place. The journal keeps what
+    /// was told and why it was taken back.
+    #[arg(long, value_name = "N", requires = "reason", conflicts_with_all = ["log", "failed", "give_up", "trial"])]
+    pub withdraw: Option<usize>,
+    /// Why it is taken back, in your words.
+    #[arg(long, value_name = "REASON", requires = "withdraw", conflicts_with_all = ["log", "failed", "give_up", "trial"])]
+    pub reason: Option<String>,
 }
 
 /// Arguments of `simulate`.

@@ -30,13 +30,20 @@ impl std::fmt::Display for BadInput {
 
 impl std::error::Error for BadInput {}
 
-/// Somebody pressed Ctrl-C before there was a result.
+/// Somebody pressed Ctrl-C before there was a result; what is there, and how to go on.
 #[derive(Debug)]
-pub struct Stopped;
+pub struct Stopped(pub String);
+
+impl Stopped {
+    /// Of a command that writes its files at its end.
+    pub fn empty_handed() -> Self {
+        Self("stopped; nothing is written".to_owned())
+    }
+}
 
 impl std::fmt::Display for Stopped {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.write_str("stopped; nothing is written")
+        f.write_str(&self.0)
     }
 }
 

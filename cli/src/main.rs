@@ -37,11 +37,22 @@ fn main() -> ExitCode {
 /// Apart, so that nothing of it comes before the question above.
 #[inline(never)]
 fn run() -> ExitCode {
-    let arguments = Arguments::parse();
+    let arguments = match Arguments::try_parse() {
+        Ok(arguments) => arguments,
+        Err(refusal) if refusal.use_stderr() => {
+            // Nobody can be told that nobody can be told.
+            let _ = refusal.print();
+            return ExitCode::from(2);
+        }
+        Err(help) => {
+            output::noted(help.print());
+            return ended(Ok(()));
+        }
+    };
     let Some(command) = arguments.command else {
-        // Help on standard output is what a bare call asks for; a broken pipe is the reader's wish.
-        let _ = Arguments::command().print_help();
-        return ExitCode::SUCCESS;
+        // Help is what a bare call asks for.
+        output::noted(Arguments::command().print_help());
+        return ended(Ok(()));
     };
     let common = arguments.common;
     let result = match command {
@@ -61,7 +72,12 @@ fn run() -> ExitCode {
         Command::Completions { shell } => command::shell::completions(shell),
         Command::Man(man) => command::shell::man(&man, &common),
     };
-    match result {
+    ended(result)
+}
+
+/// The exit code of a command, once what it printed has arrived.
+fn ended(result: anyhow::Result<()>) -> ExitCode {
+    match result.and_then(|()| Ok(output::printed()?)) {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => {
             message!("tribo: {}", failure::describe(&error));

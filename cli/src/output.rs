@@ -1,7 +1,11 @@
 //! Tables and JSON on standard output, messages on standard error.
 
+use std::io::{self, Write};
+use std::sync::OnceLock;
+
 use comfy_table::{CellAlignment, Table, presets};
 use serde_json::{Value, json};
+use tribo_experiments::files::FileError;
 use tribo_logs::LogSummary;
 
 use crate::terminal::{Form, write_line};
@@ -18,19 +22,52 @@ pub fn table(header: &[&str]) -> Table {
     table
 }
 
-/// Prints text and a newline. A reader that has gone (`tribo … | head`) is no error of ours.
+/// What kept the first text from standard output, if anything did.
+static FAILED: OnceLock<io::Error> = OnceLock::new();
+
+/// Prints text and a newline.
 pub fn print(text: impl std::fmt::Display) {
-    let _ = write_line(&mut std::io::stdout().lock(), Form::Text, text);
+    noted(write_line(&mut io::stdout().lock(), Form::Text, text));
 }
 
-/// Prints one JSON document.
-pub fn print_json(document: &Value) {
-    let _ = write_line(&mut std::io::stdout().lock(), Form::Json, format_args!("{document:#}"));
+/// Prints bytes as they are.
+pub fn print_bytes(bytes: &[u8]) {
+    noted(io::stdout().lock().write_all(bytes));
+}
+
+/// Keeps what came of writing to standard output for [`printed`]. A reader that has gone (`tribo … | head`) is no error of ours.
+pub fn noted(written: io::Result<()>) {
+    if let Err(error) = written
+        && error.kind() != io::ErrorKind::BrokenPipe
+    {
+        // The first error is the one that explains.
+        let _ = FAILED.set(error);
+    }
+}
+
+/// Whether all that was printed has arrived; asked once, at the end.
+///
+/// # Errors
+/// A full disk, say: what is on standard output is not whole.
+pub fn printed() -> Result<(), FileError> {
+    noted(io::stdout().lock().flush());
+    match FAILED.get() {
+        Some(error) => {
+            let source = io::Error::new(error.kind(), error.to_string());
+            Err(FileError::Io { path: "standard output".into(), source })
+        }
+        None => Ok(()),
+    }
 }
 
 /// A message on standard error. If it cannot be written nobody can be told, and the work goes on.
 pub fn message(text: impl std::fmt::Display) {
-    let _ = write_line(&mut std::io::stderr().lock(), Form::Text, text);
+    let _ = write_line(&mut io::stderr().lock(), Form::Text, text);
+}
+
+/// Prints one JSON document.
+pub fn print_json(document: &Value) {
+    noted(write_line(&mut io::stdout().lock(), Form::Json, format_args!("{document:#}")));
 }
 
 /// Sizes from here on are written as powers of ten.

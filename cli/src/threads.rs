@@ -10,5 +10,5 @@ use crate::arguments::Common;
 /// # Errors
 /// A computer that cannot start them.
 pub fn pool(common: &Common) -> anyhow::Result<ThreadPool> {
-    ThreadPoolBuilder::new().num_threads(common.threads).build().context("starting the threads")
+    ThreadPoolBuilder::new().num_threads(common.threads.into()).build().context("starting the threads")
 }

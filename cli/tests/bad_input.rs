@@ -455,7 +455,7 @@ fn tuned_parameters() {
         move |c: &Path| edit(&c.join("tuned.yaml"), |lines| lines.iter().map(|line| line.replace(from, to)).collect())
     };
     let gone = |c: &Path| std::fs::remove_file(c.join("tuned.yaml")).unwrap();
-    let json = "export c --format json --out z.json";
+    let json = "export c/tuned.yaml --format json --out z.json";
     tell(
         [
             damaged(gone, json, &["c/tuned.yaml: no tuned parameters here; has the campaign finished?"]),

@@ -4,7 +4,7 @@
 //! (`TRIBO_PYTHON`, else `python3` on the path). The law of the format, for trial k and parameter p:
 //!
 //! ```text
-//! 0 create study | 4 create trial | 5 (k, p, value, FloatDistribution{low, high}) | 8 (k, attribute) | 6 end (k, [J])
+//! 0 create study | 2 (attribute of the study) | 4 create trial | 5 (k, p, value, FloatDistribution{low, high}) | 8 (k, attribute) | 6 end (k, [J])
 //! ```
 
 #![allow(clippy::unwrap_used, clippy::panic, reason = "a test fails by panicking, in its helpers too")]
@@ -63,6 +63,11 @@ fn every_line_keeps_the_format() {
                 assert_eq!(index, 0);
                 assert_eq!(keys(line), ["directions", "op_code", "study_name", "worker_id"]);
                 assert_eq!((&line["study_name"], &line["directions"]), (&"tribo".into(), &vec![1].into()));
+            }
+            2 => {
+                assert_eq!(keys(line), ["op_code", "study_id", "user_attr", "worker_id"]);
+                assert_eq!((&line["study_id"], line["user_attr"].as_object().unwrap().len()), (&0.into(), 1));
+                assert_eq!(line["user_attr"]["settings"]["strategy"], "paper");
             }
             4 => {
                 assert_eq!(keys(line), ["datetime_start", "op_code", "study_id", "worker_id"]);
@@ -131,6 +136,7 @@ print(json.dumps({
     "name": study.study_name,
     "direction": study.direction.name,
     "best": study.best_trial.number,
+    "attributes": study.user_attrs,
     "trials": [{
         "number": t.number,
         "state": t.state.name,
@@ -163,7 +169,10 @@ fn optunas_own_loader_finds_every_trial() {
         assert_eq!((&read["number"], &read["state"]), (&number.into(), &"COMPLETE".into()));
         assert_eq!(read["value"].as_f64(), written["cost"].as_f64());
         assert!(read["lasted_s"].as_f64().unwrap() > 0.0, "{read}");
-        assert_eq!(read["attributes"].to_string(), r#"["aborted","aborted_at_s","max","mean","origin","penalty"]"#);
+        assert_eq!(
+            read["attributes"].to_string(),
+            r#"["aborted","aborted_at_s","log_seal","max","mean","origin","penalty"]"#
+        );
         assert_eq!(read["params"].as_object().unwrap().len(), PARAMETERS);
         for (name, value) in parameters(written) {
             assert_eq!(read["params"][&name].as_f64(), Some(value), "{name} of trial {number}");
@@ -177,6 +186,27 @@ fn optunas_own_loader_finds_every_trial() {
     if let Some(best) = result["best"]["trial"].as_u64() {
         assert_eq!(study["best"], best);
     }
+}
+
+/// A trial that was taken back stays what it was; that it counts no more is an attribute of the study.
+#[test]
+fn optuna_reads_that_a_trial_was_taken_back() {
+    let Some(python) = python("optuna", "Optuna's loader is UNTESTED on a trial taken back") else { return };
+    let at = scratch();
+    for call in [
+        "ask c --strategy sobol --trials 3 -q",
+        "tell c --failed e-stop -q",
+        "ask c --trials 4 -q",
+        "tell c --withdraw 0 --reason wrong_tool -q",
+    ] {
+        run(at.path(), call).ok();
+    }
+    let study = load(&python, &at.path().join("c/journal.log"));
+    let attributes = &study["attributes"];
+    assert_eq!((&attributes["trials"], &attributes["withdrawn_0"]["reason"]), (&4.into(), &"wrong_tool".into()));
+    assert_eq!(attributes["settings"]["strategy"], "sobol");
+    let states: Vec<&Value> = study["trials"].as_array().unwrap().iter().map(|trial| &trial["state"]).collect();
+    assert_eq!(states, ["COMPLETE", "RUNNING"]);
 }
 
 /// A journal cut in the middle of a trial, as a kill leaves it, opens too: the trial is running.

@@ -4,10 +4,10 @@ use std::path::Path;
 
 use crate::bench::{BenchError, BenchReport, BenchSettings, RealTimeReport, RealTimeSettings, bench, real_time};
 use crate::files::FileError;
-use crate::watch::{LoopTimes, TrialColumns, loop_times};
+use crate::trial_store::read_own_trial_log;
+use crate::watch::{LoopTimes, TrialColumns, WatchedTrial, loop_times};
 use crate::{
-    AnyTune, EstimatorError, ParameterSpace, References, TuneConfig, ValidTune, read_trial_log, references,
-    trial_log_path, uncompensated_trial,
+    AnyTune, EstimatorError, ParameterSpace, References, TuneConfig, ValidTune, references, uncompensated_trial,
 };
 
 impl AnyTune {
@@ -68,18 +68,30 @@ impl AnyTune {
         }
     }
 
-    /// The log of a trial in the directory of its campaign.
+    /// The log of a trial in the directory of its campaign, whose journal may know its seal.
     ///
     /// # Errors
-    /// The log is missing or damaged.
-    pub(crate) fn read_trial(&self, campaign: &Path, number: usize) -> Result<TrialColumns, FileError> {
-        fn read<const N: usize>(tune: &ValidTune<N>, path: &Path) -> Result<TrialColumns, FileError> {
-            Ok(TrialColumns::of(&read_trial_log::<N>(path)?, &tune.trial.model))
+    /// The log is missing or damaged, or another trial's.
+    pub(crate) fn read_trial(&self, campaign: &Path, watched: &WatchedTrial) -> Result<TrialColumns, FileError> {
+        fn read<const N: usize>(
+            tune: &ValidTune<N>,
+            campaign: &Path,
+            watched: &WatchedTrial,
+        ) -> Result<TrialColumns, FileError> {
+            let log = read_own_trial_log::<N>(campaign, watched.trial.number, watched.seal.as_deref())?;
+            Ok(TrialColumns::of(&log, &tune.trial.model))
         }
-        let path = trial_log_path(campaign, number);
         match self {
-            Self::Six(tune) => read(tune, &path),
-            Self::Seven(tune) => read(tune, &path),
+            Self::Six(tune) => read(tune, campaign, watched),
+            Self::Seven(tune) => read(tune, campaign, watched),
+        }
+    }
+
+    /// Gives the campaign another number of trials.
+    pub(crate) fn set_trials(&mut self, trials: usize) {
+        match self {
+            Self::Six(tune) => tune.config.trials = trials,
+            Self::Seven(tune) => tune.config.trials = trials,
         }
     }
 

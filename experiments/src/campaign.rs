@@ -1,15 +1,16 @@
 //! A tuning campaign: trials, journal, result.
 
+use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex};
 
 use rayon::prelude::*;
-use tribo_logs::write_atomic;
+use tribo_logs::{seal_of, write_atomic};
 
 use crate::campaign_directory::{RunBy, create, open};
-use crate::files::{FileError, TunedFile, to_yaml};
+use crate::files::{FileError, TunedFile, read_text, to_yaml};
 use crate::friction_limit::FrictionLimit;
-use crate::journal::{Clock, Journal, JournalTrial, TrialState, attributes, finished_trial};
+use crate::journal::{Clock, Ended, Journal, JournalTrial, finish, finished_trial, seal};
 use crate::stored_logs::StoredLogs;
 use crate::strategy::{FinishedTrial, Identification, LawCheck, Past, Proposal, RunningTrial, Strategy, StrategyError};
 use crate::trial_store::{trial_log_path, write_trial_log};
@@ -66,28 +67,40 @@ pub struct Campaign<const N: usize> {
     created: usize,
     /// Parameters that the journal already holds for trials that were running when the campaign was killed.
     recorded: Vec<JournalTrial>,
+    /// Seals of the logs of finished trials, as the journal knows them.
+    seals: BTreeMap<usize, String>,
 }
 
 impl<const N: usize> Campaign<N> {
     /// Starts a campaign in a directory that has none yet.
     pub fn create(directory: &Path, tune: ValidTune<N>, clock: Clock) -> Result<Self, CampaignError> {
-        let journal = create(directory, &tune.config, clock)?;
+        let journal = create(directory, &tune.config, RunBy::Tribo, clock)?;
         let trials = vec![None; tune.config.trials];
-        Ok(Self { directory: directory.to_owned(), tune, journal, trials, created: 0, recorded: Vec::new() })
+        let (recorded, seals) = (Vec::new(), BTreeMap::new());
+        Ok(Self { directory: directory.to_owned(), tune, journal, trials, created: 0, recorded, seals })
     }
 
-    /// Goes on with the campaign of a directory; `trials` overrides its number of trials (never below those recorded).
+    /// Goes on with the campaign of a directory; `trials` is its number of trials from now on (never below those recorded). What follows
+    /// from the journal, `tuned.yaml` above all, is made true again.
     pub fn resume(directory: &Path, trials: Option<usize>, clock: Clock) -> Result<Self, CampaignError> {
         let (tune, journal, recorded) = open(directory, trials, RunBy::Tribo, clock)?;
         let path = directory.join("journal.log");
         let mut finished = vec![None; tune.config.trials.max(recorded.len())];
+        let mut seals = BTreeMap::new();
         for (number, trial) in recorded.iter().enumerate() {
+            if trial.withdrawn.is_some() {
+                let message = format!("trial {number} was withdrawn; trials that Tribo runs are not");
+                return Err(FileError::Campaign { path, message }.into());
+            }
             if trial.state.is_finished() {
                 finished[number] = Some(finished_trial(&tune.space, &path, number, trial)?);
+                seals.extend(seal(trial).map(|seal| (number, seal)));
             }
         }
+        let done: Vec<FinishedTrial> = finished.iter().flatten().cloned().collect();
+        write_tuned(directory, &tune, &done, References::read(directory).map(|known| known.uncompensated))?;
         let created = recorded.len();
-        Ok(Self { directory: directory.to_owned(), tune, journal, trials: finished, created, recorded })
+        Ok(Self { directory: directory.to_owned(), tune, journal, trials: finished, created, recorded, seals })
     }
 
     /// The validated settings.
@@ -109,7 +122,7 @@ impl<const N: usize> Campaign<N> {
         let fail = |source| CampaignError::Strategy { trial: 0, source };
         let identification = Arc::new(Identification::new(&self.tune).map_err(fail)?);
         let strategy = self.tune.config.strategy.build(&self.tune, &identification).map_err(fail)?;
-        let logs = StoredLogs::new(self.directory.clone());
+        let logs = StoredLogs::new(self.directory.clone(), self.seals.clone());
         let limit = FrictionLimit::of(&self.tune, &identification);
 
         let mut early_stop = None;
@@ -207,13 +220,10 @@ impl<const N: usize> Campaign<N> {
                 aborted: outcome.aborted,
                 origin: proposal.origin,
             };
+            let path = trial_log_path(directory, *number);
+            let seal = seal_of(&path).map_err(FileError::io(&path))?;
             let mut shared = shared.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
-            shared.0.finish(
-                *number,
-                &attributes(&trial, outcome.aborted_at_s),
-                TrialState::Complete,
-                Some(trial.cost.total()),
-            )?;
+            finish(shared.0, &trial, &Ended { aborted_at_s: outcome.aborted_at_s, seal, reported: None })?;
             shared.2.trial_finished(&trial);
             shared.1[*number] = Some(trial);
             Ok(())
@@ -245,7 +255,8 @@ pub(crate) fn best_trial(trials: &[FinishedTrial]) -> Option<(usize, f64)> {
     complete.map(|trial| (trial.number, trial.cost.total())).min_by(|a, b| a.1.total_cmp(&b.1))
 }
 
-/// Writes `tuned.yaml`: the compensator of the best trial, if there is one.
+/// Makes `tuned.yaml` what follows from the trials: the compensator of the best one; no file if there is none. A file that is right is
+/// left alone.
 pub(crate) fn write_tuned<const N: usize>(
     directory: &Path,
     tune: &ValidTune<N>,
@@ -253,12 +264,17 @@ pub(crate) fn write_tuned<const N: usize>(
     uncompensated_cost: Option<f64>,
 ) -> Result<(), FileError> {
     let best = best_trial(trials).and_then(|(number, _)| trials.iter().find(|trial| trial.number == number));
-    let Some(best) = best else {
-        return Ok(());
-    };
-    let file = TunedFile { uncompensated_cost, ..TunedFile::of_trial(tune, best.number, &best.theta) };
-    let file = TunedFile { cost: Some(best.cost.total()), ..file };
     let path = directory.join("tuned.yaml");
+    let Some(best) = best else {
+        return match std::fs::remove_file(&path) {
+            Err(error) if error.kind() != std::io::ErrorKind::NotFound => Err(FileError::io(&path)(error)),
+            _ => Ok(()),
+        };
+    };
+    let file = TunedFile::of_finished(tune, best, uncompensated_cost);
     let text = to_yaml(&file).map_err(FileError::io(&path))?;
+    if read_text(&path).is_ok_and(|there| there == text) {
+        return Ok(());
+    }
     Ok(write_atomic(&path, |file| file.write_all(text.as_bytes()))?)
 }

@@ -1,38 +1,74 @@
-//! The files that every campaign begins with.
+//! The directory of a campaign: the one place that begins and opens it.
+//!
+//! ```text
+//! campaign.yaml   the settings, written once; what they were is in the journal too, so that a change is found
+//! journal.log     whoever holds its lock holds the campaign
+//! trials/         the logs
+//! ```
+//!
+//! To begin is to take the lock of an empty `journal.log` first; of several who begin at once one does, and the others change nothing.
 
 use std::path::Path;
 
+use serde_json::{Value, json};
 use tribo_logs::write_atomic;
 
 use crate::CampaignError;
-use crate::config::ConfigError;
-use crate::files::{FileError, YamlDocument, to_yaml};
+use crate::config::{ConfigError, TRIALS};
+use crate::files::{FieldError, FileError, YamlDocument, to_yaml};
 use crate::journal::{Clock, Journal, JournalTrial};
-use crate::leftovers::sweep;
+use crate::leftovers::{is_leftover, sweep};
+use crate::recorded_settings::{check_unchanged, check_version};
 use crate::{TuneConfig, ValidTune};
 
 /// What is said of a directory without campaign.
 const NO_CAMPAIGN: &str = "holds no campaign (no campaign.yaml)";
+const SETTINGS: &str = "campaign.yaml";
+const JOURNAL: &str = "journal.log";
+const TRIAL_LOGS: &str = "trials";
 
-/// Writes the settings of a campaign into a directory that has none yet, and begins its journal.
-pub(crate) fn create(directory: &Path, config: &TuneConfig, clock: Clock) -> Result<Journal, FileError> {
-    let settings = directory.join("campaign.yaml");
-    if settings.exists() || directory.join("journal.log").exists() {
-        let message = "holds a campaign already; give another --out, or --resume to go on with it".to_owned();
-        return Err(FileError::Campaign { path: directory.to_owned(), message });
-    }
-    std::fs::create_dir_all(directory.join("trials")).map_err(FileError::io(directory))?;
-    write_settings(directory, config)?;
-    let journal = Journal::create(&directory.join("journal.log"), clock)?;
+/// Begins a campaign in a directory that is not there or empty: the lock, then the settings, then the journal. A directory in which
+/// somebody was killed before all three were there is as good as empty, unless its settings are.
+pub(crate) fn create(directory: &Path, config: &TuneConfig, run_by: RunBy, clock: Clock) -> Result<Journal, FileError> {
+    check_free(directory)?;
+    std::fs::create_dir_all(directory).map_err(FileError::io(directory))?;
+    let mut journal = Journal::claim(&directory.join(JOURNAL), clock, run_by == RunBy::User)?;
+    // Held: from here on nobody else begins one. Somebody may have been quicker.
+    check_free(directory)?;
+    std::fs::create_dir_all(directory.join(TRIAL_LOGS)).map_err(FileError::io(directory))?;
+    let settings = directory.join(SETTINGS);
+    let text = to_yaml(config).map_err(FileError::io(&settings))?;
+    write_atomic(&settings, |file| file.write_all(text.as_bytes()))?;
+    journal.begin(&json!(config))?;
     sweep(directory);
     Ok(journal)
 }
 
-/// Writes `campaign.yaml`.
-pub(crate) fn write_settings(directory: &Path, config: &TuneConfig) -> Result<(), FileError> {
-    let settings = directory.join("campaign.yaml");
-    let text = to_yaml(config).map_err(FileError::io(&settings))?;
-    Ok(write_atomic(&settings, |file| file.write_all(text.as_bytes()))?)
+/// Refuses a directory with a campaign, or with anything else that is somebody's.
+fn check_free(directory: &Path) -> Result<(), FileError> {
+    let refused = |message: String| Err(FileError::Campaign { path: directory.to_owned(), message });
+    if directory.join(SETTINGS).exists() {
+        return refused("holds a campaign already; give another --out, or --resume to go on with it".to_owned());
+    }
+    let entries = match std::fs::read_dir(directory) {
+        Err(error) if error.kind() == std::io::ErrorKind::NotFound => return Ok(()),
+        entries => entries.map_err(FileError::io(directory))?,
+    };
+    for entry in entries {
+        let entry = entry.map_err(FileError::io(directory))?;
+        let (name, path) = (entry.file_name(), entry.path());
+        let begun = match name.to_str() {
+            Some(JOURNAL) => path.metadata().is_ok_and(|file| file.is_file() && file.len() == 0),
+            Some(TRIAL_LOGS) => std::fs::read_dir(&path).is_ok_and(|mut logs| logs.next().is_none()),
+            Some(name) => is_leftover(name),
+            None => false,
+        };
+        if !begun {
+            let name = name.to_string_lossy();
+            return refused(format!("is not empty ({name}) and holds no campaign; give a directory of its own"));
+        }
+    }
+    Ok(())
 }
 
 /// Whether the trials of a campaign are run by the caller.
@@ -44,44 +80,73 @@ pub(crate) enum RunBy {
     User,
 }
 
-/// Opens the campaign of a directory, which the caller then holds; `trials` overrides its number of trials.
+/// Opens the campaign of a directory, which the caller then holds; `trials` is its number of trials from now on.
 pub(crate) fn open<const N: usize>(
     directory: &Path,
     trials: Option<usize>,
     run_by: RunBy,
     clock: Clock,
 ) -> Result<(ValidTune<N>, Journal, Vec<JournalTrial>), CampaignError> {
-    let (mut config, document) = read_settings(directory, NO_CAMPAIGN)?;
-    let wrong = match (run_by, &config.user_trials) {
-        (RunBy::Tribo, Some(_)) => Some("its trials run elsewhere; go on with `tribo ask` and `tribo tell`"),
-        (RunBy::User, None) => Some("its trials run on the simulated arm; go on with `tribo tune --resume`"),
-        _ => None,
-    };
-    if let Some(message) = wrong {
-        return Err(FileError::Campaign { path: directory.to_owned(), message: message.to_owned() }.into());
+    let (config, document) = read_settings(directory, NO_CAMPAIGN)?;
+    let refused = |message: &str| FileError::Campaign { path: directory.to_owned(), message: message.to_owned() };
+    match (run_by, &config.user_trials) {
+        (RunBy::Tribo, Some(_)) => {
+            return Err(refused("its trials run elsewhere; go on with `tribo ask` and `tribo tell`").into());
+        }
+        (RunBy::User, None) => {
+            return Err(refused("its trials run on the simulated arm; go on with `tribo tune --resume`").into());
+        }
+        _ => {}
     }
-    config.trials = trials.unwrap_or(config.trials);
-    let tune = config.validate().map_err(|error| explained(error, &document))?;
-    let path = directory.join("journal.log");
-    // A campaign killed between its two first files has settings and no journal.
-    let (journal, recorded) = match (path.exists(), run_by) {
+    if let Some(trials) = trials {
+        check_trials(trials)?;
+    }
+    let mut tune = config.validate().map_err(|error| explained(error, &document))?;
+    let path = directory.join(JOURNAL);
+    // A campaign that was killed in its first moment has settings and no journal; one that has logs has lost it.
+    let lost = std::fs::read_dir(directory.join(TRIAL_LOGS)).is_ok_and(|mut logs| logs.next().is_some());
+    let (mut journal, recorded) = match (path.exists(), run_by) {
+        (false, _) if lost => return Err(refused("has trials and no journal.log: what they were is lost").into()),
         (false, _) => (Journal::create(&path, clock)?, Vec::new()),
         (true, RunBy::Tribo) => Journal::open(&path, clock)?,
         (true, RunBy::User) => Journal::open_when_free(&path, clock)?,
     };
-    std::fs::create_dir_all(directory.join("trials")).map_err(FileError::io(directory))?;
+    match &journal.study().settings {
+        Some(began) => check_unchanged(began, &document, &path)?,
+        None => journal.adopt_settings(&document.parse::<Value>()?)?,
+    }
+    let known = journal.study().trials.unwrap_or(tune.config.trials);
+    tune.config.trials = trials.unwrap_or(known);
+    if tune.config.trials != known {
+        journal.set_trials(tune.config.trials)?;
+    }
+    std::fs::create_dir_all(directory.join(TRIAL_LOGS)).map_err(FileError::io(directory))?;
     sweep(directory);
     Ok((tune, journal, recorded))
 }
 
+/// Refuses a number of trials that no campaign has.
+pub(crate) fn check_trials(trials: usize) -> Result<(), ConfigError> {
+    if TRIALS.contains(&trials) {
+        return Ok(());
+    }
+    Err(FieldError::new("trials", trials, format!("{} to {}", TRIALS.start(), TRIALS.end())).into())
+}
+
 /// The settings of the campaign in a directory, with their text; `missing` is said where there are none.
 pub(crate) fn read_settings(directory: &Path, missing: &str) -> Result<(TuneConfig, YamlDocument), FileError> {
-    let settings = directory.join("campaign.yaml");
+    let settings = directory.join(SETTINGS);
     if !settings.exists() {
         return Err(FileError::Campaign { path: directory.to_owned(), message: missing.to_owned() });
     }
     let document = YamlDocument::read(&settings)?;
-    Ok((document.parse()?, document))
+    if document.parse::<Value>()?.is_null() {
+        let error = FieldError::new("schema", "missing", "tribo.tune/1: the file is empty");
+        return Err(document.explain(error));
+    }
+    let config: TuneConfig = document.parse()?;
+    check_version(&config, &document)?;
+    Ok((config, document))
 }
 
 /// An error of settings with the file and line to blame.

@@ -22,6 +22,9 @@ use crate::{
 /// Schema name of campaign settings.
 const SCHEMA: &str = "tribo.tune/1";
 
+/// How many trials a campaign may have.
+pub(crate) const TRIALS: std::ops::RangeInclusive<usize> = 1..=10_000;
+
 /// Phases of the reference trajectory.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
@@ -272,7 +275,7 @@ impl TuneConfig {
                 Err(FieldError::new(field, value, format!("{low} to {high}")))
             }
         };
-        count("trials", self.trials, 1, 10_000)?;
+        count("trials", self.trials, *TRIALS.start(), *TRIALS.end())?;
         count("init", self.init, 1, 1000)?;
         count("batch", self.batch, 1, 1000)?;
         count("sub_steps", self.sub_steps, 1, 1000)?;

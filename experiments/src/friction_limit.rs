@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use tribo_bayesopt::Allowed;
-use tribo_friction::identify::{GlsError, GlsFit};
+use tribo_friction::identify::GlsFit;
 
 use crate::strategy::{Identification, LogSource, Origin, Past, Proposal, Strategy, StrategyError};
 use crate::{ParameterSpace, ValidTune};
@@ -45,7 +45,7 @@ impl<const N: usize> FrictionLimit<N> {
     /// A log that cannot be read.
     pub fn before(&self, number: usize, logs: &dyn LogSource<N>) -> Result<Option<Allowance<'_>>, StrategyError> {
         let Some((identification, ratio)) = &self.guard else { return Ok(None) };
-        let fit = friction_before(identification, number, logs)?;
+        let fit = identification.before(number, logs)?;
         Ok(Some(Allowance::of(&self.space, fit.as_ref(), *ratio)))
     }
 
@@ -191,21 +191,9 @@ fn first_known<const N: usize>(
     logs: &dyn LogSource<N>,
 ) -> Result<Option<usize>, StrategyError> {
     for known in 1..=number {
-        if friction_before(identification, known, logs)?.is_some() {
+        if identification.before(known, logs)?.is_some() {
             return Ok(Some(known));
         }
     }
     Ok(None)
-}
-
-fn friction_before<const N: usize>(
-    identification: &Identification<N>,
-    number: usize,
-    logs: &dyn LogSource<N>,
-) -> Result<Option<GlsFit<N>>, StrategyError> {
-    match identification.before(number, logs) {
-        // Trials that were stopped at once.
-        Err(StrategyError::Identification(GlsError::TooFewSamples { .. })) => Ok(None),
-        fit => fit,
-    }
 }

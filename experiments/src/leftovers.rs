@@ -17,12 +17,13 @@ pub(crate) fn sweep(campaign: &Path) {
 }
 
 /// `.campaign.yaml.RANDOM.tmp`, and likewise of `references.yaml`, `tuned.yaml`, `report.html` and `NNNN.parquet`.
-fn is_leftover(name: &str) -> bool {
+pub(crate) fn is_leftover(name: &str) -> bool {
     let target =
         name.strip_prefix('.').and_then(|name| name.strip_suffix(".tmp")).and_then(|name| name.rsplit_once('.'));
     target.is_some_and(|(target, _)| {
         let number = target.strip_suffix(".parquet").is_some_and(|number| number.parse::<usize>().is_ok());
-        number || matches!(target, "campaign.yaml" | "references.yaml" | "tuned.yaml" | "report.html")
+        number
+            || matches!(target, "campaign.yaml" | "references.yaml" | "early_stop.yaml" | "tuned.yaml" | "report.html")
     })
 }
 

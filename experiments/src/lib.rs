@@ -48,6 +48,7 @@ mod log_wrench;
 mod monitor;
 mod numbered_trial;
 mod parameters;
+mod recorded_settings;
 mod reference_costs;
 mod report;
 pub mod reproduce;
@@ -66,7 +67,7 @@ pub mod watch;
 
 pub use against_ekf::{AgainstEkf, against_ekf};
 pub use ask_tell::{
-    Asked, JudgeError, JudgedLog, SentTorque, Told, UserCampaign, UserTrials, judge_log, trial_remarks,
+    Asked, JudgeError, JudgedLog, Learnt, SentTorque, Told, UserCampaign, UserTrials, judge_log, trial_remarks,
 };
 pub use batches::Batches;
 pub use believed::{Believed, NotCancelled, joint_effects, not_cancelled_sentences};
@@ -88,6 +89,7 @@ pub use monitor::{AbortReason, PenaltyLimits, TrialMonitor};
 use numbered_trial::noise_seed;
 pub use numbered_trial::run_numbered;
 pub use parameters::{Bounds, ParameterSpace, TunedLaw};
+pub use recorded_settings::first_difference;
 pub use reference_costs::{References, references, uncompensated_trial};
 pub use robot::{POSES, Robot};
 pub use simulate::simulate_log;

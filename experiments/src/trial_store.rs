@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use nalgebra::{SMatrix, SVector};
-use tribo_logs::{Table, read_table, write_table};
+use tribo_logs::{Table, read_table, seal_of, write_table};
 
 use crate::TrialLog;
 use crate::files::FileError;
@@ -58,6 +58,25 @@ pub fn write_trial_log<const N: usize>(path: &Path, log: &TrialLog<N>) -> Result
     }
     let metadata = vec![("period_s".to_owned(), format!("{}", log.period_s))];
     Ok(write_table(path, &Table { columns, metadata, skipped_columns: Vec::new() })?)
+}
+
+/// Reads the log of trial `number` of a campaign; where the journal has the `seal` of what that trial left, it must be that file.
+///
+/// # Errors
+/// A log that is missing or damaged, or that another trial left.
+pub(crate) fn read_own_trial_log<const N: usize>(
+    campaign: &Path,
+    number: usize,
+    seal: Option<&str>,
+) -> Result<TrialLog<N>, FileError> {
+    let path = trial_log_path(campaign, number);
+    let log = read_trial_log(&path)?;
+    let found = seal_of(&path).map_err(FileError::io(&path))?;
+    if seal.is_some() && found.as_deref() != seal {
+        let message = format!("is not the log that trial {number} left (its checksum is another in journal.log)");
+        return Err(FileError::Campaign { path, message });
+    }
+    Ok(log)
 }
 
 /// Reads a log back.

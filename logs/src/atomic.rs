@@ -6,7 +6,7 @@
 //!
 //! After `Ok` the content survives a power loss; after `Err` the target is as it was and the temporary file is gone.
 //! A symbolic link is followed, so the file it points to is replaced and the link stays.
-//! Leaves out: locking. Of two writers at once the last rename wins, whole.
+//! Leaves out: locking. Of two writers at once the last rename wins, whole; with [`write_new`] the first.
 
 use std::fs::{self, File, Permissions};
 use std::io::{self, BufWriter, Write};
@@ -35,28 +35,59 @@ pub fn write_atomic(
     replace(path, |file| write(file).map_err(|source| failed(path, "write", source)))
 }
 
+/// Creates the file at `path` with what `write` writes, unless there is one: of several who do so at once one succeeds, and all see its
+/// whole content. Whether it was this one.
+///
+/// # Errors
+/// Those of [`write_atomic`].
+pub fn write_new(
+    path: impl AsRef<Path>,
+    write: impl FnOnce(&mut dyn Write) -> io::Result<()>,
+) -> Result<bool, LogError> {
+    let path = path.as_ref();
+    let temporary = written(path, |file| write(file).map_err(|source| failed(path, "write", source)))?;
+    match temporary.persist_noclobber(path) {
+        Err(error) if error.error.kind() == io::ErrorKind::AlreadyExists => return Ok(false),
+        persisted => persisted.map_err(|e| failed(path, "create", e.error))?,
+    };
+    let directory = directory_of(path);
+    sync_directory(directory).map_err(|e| failed(directory, "sync", e))?;
+    Ok(true)
+}
+
 /// [`write_atomic`] for writers that seek and have errors of their own.
 pub(crate) fn replace(
     path: &Path,
     write: impl FnOnce(&mut BufWriter<&mut File>) -> Result<(), LogError>,
 ) -> Result<(), LogError> {
     let target = resolve(path)?;
-    let directory = match target.parent() {
-        Some(parent) if !parent.as_os_str().is_empty() => parent,
-        _ => Path::new("."),
-    };
-
-    // Content, on disk under another name.
-    let mut temporary = create_in(directory, &target)?;
-    let mut buffered = BufWriter::new(temporary.as_file_mut());
-    write(&mut buffered)?;
-    buffered.flush().map_err(|e| failed(&target, "write", e))?;
-    drop(buffered);
-    temporary.as_file().sync_all().map_err(|e| failed(&target, "sync", e))?;
+    let temporary = written(&target, write)?;
 
     // The name, then the directory that holds it.
+    let directory = directory_of(&target);
     temporary.persist(&target).map_err(|e| failed(&target, "replace", e.error))?;
     sync_directory(directory).map_err(|e| failed(directory, "sync", e))
+}
+
+/// Content, on disk under another name.
+fn written(
+    target: &Path,
+    write: impl FnOnce(&mut BufWriter<&mut File>) -> Result<(), LogError>,
+) -> Result<NamedTempFile, LogError> {
+    let mut temporary = create_in(directory_of(target), target)?;
+    let mut buffered = BufWriter::new(temporary.as_file_mut());
+    write(&mut buffered)?;
+    buffered.flush().map_err(|e| failed(target, "write", e))?;
+    drop(buffered);
+    temporary.as_file().sync_all().map_err(|e| failed(target, "sync", e))?;
+    Ok(temporary)
+}
+
+fn directory_of(path: &Path) -> &Path {
+    match path.parent() {
+        Some(parent) if !parent.as_os_str().is_empty() => parent,
+        _ => Path::new("."),
+    }
 }
 
 /// The file to replace: links followed, directories and devices refused.

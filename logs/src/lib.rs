@@ -61,7 +61,7 @@ mod seal;
 mod source;
 mod summary;
 
-pub use atomic::write_atomic;
+pub use atomic::{write_atomic, write_new};
 pub use bursts::{GAP_TOLERANCE, bursts, median_period_s};
 pub use canonical_csv::{read_csv, read_csv_from, write_csv};
 pub use convert::{ColumnNames, LogTarget, convert, write_log, write_log_to};
@@ -78,4 +78,5 @@ pub use parquet_log::{read_parquet, write_parquet};
 pub use parquet_table::{Table, read_table, write_table};
 pub use quantity::Quantity;
 pub use resample::{Resampled, Resampling, resample};
+pub use seal::seal_of;
 pub use summary::LogSummary;

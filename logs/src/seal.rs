@@ -87,6 +87,18 @@ pub(crate) fn check(file: &mut impl Read) -> std::io::Result<Seal> {
     Ok(if head[SUM_START..] == hexadecimal(crc.sum()) { Seal::Intact } else { Seal::Broken })
 }
 
+/// The checksum that a Parquet file of ours carries, eight hexadecimal digits; none of a file of another program. Only the mark is
+/// read: whether the content is still the one that was sealed, readers find out.
+///
+/// # Errors
+/// A file that cannot be read.
+pub fn seal_of(path: impl AsRef<std::path::Path>) -> std::io::Result<Option<String>> {
+    let mut head = Vec::with_capacity(SUM_END);
+    std::fs::File::open(path)?.take(SUM_END as u64).read_to_end(&mut head)?;
+    let ours = head.len() == SUM_END && head[MARKER_START..SUM_START] == OPEN_SEAL[..SUM_START - MARKER_START];
+    Ok(ours.then(|| String::from_utf8_lossy(&head[SUM_START..]).into_owned()))
+}
+
 fn hexadecimal(sum: u32) -> [u8; SUM_END - SUM_START] {
     const DIGITS: &[u8; 16] = b"0123456789abcdef";
     std::array::from_fn(|k| DIGITS[(sum >> (28 - 4 * k)) as usize & 0xf])

@@ -39,6 +39,9 @@ fn limit_of(effect: &Effect) -> Option<&'static str> {
         Effect::Backlash { half_gap_rad, .. } if half_gap_rad > 0.0 => {
             Some("is simulated in the encoders alone: the free flight inside the gap is left out")
         }
+        Effect::FrictionLead { amplitude_nm, .. } if amplitude_nm != 0.0 => {
+            Some("is simulated along a given motion alone: in a trial dry friction turns round with the velocity")
+        }
         _ => None,
     }
 }

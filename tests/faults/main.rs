@@ -26,6 +26,11 @@
 //! | disk full, directory read-only | exit code 2, file and reason named, nothing lost | `cli/tests/storage_faults.rs` |
 //! | system clock jumps | a campaign's result does not change | `cli/tests/storage_faults.rs` |
 //! | SIGKILL, SIGTERM, SIGINT | no finished trial is lost; the resumed result is the undisturbed one | `cli/tests/kill_and_resume.rs` |
+//! | standard output or error full | exit code 2 and why; messages are lost, the work is not | `cli/tests/streams_and_signals.rs` |
+//! | two processes begin one campaign, or study | one does, the other is refused and changes no byte | `cli/tests/campaign_directories.rs` |
+//! | SIGKILL while a trial is told | told or not told; `tuned.yaml` and the report are made true by the next opening | `cli/tests/campaign_directories.rs` |
+//! | campaign.yaml edited, cut, emptied; a trial's log replaced | refused, the field or the trial named | `cli/tests/campaign_directories.rs` |
+//! | a log that teaches nothing; a trial told by mistake | the campaign goes on; the trial is taken back | `cli/tests/taking_back.rs` |
 //! | two processes on one campaign | the second is told, the first does not notice | `cli/tests/bad_input.rs`, `ask_and_tell.rs` |
 //!
 //! At every tick of every story the command is finite, within the torque limits and within the rate limit of the last one; and

@@ -26,7 +26,7 @@ pub fn run(arguments: &Convert, common: &Common) -> anyhow::Result<()> {
     let summary = convert(&arguments.log, &arguments.out, target, move |part| shown.stage(&name, part));
     progress.finish();
     let summary = summary.map_err(|error| match error {
-        LogError::Stopped { .. } => Stopped.into(),
+        LogError::Stopped { .. } => Stopped::empty_handed().into(),
         other => anyhow::Error::from(other),
     })?;
     if common.json {

@@ -1,24 +1,58 @@
 //! `tribo export`.
 
+use std::path::{Path, PathBuf};
+
 use anyhow::Context;
 use serde_json::json;
 use tribo_experiments::export::export;
 use tribo_experiments::files::{FileError, TunedFile};
+use tribo_experiments::watch::{CampaignSnapshot, CampaignWatch};
 use tribo_logs::write_atomic;
 
 use super::named;
 use crate::arguments::{Common, Export};
 use crate::output::{print, print_json};
 
+/// The parameters, and where they come from: of a campaign, the best trial of its journal, so that what was told last counts even where
+/// somebody was killed before `tuned.yaml` said so.
+fn source(arguments: &Export, common: &Common) -> anyhow::Result<(PathBuf, TunedFile)> {
+    let source = &arguments.source;
+    if !source.is_dir() {
+        return Ok((source.clone(), tuned(source)?));
+    }
+    let path = source.join("tuned.yaml");
+    if !source.join("campaign.yaml").exists() {
+        return Ok((path.clone(), tuned(&path)?));
+    }
+    let campaign = CampaignWatch::open(source)?.poll()?;
+    let best = campaign.as_ref().and_then(CampaignSnapshot::tuned).ok_or_else(|| nothing_tuned(path.clone()))?;
+    if !common.quiet {
+        if let Some(campaign) = campaign.filter(|campaign| !campaign.is_complete()) {
+            let (done, total) = (campaign.trials.len(), campaign.total());
+            message!("tribo: trial {} is the best of {done}; the campaign is to have {total}", best.trial);
+        }
+        if path.exists() && TunedFile::read(&path).ok().as_ref() != Some(&best) {
+            let path = path.display();
+            message!("tribo: {path} is not what the journal says; exported is trial {} of the journal", best.trial);
+        }
+    }
+    Ok((path, best))
+}
+
+fn tuned(path: &Path) -> Result<TunedFile, FileError> {
+    TunedFile::read(path).map_err(|error| match error {
+        FileError::Io { path, source } if source.kind() == std::io::ErrorKind::NotFound => nothing_tuned(path),
+        other => other,
+    })
+}
+
+fn nothing_tuned(path: PathBuf) -> FileError {
+    FileError::Campaign { path, message: "no tuned parameters here; has the campaign finished?".to_owned() }
+}
+
 /// Writes tuned parameters in another format, and says what that format cannot.
 pub fn run(arguments: &Export, common: &Common) -> anyhow::Result<()> {
-    let path = if arguments.source.is_dir() { arguments.source.join("tuned.yaml") } else { arguments.source.clone() };
-    let tuned = TunedFile::read(&path).map_err(|error| match error {
-        FileError::Io { path, source } if source.kind() == std::io::ErrorKind::NotFound => {
-            FileError::Campaign { path, message: "no tuned parameters here; has the campaign finished?".to_owned() }
-        }
-        other => other,
-    })?;
+    let (path, tuned) = source(arguments, common)?;
     let exported = export(&tuned, named(&arguments.format)?, arguments.name.as_deref())
         .with_context(|| format!("{} as {}", path.display(), arguments.format))?;
     if let Some(out) = &arguments.out {

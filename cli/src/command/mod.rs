@@ -8,6 +8,7 @@ pub mod dashboard;
 pub mod diagnose;
 pub mod estimate;
 pub mod export;
+mod learnt;
 pub mod report;
 pub mod reproduce;
 pub mod shell;
@@ -99,7 +100,7 @@ fn read_log(path: &Path, common: &Common) -> anyhow::Result<(RobotLog, LogSummar
     let read = read_log_watched(path, move |part| shown.stage(&name, part));
     progress.finish();
     read.map_err(|error| match error {
-        LogError::Stopped { .. } => Stopped.into(),
+        LogError::Stopped { .. } => Stopped::empty_handed().into(),
         other => other.into(),
     })
 }

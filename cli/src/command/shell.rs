@@ -1,19 +1,19 @@
 //! `tribo completions` and `tribo man`.
 
-use std::io::Write;
-
 use clap::CommandFactory;
 use tribo_experiments::files::FileError;
 use tribo_logs::write_atomic;
 
 use crate::arguments::{Arguments, Common, Man};
 use crate::failure::BadInput;
+use crate::output::print_bytes;
 
 /// Prints the completion script of a shell.
 pub fn completions(shell: clap_complete::Shell) -> anyhow::Result<()> {
     let mut script = Vec::new();
     clap_complete::generate(shell, &mut Arguments::command(), "tribo", &mut script);
-    write_all(&script)
+    print_bytes(&script);
+    Ok(())
 }
 
 /// Prints the manual page of one command, or writes those of all.
@@ -28,7 +28,8 @@ pub fn man(arguments: &Man, common: &Common) -> anyhow::Result<()> {
                 BadInput(format!("no command '{name}'; there are {}", names.join(", ")))
             })?,
         };
-        return write_all(&roff(page.clone())?);
+        print_bytes(&roff(page.clone())?);
+        return Ok(());
     };
     std::fs::create_dir_all(directory).map_err(FileError::io(directory))?;
     let commands: Vec<&clap::Command> = std::iter::once(&whole).chain(whole.get_subcommands()).collect();
@@ -47,12 +48,4 @@ fn roff(command: clap::Command) -> std::io::Result<Vec<u8>> {
     let mut page = Vec::new();
     clap_mangen::Man::new(command).render(&mut page)?;
     Ok(page)
-}
-
-/// Writes to standard output. A reader that has gone (`tribo man | head`) is no error of ours.
-fn write_all(bytes: &[u8]) -> anyhow::Result<()> {
-    match std::io::stdout().lock().write_all(bytes) {
-        Err(error) if error.kind() != std::io::ErrorKind::BrokenPipe => Err(error.into()),
-        _ => Ok(()),
-    }
 }

@@ -9,7 +9,7 @@ use tribo_experiments::study::{Shard, Study, StudyRow, StudyStore, StudySummary,
 use tribo_logs::write_atomic;
 
 use crate::arguments::{Common, Study as Arguments};
-use crate::failure::BadInput;
+use crate::failure::{BadInput, Stopped};
 use crate::output::{print, print_json, significant, table};
 use crate::progress::{CellProgress, stop_on_signal};
 use crate::threads;
@@ -34,8 +34,7 @@ pub fn run(arguments: &Arguments, common: &Common) -> anyhow::Result<()> {
     let whole = threads::pool(common)?.install(|| run_shard(&study, &store, shard, &mut progress));
     progress.finish();
     if !whole? {
-        message!("tribo: stopped; every finished cell is kept: start it again to go on");
-        return Ok(());
+        return Err(Stopped("stopped; every finished cell is kept: start it again to go on".to_owned()).into());
     }
     match StudySummary::of(&study, &store)? {
         Some(summary) => deliver(&study, &summary, &directory, common),

@@ -4,24 +4,40 @@ use std::path::Path;
 
 use serde_json::{Map, Value, json};
 use tribo_experiments::{AbortReason, JudgedLog, Told, TuneConfig, UserCampaign, judge_log, trial_remarks};
-use tribo_logs::read_log;
 use tribo_logs::recognise::{Fault, Use, recognise};
+use tribo_logs::{RobotLog, read_log};
 
 use super::believe::believe;
-use super::now;
+use super::{learnt, now};
 use crate::arguments::{Common, Tell};
 use crate::failure::BadInput;
 use crate::output::{print, print_json, significant, table};
 
 /// Records what came of a trial.
 pub fn run(arguments: &Tell, common: &Common) -> anyhow::Result<()> {
-    match TuneConfig::joints_of_campaign(&arguments.campaign)? {
-        6 => tell(UserCampaign::<6>::open(&arguments.campaign, now)?, arguments, common),
-        _ => tell(UserCampaign::<7>::open(&arguments.campaign, now)?, arguments, common),
+    let joints = TuneConfig::joints_of_campaign(&arguments.campaign)?;
+    // Read before the campaign is held: a log may be a pipe, and others ask and tell while it is waited for.
+    let log = match &arguments.log {
+        Some(path) => Some((path.as_path(), read_log(path)?.0)),
+        None => None,
+    };
+    match joints {
+        6 => tell(UserCampaign::<6>::open(&arguments.campaign, now)?, log, arguments, common),
+        _ => tell(UserCampaign::<7>::open(&arguments.campaign, now)?, log, arguments, common),
     }
 }
 
-fn tell<const N: usize>(mut campaign: UserCampaign<N>, arguments: &Tell, common: &Common) -> anyhow::Result<()> {
+fn tell<const N: usize>(
+    mut campaign: UserCampaign<N>,
+    log: Option<(&Path, RobotLog)>,
+    arguments: &Tell,
+    common: &Common,
+) -> anyhow::Result<()> {
+    if let (Some(number), Some(reason)) = (arguments.withdraw, &arguments.reason) {
+        campaign.withdraw(number, reason)?;
+        show_withdrawn(&campaign, number, reason, common);
+        return Ok(());
+    }
     let number = which(&campaign, arguments)?;
     if arguments.give_up {
         campaign.give_up(number)?;
@@ -33,20 +49,49 @@ fn tell<const N: usize>(mut campaign: UserCampaign<N>, arguments: &Tell, common:
         return Ok(());
     }
     let failed = arguments.failed.as_deref();
-    let judged = match &arguments.log {
-        Some(path) => Some(judged(&campaign, number, path, failed.is_some(), common)?),
-        None => None,
-    };
+    let judged =
+        log.map(|(path, log)| judged(&campaign, number, (path, &log), failed.is_some(), common)).transpose()?;
     let told = match (&judged, failed) {
         (Some(judged), failed) => campaign.tell(number, judged, failed)?,
         (None, reason) => campaign.tell_failed(number, reason.unwrap_or_default())?,
     };
     if common.json {
-        print_json(&document(&campaign, &told, judged.as_ref(), failed));
+        let mut document = document(&campaign, &told, judged.as_ref(), failed);
+        document["learnt"] = learnt::json(&campaign.learnt()?);
+        print_json(&document);
     } else if !common.quiet {
-        show(&campaign, &told, judged.as_ref(), arguments);
+        show(&campaign, &told, judged.as_ref());
+        learnt::show(&campaign.learnt()?);
+        what_next(&campaign, &told, arguments);
     }
     Ok(())
+}
+
+/// Says that a trial counts no more.
+fn show_withdrawn<const N: usize>(campaign: &UserCampaign<N>, number: usize, reason: &str, common: &Common) {
+    let (best, finished) = (campaign.best(), campaign.finished().count());
+    if common.json {
+        print_json(&json!({
+            "schema": "tribo.tell/1",
+            "trial": number,
+            "state": "withdrawn",
+            "reason": reason,
+            "best": best.map(|(trial, cost)| json!({"trial": trial, "cost": cost})),
+            "finished": finished,
+            "trials": campaign.tune().config.trials,
+            "running": campaign.running(),
+        }));
+    } else if !common.quiet {
+        let total = campaign.tune().config.trials;
+        print(format_args!("trial {number} withdrawn: {finished} of {total} count; {}", best_so_far(best)));
+    }
+}
+
+/// `best J 2.9 in trial 3`.
+fn best_so_far(best: Option<(usize, f64)>) -> String {
+    best.map_or("no trial has succeeded yet".to_owned(), |(trial, cost)| {
+        format!("best J {} in trial {trial}", significant(cost, 4))
+    })
 }
 
 /// The trial that is meant.
@@ -65,19 +110,18 @@ fn which<const N: usize>(campaign: &UserCampaign<N>, arguments: &Tell) -> anyhow
 fn judged<const N: usize>(
     campaign: &UserCampaign<N>,
     number: usize,
-    path: &Path,
+    (path, log): (&Path, &RobotLog),
     failed: bool,
     common: &Common,
 ) -> anyhow::Result<JudgedLog<N>> {
     let theta = campaign.asked(number)?.theta;
-    let (log, _) = read_log(path)?;
     // Somebody may have stopped a trial before the arm moved.
-    let mut remarks = recognise(&log);
+    let mut remarks = recognise(log);
     remarks.retain(|remark| !failed || remark.fault != Fault::Standstill);
     believe(path, &remarks, Use::Trial, common.quiet)?;
-    let remarks = trial_remarks(campaign.tune(), campaign.user_trials(), &log, failed);
+    let remarks = trial_remarks(campaign.tune(), campaign.user_trials(), log, failed);
     believe(path, &remarks, Use::Trial, common.quiet)?;
-    let judged = judge_log(campaign.tune(), campaign.user_trials(), &theta, &log, failed);
+    let judged = judge_log(campaign.tune(), campaign.user_trials(), &theta, log, failed);
     Ok(judged.map_err(|error| BadInput(format!("{}: {error}", path.display())))?)
 }
 
@@ -106,7 +150,7 @@ fn document<const N: usize>(
     })
 }
 
-fn show<const N: usize>(campaign: &UserCampaign<N>, told: &Told, judged: Option<&JudgedLog<N>>, arguments: &Tell) {
+fn show<const N: usize>(campaign: &UserCampaign<N>, told: &Told, judged: Option<&JudgedLog<N>>) {
     let cost = &told.trial.cost;
     let mut rows = table(&["part", &format!("cost [{}]", campaign.tune().config.cost.unit())]);
     for (name, value) in cost.parts() {
@@ -122,9 +166,7 @@ fn show<const N: usize>(campaign: &UserCampaign<N>, told: &Told, judged: Option<
             message!("tribo: no tau_friction in the log; what the compensator added is worked out from dq");
         }
     }
-    let best = told.best.map_or("no trial has succeeded yet".to_owned(), |(trial, cost)| {
-        format!("best J {} in trial {trial}", significant(cost, 4))
-    });
+    let best = best_so_far(told.best);
     let (number, total) = (told.trial.number, campaign.tune().config.trials);
     let failed = match told.trial.aborted {
         None => "",
@@ -132,7 +174,11 @@ fn show<const N: usize>(campaign: &UserCampaign<N>, told: &Told, judged: Option<
         Some(_) => " as failed, which counts against its parameters",
     };
     print(format_args!("trial {number} told{failed}: {} of {total}; {best}", told.finished));
-    let directory = arguments.campaign.display();
+}
+
+/// How to go on after the last trial.
+fn what_next<const N: usize>(campaign: &UserCampaign<N>, told: &Told, arguments: &Tell) {
+    let (directory, total) = (arguments.campaign.display(), campaign.tune().config.trials);
     if told.finished >= total {
         print(format_args!("next: tribo export {directory} --format c, or tribo report {directory}"));
     }

@@ -4,6 +4,7 @@ use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use anyhow::Context;
+use tribo_experiments::files::FileError;
 use tribo_experiments::watch::write_report;
 use tribo_experiments::{
     AgainstEkf, AnyTune, Campaign, CampaignError, CampaignResult, CostName, EstimatorName, TuneConfig, against_ekf,
@@ -11,7 +12,7 @@ use tribo_experiments::{
 
 use super::{CAMPAIGNS, configured, now, warn_not_cancelled};
 use crate::arguments::{Common, Tune};
-use crate::failure::{BadInput, CheckFailed};
+use crate::failure::{BadInput, CheckFailed, Stopped};
 use crate::output::{print, print_json, significant, table};
 use crate::progress::{TrialProgress, stop_on_signal};
 use crate::threads;
@@ -85,10 +86,15 @@ fn finish<const N: usize>(
     }
     let result = match result {
         Err(CampaignError::Stopped { finished }) => {
-            message!(
-                "tribo: stopped after {finished} of {total} trials; go on with: tribo tune --resume --out {}",
+            let go_on = format!(
+                "stopped after {finished} of {total} trials; go on with: tribo tune --resume --out {}",
                 directory.display()
             );
+            // What was asked for with --check is not known: that is no success.
+            if arguments.check.is_some() {
+                return Err(Stopped(go_on).into());
+            }
+            message!("tribo: {go_on}");
             return Ok(());
         }
         other => other?,
@@ -120,12 +126,22 @@ fn configured_campaign(arguments: &Tune) -> anyhow::Result<(PathBuf, AnyTune)> {
     let tune = configured(arguments.config.as_deref(), |config| arguments.settings.apply(config))?;
     let directory = match &arguments.out {
         Some(directory) => directory.clone(),
-        None => {
-            let next = last_campaign().map_or(1, |(number, _)| number + 1);
-            Path::new(CAMPAIGNS).join(format!("{next:04}"))
-        }
+        None => next_campaign()?,
     };
     Ok((directory, tune))
+}
+
+/// A numbered directory that nobody has, made: of several who begin at once each gets one of its own.
+fn next_campaign() -> Result<PathBuf, FileError> {
+    std::fs::create_dir_all(CAMPAIGNS).map_err(FileError::io(CAMPAIGNS))?;
+    loop {
+        let next = last_campaign().map_or(1, |(number, _)| number + 1);
+        let directory = Path::new(CAMPAIGNS).join(format!("{next:04}"));
+        match std::fs::create_dir(&directory) {
+            Err(error) if error.kind() == std::io::ErrorKind::AlreadyExists => {}
+            made => return made.map(|()| directory.clone()).map_err(FileError::io(directory)),
+        }
+    }
 }
 
 /// The directory of the campaign to go on with.

@@ -1,11 +1,13 @@
 //! Campaigns whose trials the user runs: ask for parameters, tell what came of them.
 
 mod judged_log;
+mod learnt;
 mod trial_remarks;
 mod user_campaign;
 mod user_trials;
 
 pub use judged_log::{JudgeError, JudgedLog, judge_log};
+pub use learnt::Learnt;
 pub use trial_remarks::trial_remarks;
 pub use user_campaign::{Asked, Told, UserCampaign};
 pub use user_trials::{SentTorque, UserTrials};

@@ -1,18 +1,21 @@
 //! A campaign whose trials the user runs.
 
+use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use serde_json::{Value, json};
+use tribo_logs::seal_of;
 
-use super::{JudgedLog, UserTrials};
+use super::{JudgedLog, Learnt, UserTrials};
 use crate::campaign::{best_trial, write_tuned};
-use crate::campaign_directory::{RunBy, create, open, write_settings};
+use crate::campaign_directory::{RunBy, check_trials, create, open};
 use crate::files::{FileError, TunedFile};
 use crate::friction_limit::FrictionLimit;
-use crate::journal::{Clock, Journal, JournalTrial, REPORTED, TrialState, attributes, finished_trial};
+use crate::journal::{Clock, Ended, Journal, JournalTrial, TrialState, finish, finished_trial, seal};
 use crate::stored_logs::StoredLogs;
 use crate::strategy::{FinishedTrial, Identification, LogSource, Origin, Past, Proposal, RunningTrial};
+use crate::watch::refresh_report;
 use crate::{AbortReason, CampaignError, Cost, CostAccumulator, TrialLog, ValidTune, trial_log_path, write_trial_log};
 
 /// A trial that has been asked for.
@@ -51,6 +54,8 @@ pub struct UserCampaign<const N: usize> {
     user_trials: UserTrials,
     journal: Journal,
     trials: Vec<Entry>,
+    /// Seals of the logs that came back, as the journal knows them.
+    seals: BTreeMap<usize, String>,
 }
 
 /// A trial as its campaign knows it.
@@ -61,6 +66,8 @@ enum Entry {
     Running(RunningTrial, Origin),
     Finished(FinishedTrial),
     GivenUp,
+    /// Told, and taken back.
+    Withdrawn,
 }
 
 impl<const N: usize> UserCampaign<N> {
@@ -70,11 +77,13 @@ impl<const N: usize> UserCampaign<N> {
     /// A directory that holds a campaign, or cannot be written.
     pub fn create(directory: &Path, mut tune: ValidTune<N>, clock: Clock) -> Result<Self, CampaignError> {
         let user_trials = *tune.config.user_trials.get_or_insert_default();
-        let journal = create(directory, &tune.config, clock)?;
-        Ok(Self { directory: directory.to_owned(), tune, user_trials, journal, trials: Vec::new() })
+        let journal = create(directory, &tune.config, RunBy::User, clock)?;
+        let (trials, seals) = (Vec::new(), BTreeMap::new());
+        Ok(Self { directory: directory.to_owned(), tune, user_trials, journal, trials, seals })
     }
 
-    /// Opens the campaign of a directory; waits while another process holds it.
+    /// Opens the campaign of a directory; waits while another process holds it. What follows from the journal, `tuned.yaml` and a report
+    /// beside it, is made true again where somebody was killed before it was.
     ///
     /// # Errors
     /// No campaign, one whose trials Tribo runs, or a damaged one.
@@ -87,7 +96,20 @@ impl<const N: usize> UserCampaign<N> {
             .enumerate()
             .map(|(number, trial)| Entry::of(&tune, &path, number, trial))
             .collect::<Result<_, _>>()?;
-        Ok(Self { directory: directory.to_owned(), tune, user_trials, journal, trials })
+        let seals = recorded.iter().enumerate().filter_map(|(number, trial)| Some((number, seal(trial)?))).collect();
+        let campaign = Self { directory: directory.to_owned(), tune, user_trials, journal, trials, seals };
+        campaign.refresh()?;
+        Ok(campaign)
+    }
+
+    /// Makes true what follows from the journal.
+    fn refresh(&self) -> Result<(), CampaignError> {
+        let finished: Vec<FinishedTrial> = self.finished().cloned().collect();
+        let zero = self.tune.space.zero();
+        let uncompensated = finished.iter().find(|trial| trial.aborted.is_none() && trial.theta == zero);
+        let uncompensated_cost = uncompensated.map(|trial| trial.cost.total());
+        write_tuned(&self.directory, &self.tune, &finished, uncompensated_cost)?;
+        refresh_report(&self.directory)
     }
 
     /// The validated settings.
@@ -103,12 +125,12 @@ impl<const N: usize> UserCampaign<N> {
     /// Changes the number of trials of the campaign.
     ///
     /// # Errors
-    /// A number out of range, settings that cannot be written.
+    /// A number out of range, a journal that cannot be written.
     pub fn set_trials(&mut self, trials: usize) -> Result<(), CampaignError> {
-        let mut config = self.tune.config.clone();
-        config.trials = trials;
-        self.tune = config.validate()?;
-        Ok(write_settings(&self.directory, &self.tune.config)?)
+        check_trials(trials)?;
+        self.journal.set_trials(trials)?;
+        self.tune.config.trials = trials;
+        Ok(())
     }
 
     /// Numbers of the trials that have been asked for and not been told.
@@ -189,8 +211,10 @@ impl<const N: usize> UserCampaign<N> {
     /// A trial that does not run; files that cannot be written.
     pub fn tell(&mut self, number: usize, judged: &JudgedLog<N>, failed: Option<&str>) -> Result<Told, CampaignError> {
         self.at(number)?;
-        write_trial_log(&trial_log_path(&self.directory, number), &judged.log)?;
-        self.finish(number, judged.cost, judged.aborted_at_s, failed)
+        let path = trial_log_path(&self.directory, number);
+        write_trial_log(&path, &judged.log)?;
+        let seal = seal_of(&path).map_err(FileError::io(&path))?;
+        self.finish(number, judged.cost, Ended { aborted_at_s: judged.aborted_at_s, seal, reported: None }, failed)
     }
 
     /// Ends a running trial that failed and left no log: the full penalty.
@@ -199,7 +223,7 @@ impl<const N: usize> UserCampaign<N> {
     /// Those of [`Self::tell`].
     pub fn tell_failed(&mut self, number: usize, reason: &str) -> Result<Told, CampaignError> {
         let nothing_seen = CostAccumulator::default().finish(Some(0.0), self.user_trials.judged_s);
-        self.finish(number, nothing_seen, None, Some(reason))
+        self.finish(number, nothing_seen, Ended::default(), Some(reason))
     }
 
     /// Gives a running trial up: it counts for nothing, and its number is not used again.
@@ -213,27 +237,64 @@ impl<const N: usize> UserCampaign<N> {
         Ok(())
     }
 
+    /// Takes a trial back that was told: it counts for nothing any more, and another one may be asked for in its place. The journal keeps
+    /// what was told, and why it was taken back.
+    ///
+    /// # Errors
+    /// A trial that was not told; a reason that is none; files that cannot be written.
+    pub fn withdraw(&mut self, number: usize, reason: &str) -> Result<(), CampaignError> {
+        let message = match self.trials.get(number) {
+            Some(Entry::Finished(_)) if !reason.trim().is_empty() => {
+                self.journal.withdraw(number, reason)?;
+                self.trials[number] = Entry::Withdrawn;
+                return self.refresh();
+            }
+            Some(Entry::Finished(_)) => "say why: --reason \"...\"".to_owned(),
+            Some(Entry::Running(..)) => format!("trial {number} has not been told; to give it up: --give-up"),
+            Some(Entry::GivenUp) => format!("trial {number} was given up: it counts for nothing"),
+            Some(Entry::Withdrawn) => format!("trial {number} was withdrawn already"),
+            Some(Entry::Torn) | None => format!("trial {number} has not been asked for"),
+        };
+        Err(FileError::Campaign { path: self.directory.clone(), message }.into())
+    }
+
     fn finish(
         &mut self,
         number: usize,
         cost: Cost,
-        aborted_at_s: Option<f64>,
+        ended: Ended<'_>,
         failed: Option<&str>,
     ) -> Result<Told, CampaignError> {
         let (RunningTrial { theta, .. }, origin) = self.at(number)?;
         let aborted = failed.map(reason);
         let trial = FinishedTrial { number, theta: theta.clone(), cost, aborted, origin };
-        let mut known = attributes(&trial, aborted_at_s).to_vec();
-        if let (Some(AbortReason::Reported), Some(words)) = (aborted, failed) {
-            known.push((REPORTED, json!(words)));
-        }
-        self.journal.finish(number, &known, TrialState::Complete, Some(cost.total()))?;
+        let reported = failed.filter(|_| aborted == Some(AbortReason::Reported));
+        let ended = Ended { reported, ..ended };
+        finish(&mut self.journal, &trial, &ended)?;
         self.trials[number] = Entry::Finished(trial.clone());
+        self.seals.extend(ended.seal.map(|seal| (number, seal)));
+        self.refresh()?;
         let finished: Vec<FinishedTrial> = self.finished().cloned().collect();
-        let zero = self.tune.space.zero();
-        let uncompensated = finished.iter().find(|trial| trial.aborted.is_none() && trial.theta == zero);
-        write_tuned(&self.directory, &self.tune, &finished, uncompensated.map(|trial| trial.cost.total()))?;
-        Ok(Told { trial, aborted_at_s, best: best_trial(&finished), finished: finished.len() })
+        let (aborted_at_s, best) = (ended.aborted_at_s, best_trial(&finished));
+        Ok(Told { trial, aborted_at_s, best, finished: finished.len() })
+    }
+
+    /// Number and cost of the best trial so far.
+    pub fn best(&self) -> Option<(usize, f64)> {
+        best_trial(&self.finished().cloned().collect::<Vec<_>>())
+    }
+
+    /// What least squares on the last logs says of the friction, parameter by parameter; nothing before a log tells enough, or of a law
+    /// whose parameters it does not know.
+    ///
+    /// # Errors
+    /// An estimator that cannot be had, a log that cannot be read.
+    pub fn learnt(&self) -> Result<Vec<Learnt>, CampaignError> {
+        let number = self.trials.len();
+        let fail = |source| CampaignError::Strategy { trial: number, source };
+        let identification = Identification::new(&self.tune).map_err(fail)?;
+        let fit = identification.before(number, &self.logs()).map_err(fail)?;
+        Ok(fit.map_or_else(Vec::new, |fit| Learnt::of(&self.tune.space, &fit)))
     }
 
     /// A running trial, and who chose its parameters.
@@ -242,6 +303,7 @@ impl<const N: usize> UserCampaign<N> {
             Some(Entry::Running(trial, origin)) => return Ok((trial, *origin)),
             Some(Entry::Finished(_)) => "has been told already",
             Some(Entry::GivenUp) => "was given up",
+            Some(Entry::Withdrawn) => "was withdrawn",
             Some(Entry::Torn) | None => "has not been asked for",
         };
         let running = self.running();
@@ -250,7 +312,7 @@ impl<const N: usize> UserCampaign<N> {
     }
 
     fn logs(&self) -> LogsThatCame<'_, N> {
-        LogsThatCame { campaign: self, stored: StoredLogs::new(self.directory.clone()) }
+        LogsThatCame { campaign: self, stored: StoredLogs::new(self.directory.clone(), self.seals.clone()) }
     }
 }
 
@@ -262,6 +324,7 @@ impl Entry {
         trial: &JournalTrial,
     ) -> Result<Self, FileError> {
         match trial.state {
+            _ if trial.withdrawn.is_some() => Ok(Self::Withdrawn),
             TrialState::Fail => Ok(Self::GivenUp),
             TrialState::Complete | TrialState::Pruned => {
                 Ok(Self::Finished(finished_trial(&tune.space, path, number, trial)?))

@@ -8,6 +8,7 @@ use tribo_friction::{Compensator, FrictionModel, VelocitySource};
 use super::{FieldError, FileError, FrictionSection, Model, ModelFile, YamlDocument};
 use crate::ValidTune;
 use crate::robot::joints_of_preset;
+use crate::strategy::FinishedTrial;
 
 /// Schema name of tuned parameters.
 const SCHEMA: &str = "tribo.tuned/1";
@@ -61,6 +62,16 @@ impl TunedFile {
             friction: FrictionSection::of(&compensator.friction, compensator.smoothing_rad_s),
             model: tune.config.model_content.as_ref().or(tune.config.robot_content.as_ref()).cloned(),
         }
+    }
+
+    /// The compensator of a finished trial, with its cost and that of not compensating, where it is known.
+    pub fn of_finished<const N: usize>(
+        tune: &ValidTune<N>,
+        trial: &FinishedTrial,
+        uncompensated_cost: Option<f64>,
+    ) -> Self {
+        let cost = Some(trial.cost.total());
+        Self { cost, uncompensated_cost, ..Self::of_trial(tune, trial.number, &trial.theta) }
     }
 
     /// Reads and validates a file.

@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 
 use serde_json::{Value, json};
 
-use super::{JournalTrial, TrialState, replay};
+use super::{JournalTrial, Replay, StudyRecord, TrialState};
 use crate::files::FileError;
 
 /// What tells the time for the time stamps of the journal: RFC 3339 with microseconds and offset.
@@ -18,6 +18,7 @@ pub struct Journal {
     path: PathBuf,
     file: File,
     clock: Clock,
+    study: StudyRecord,
 }
 
 /// Name of the writer in the records; a campaign has one.
@@ -28,10 +29,68 @@ impl Journal {
     pub fn create(path: &Path, clock: Clock) -> Result<Self, FileError> {
         let file =
             OpenOptions::new().read(true).append(true).create_new(true).open(path).map_err(FileError::io(path))?;
-        let mut journal = Self { path: path.to_owned(), file, clock };
+        let mut journal = Self { path: path.to_owned(), file, clock, study: StudyRecord::default() };
         journal.lock()?;
-        journal.append(&[json!({"op_code": 0, "worker_id": WORKER, "study_name": "tribo", "directions": [1]})])?;
+        journal.append(&[study()])?;
         Ok(journal)
+    }
+
+    /// Takes hold of the journal of a campaign that is about to begin, empty until [`Self::begin`]. Of several who try at once one
+    /// gets it; a file left empty by somebody who was killed here is taken over. `wait` for whoever holds it, or be refused at once.
+    ///
+    /// # Errors
+    /// Somebody else holds it; it has content.
+    pub(crate) fn claim(path: &Path, clock: Clock, wait: bool) -> Result<Self, FileError> {
+        let file = OpenOptions::new().read(true).append(true).create(true).open(path).map_err(FileError::io(path))?;
+        let mut journal = Self { path: path.to_owned(), file, clock, study: StudyRecord::default() };
+        if wait {
+            journal.file.lock().map_err(FileError::io(path))?;
+        } else {
+            journal.lock()?;
+        }
+        if journal.file.metadata().map_err(FileError::io(path))?.len() > 0 {
+            let message = "has content already: a campaign has begun here".to_owned();
+            return Err(FileError::Campaign { path: path.to_owned(), message });
+        }
+        Ok(journal)
+    }
+
+    /// Writes the first lines of a journal that was claimed: its study, and the settings of its campaign.
+    pub(crate) fn begin(&mut self, settings: &Value) -> Result<(), FileError> {
+        self.append(&[study(), study_attribute(StudyRecord::SETTINGS, settings)])?;
+        self.study.settings = Some(settings.clone());
+        Ok(())
+    }
+
+    /// Its file.
+    pub fn path(&self) -> &Path {
+        &self.path
+    }
+
+    /// What it says of the campaign as a whole.
+    pub fn study(&self) -> &StudyRecord {
+        &self.study
+    }
+
+    /// Records settings of a campaign whose journal has none: an earlier version began it, or it was killed in its first moment.
+    pub(crate) fn adopt_settings(&mut self, settings: &Value) -> Result<(), FileError> {
+        self.append(&[study_attribute(StudyRecord::SETTINGS, settings)])?;
+        self.study.settings = Some(settings.clone());
+        Ok(())
+    }
+
+    /// Records how many trials the campaign is to have from now on.
+    pub(crate) fn set_trials(&mut self, trials: usize) -> Result<(), FileError> {
+        self.append(&[study_attribute(StudyRecord::TRIALS, &json!(trials))])?;
+        self.study.trials = Some(trials);
+        Ok(())
+    }
+
+    /// Takes back a trial that has ended. What stands in the journal stays: an attribute of the study says that it counts no more, as
+    /// Optuna knows no change of a trial that has ended.
+    pub(crate) fn withdraw(&mut self, trial: usize, reason: &str) -> Result<(), FileError> {
+        let what = json!({"reason": reason, "datetime": (self.clock)()});
+        self.append(&[study_attribute(&format!("{}{trial}", StudyRecord::WITHDRAWN), &what)])
     }
 
     /// Opens a journal, cuts off a torn last line, and replays the rest; an error if another process holds it.
@@ -50,21 +109,23 @@ impl Journal {
 
     fn unlocked(path: &Path, clock: Clock) -> Result<Self, FileError> {
         let file = OpenOptions::new().read(true).append(true).open(path).map_err(FileError::io(path))?;
-        Ok(Self { path: path.to_owned(), file, clock })
+        Ok(Self { path: path.to_owned(), file, clock, study: StudyRecord::default() })
     }
 
     fn replayed(mut self) -> Result<(Self, Vec<JournalTrial>), FileError> {
         let bytes = std::fs::read(&self.path).map_err(FileError::io(&self.path))?;
         let whole = bytes.iter().rposition(|byte| *byte == b'\n').map_or(0, |last| last + 1);
         // What is torn may end inside a letter; only whole lines have to be text.
-        let trials = replay(&self.path, &bytes[..whole])?;
+        let mut replay = Replay::default();
+        replay.extend(&self.path, &bytes[..whole])?;
+        self.study = replay.study().clone();
         if whole < bytes.len() {
             self.cut(whole as u64).map_err(FileError::io(&self.path))?;
         }
         if whole == 0 {
-            self.append(&[json!({"op_code": 0, "worker_id": WORKER, "study_name": "tribo", "directions": [1]})])?;
+            self.append(&[study()])?;
         }
-        Ok((self, trials))
+        Ok((self, replay.into_trials()))
     }
 
     /// Shortens the file, and waits for the disk.
@@ -142,6 +203,14 @@ impl Journal {
         self.file.write_all(text.as_bytes()).map_err(FileError::io(&self.path))?;
         self.file.sync_data().map_err(FileError::io(&self.path))
     }
+}
+
+fn study() -> Value {
+    json!({"op_code": 0, "worker_id": WORKER, "study_name": "tribo", "directions": [1]})
+}
+
+fn study_attribute(key: &str, value: &Value) -> Value {
+    json!({"op_code": 2, "worker_id": WORKER, "study_id": 0, "user_attr": {key: value}})
 }
 
 fn attribute(trial: usize, key: &str, value: &Value) -> Value {

@@ -5,6 +5,7 @@ use std::path::Path;
 
 use serde_json::Value;
 
+use super::StudyRecord;
 use crate::files::FileError;
 
 /// State of a trial in Optuna's numbering.
@@ -57,6 +58,8 @@ pub struct JournalTrial {
     pub value: Option<f64>,
     /// User attributes by name.
     pub attributes: BTreeMap<String, Value>,
+    /// Why it was taken back after its end, if it was: it counts for nothing.
+    pub withdrawn: Option<String>,
 }
 
 /// The state of a study, line by line.
@@ -64,6 +67,7 @@ pub struct JournalTrial {
 pub struct Replay {
     studies: usize,
     lines: u64,
+    study: StudyRecord,
     trials: Vec<JournalTrial>,
 }
 
@@ -76,7 +80,7 @@ impl Replay {
             let text = std::str::from_utf8(line)
                 .map_err(|error| corrupt(format!("not UTF-8 text at byte {}", error.valid_up_to() + 1)))?;
             let record: Value = serde_json::from_str(text).map_err(|error| corrupt(format!("not JSON: {error}")))?;
-            apply(&record, &mut self.studies, &mut self.trials).map_err(corrupt)?;
+            apply(&record, (&mut self.studies, &mut self.study), &mut self.trials).map_err(corrupt)?;
         }
         Ok(())
     }
@@ -84,6 +88,16 @@ impl Replay {
     /// The trials so far, by number.
     pub fn trials(&self) -> &[JournalTrial] {
         &self.trials
+    }
+
+    /// The trials, by number.
+    pub fn into_trials(self) -> Vec<JournalTrial> {
+        self.trials
+    }
+
+    /// What the lines so far say of the campaign as a whole.
+    pub fn study(&self) -> &StudyRecord {
+        &self.study
     }
 }
 
@@ -94,7 +108,11 @@ pub fn replay(path: &Path, lines: &[u8]) -> Result<Vec<JournalTrial>, FileError>
     Ok(replay.trials)
 }
 
-fn apply(record: &Value, studies: &mut usize, trials: &mut Vec<JournalTrial>) -> Result<(), String> {
+fn apply(
+    record: &Value,
+    (studies, study): (&mut usize, &mut StudyRecord),
+    trials: &mut Vec<JournalTrial>,
+) -> Result<(), String> {
     let number = |key: &str| record.get(key).and_then(Value::as_u64).ok_or_else(|| format!("`{key}` is missing"));
     let op_code = number("op_code")?;
     if op_code == 0 {
@@ -110,11 +128,15 @@ fn apply(record: &Value, studies: &mut usize, trials: &mut Vec<JournalTrial>) ->
             params: BTreeMap::new(),
             value: None,
             attributes: BTreeMap::new(),
+            withdrawn: None,
         });
         return Ok(());
     }
-    // Study attributes (2, 3), intermediate values (7) and system attributes (9) may be added by other tools.
-    if matches!(op_code, 2 | 3 | 7 | 9) {
+    if op_code == 2 {
+        return study.apply(record, trials);
+    }
+    // System attributes of the study (3), intermediate values (7) and system attributes (9) may be added by other tools.
+    if matches!(op_code, 3 | 7 | 9) {
         return Ok(());
     }
     if !matches!(op_code, 5 | 6 | 8) {
@@ -171,6 +193,22 @@ mod tests {
         assert_eq!((trials[0].state, trials[0].value, trials[0].params["x"]), (TrialState::Complete, Some(3.5), 0.25));
     }
 
+    fn study(key: &str, value: &str) -> String {
+        format!("{{\"op_code\":2,\"worker_id\":\"w\",\"study_id\":0,\"user_attr\":{{\"{key}\":{value}}}}}\n")
+    }
+
+    /// Attributes of the study say what holds for the campaign; those of other tools are theirs.
+    #[test]
+    fn a_trial_is_taken_back_and_the_campaign_grows() {
+        let taken_back = study("withdrawn_0", "{\"reason\":\"the cable slipped\"}");
+        let text = [GOOD, &taken_back, &study("trials", "7"), &study("trials", "9"), &study("note", "[1]")].concat();
+        let mut replay = Replay::default();
+        replay.extend(Path::new("journal.log"), text.as_bytes()).unwrap();
+        assert_eq!(replay.study().trials, Some(9));
+        assert_eq!(replay.trials()[0].withdrawn.as_deref(), Some("the cable slipped"));
+        assert_eq!(replay.trials()[0].value, Some(3.5), "what was told stays");
+    }
+
     #[test]
     fn every_kind_of_damage_names_its_line() {
         for (damage, line) in [
@@ -181,6 +219,9 @@ mod tests {
             (&GOOD.replace("\"state\":1", "\"state\":12")[..], 5),
             (&format!("{GOOD}{}\n", GOOD.lines().nth(3).unwrap())[..], 6),
             (&GOOD.replace("{\"op_code\":8", "{\"op_code\":99")[..], 4),
+            (&format!("{GOOD}{}", study("withdrawn_1", "{\"reason\":\"slip\"}"))[..], 6),
+            (&format!("{GOOD}{}", study("withdrawn_0", "{}"))[..], 6),
+            (&format!("{GOOD}{}", study("trials", "0"))[..], 6),
         ] {
             let message = replay(Path::new("journal.log"), damage.as_bytes()).unwrap_err().to_string();
             assert!(message.starts_with(&format!("journal.log:{line}: ")), "{message}");

@@ -4,7 +4,7 @@ use std::fs::File;
 use std::io::{Read, Seek, SeekFrom};
 use std::path::{Path, PathBuf};
 
-use super::{JournalTrial, Replay};
+use super::{JournalTrial, Replay, StudyRecord};
 use crate::files::FileError;
 
 /// What a look at the journal brought.
@@ -66,6 +66,11 @@ impl JournalTail {
     /// The trials so far, by number.
     pub fn trials(&self) -> &[JournalTrial] {
         self.replay.trials()
+    }
+
+    /// What the lines so far say of the campaign as a whole.
+    pub fn study(&self) -> &StudyRecord {
+        self.replay.study()
     }
 
     /// Bytes behind the last whole line.

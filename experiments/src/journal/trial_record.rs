@@ -2,34 +2,65 @@
 
 use std::path::Path;
 
-use serde_json::{Value, json};
+use serde_json::json;
 
-use super::JournalTrial;
+use super::{Journal, JournalTrial, TrialState};
 use crate::files::FileError;
 use crate::strategy::{FinishedTrial, Origin};
 use crate::{AbortReason, Cost, ParameterSpace};
 
-/// What the journal keeps of a trial besides parameters and J.
-pub(crate) fn attributes(trial: &FinishedTrial, aborted_at_s: Option<f64>) -> [(&'static str, Value); 6] {
-    [
+/// What there is to say of a trial that has ended, besides its parameters and cost.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Ended<'a> {
+    /// Time of the failure since the start of the judged part (s), where it is known.
+    pub aborted_at_s: Option<f64>,
+    /// Seal of its log ([`tribo_logs::seal_of`]); none of a trial that left no log.
+    pub seal: Option<String>,
+    /// The words of whoever reported a failure.
+    pub reported: Option<&'a str>,
+}
+
+/// Ends a trial in the journal, the one way there is. A cost that is no number stays out: nothing could be learnt from it, and nobody
+/// could read it back.
+///
+/// # Errors
+/// A cost that is not finite; a journal that cannot be written.
+pub(crate) fn finish(journal: &mut Journal, trial: &FinishedTrial, ended: &Ended) -> Result<(), FileError> {
+    let parts = trial.cost.max.iter().chain(&trial.cost.mean).chain([&trial.cost.penalty]);
+    let total = trial.cost.total();
+    if !total.is_finite() || parts.into_iter().any(|part| !part.is_finite()) {
+        let message = format!("the cost of trial {} is no finite number; nothing is recorded", trial.number);
+        return Err(FileError::Campaign { path: journal.path().to_owned(), message });
+    }
+    let mut known = vec![
         ("origin", json!(trial.origin)),
         ("max", json!(trial.cost.max)),
         ("mean", json!(trial.cost.mean)),
         ("penalty", json!(trial.cost.penalty)),
         ("aborted", json!(trial.aborted)),
-        ("aborted_at_s", json!(aborted_at_s)),
-    ]
+        ("aborted_at_s", json!(ended.aborted_at_s)),
+    ];
+    known.extend(ended.seal.as_ref().map(|seal| (SEAL, json!(seal))));
+    known.extend(ended.reported.map(|words| (REPORTED, json!(words))));
+    journal.finish(trial.number, &known, TrialState::Complete, Some(total))
 }
 
 /// Attribute with the words of whoever reported a failure.
-pub(crate) const REPORTED: &str = "reported";
+const REPORTED: &str = "reported";
+/// Attribute with the seal of the trial's log.
+const SEAL: &str = "log_seal";
+
+/// Seal of the log that a trial left, where the journal has it.
+pub(crate) fn seal(trial: &JournalTrial) -> Option<String> {
+    Some(trial.attributes.get(SEAL)?.as_str()?.to_owned())
+}
 
 /// What its user said of the failure of a trial.
 pub(crate) fn reported(trial: &JournalTrial) -> Option<String> {
     Some(trial.attributes.get(REPORTED)?.as_str()?.to_owned())
 }
 
-/// The inverse of [`attributes`].
+/// The inverse of [`finish`].
 pub(crate) fn finished_trial(
     space: &ParameterSpace,
     path: &Path,

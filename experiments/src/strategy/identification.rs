@@ -74,31 +74,37 @@ impl<const N: usize> Identification<N> {
         })
     }
 
-    /// Friction identified from the last logs before trial `number` and those chosen with it; none without a log. A joint that stuck all the time tells
+    /// Friction identified from the last logs before trial `number` and those chosen with it, further back where these are too short for a
+    /// fit; none where all of them are, or without a log. A joint that stuck all the time tells
     /// least squares nothing; its dry friction is at least the largest torque that did not move it, and compensated by that
     /// it will move.
     ///
     /// # Errors
-    /// A log that cannot be read, or that is too short for a fit.
+    /// A log that cannot be read.
     pub fn before(&self, number: usize, logs: &dyn LogSource<N>) -> Result<Option<GlsFit<N>>, StrategyError> {
         let number = self.batches.of(number).start;
         let mut fits = self.fits.lock().unwrap_or_else(PoisonError::into_inner);
         if let Some(fit) = fits.get(&number) {
             return Ok(Some(fit.clone()));
         }
-        let mut taken = Vec::with_capacity(LOGS);
+        let (mut taken, mut found) = (Vec::with_capacity(LOGS), None);
         for trial in (0..number).rev() {
             taken.extend(self.samples(trial, logs)?);
-            if taken.len() == LOGS {
-                break;
+            if taken.len() >= LOGS || (trial == 0 && !taken.is_empty()) {
+                let samples: Vec<&[GlsSample<N>]> = taken.iter().map(|log| log.samples.as_slice()).collect();
+                match fit_from_wrench(&samples, &self.gls) {
+                    // Trials that were stopped at once: the one before them may tell more.
+                    Err(GlsError::TooFewSamples { .. }) => {}
+                    fit => {
+                        found = Some(fit?);
+                        break;
+                    }
+                }
             }
         }
-        if taken.is_empty() {
-            return Ok(None);
-        }
+        let Some(mut fit) = found else { return Ok(None) };
         let samples: Vec<&[GlsSample<N>]> = taken.iter().map(|log| log.samples.as_slice()).collect();
         let held = taken.iter().fold(SVector::<f64, N>::zeros(), |held, log| held.sup(&log.largest_torque));
-        let mut fit = fit_from_wrench(&samples, &self.gls)?;
         for j in 0..N {
             if samples.iter().copied().flatten().all(|sample| sample.qd[j].abs() <= self.gls.stuck_rad_s) {
                 fit.friction.joints[j] = CoulombViscous { coulomb_nm: held[j], viscous_nm_s_per_rad: 0.0 }.into();
@@ -165,8 +171,13 @@ impl<const N: usize> Identification<N> {
     }
 }
 
+fn is_finite<const N: usize>(sample: &GlsSample<N>) -> bool {
+    let numbers = sample.wrench.iter().chain(sample.wrench_from_torque.iter());
+    numbers.chain(sample.qd.iter()).chain(sample.tau_compensation.iter()).all(|value| value.is_finite())
+}
+
 /// Column of [`Basis`] that a parameter is the coefficient of.
-pub(super) fn basis_column(name: &str) -> Option<usize> {
+pub(crate) fn basis_column(name: &str) -> Option<usize> {
     match name {
         "viscous_nm_s_per_rad" => Some(0),
         "coulomb_nm" => Some(1),
@@ -206,7 +217,9 @@ pub fn identification_samples<const N: usize>(
             let terms = ControlTerms::at(model, &log.q[k], &still);
             let (qd, tau_compensation) = (SVector::from_fn(|j, _| qd[j][k - delay]), log.tau_friction[k - delay]);
             let wrench_from_torque = estimator.wrench_from_torque(&terms, &qd, &tau_compensation)?;
-            Some(GlsSample { wrench: log.wrench[k], wrench_from_torque, qd, tau_compensation })
+            // A sample that is no number tells nothing; one of them must not silence a whole log.
+            let sample = GlsSample { wrench: log.wrench[k], wrench_from_torque, qd, tau_compensation };
+            is_finite(&sample).then_some(sample)
         })
         .collect()
 }

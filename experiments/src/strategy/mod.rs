@@ -19,6 +19,7 @@ use tribo_friction::identify::GlsError;
 pub(crate) use baseline::published_gaz;
 pub(crate) use bayes::observations;
 pub use grey_box::GreyBox;
+pub(crate) use identification::basis_column;
 pub use identification::{Identification, identification_samples};
 pub use law_check::LawCheck;
 

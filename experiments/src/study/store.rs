@@ -3,10 +3,15 @@
 use std::path::{Path, PathBuf};
 
 use serde::{Deserialize, Serialize};
-use tribo_logs::write_atomic;
+use serde_json::json;
+use tribo_logs::{write_atomic, write_new};
 
 use super::{Cell, CellResult, Study};
 use crate::files::{FileError, YamlDocument, read_text, to_yaml};
+use crate::first_difference;
+
+const SETTINGS: &str = "study.yaml";
+const CELLS: &str = "cells";
 
 /// Schema name of the files of cells.
 const SCHEMA: &str = "tribo.study.cell/1";
@@ -30,24 +35,27 @@ struct CellFile {
 }
 
 impl StudyStore {
-    /// Opens the directory of a study, or begins one in it.
+    /// Opens the directory of a study, or begins one in it: of several slices that begin at once one writes `study.yaml`, and it is that
+    /// one's study that the others must have.
     ///
     /// # Errors
-    /// A directory that holds another study, or cannot be written.
+    /// A directory that holds another study or something else, in which nothing is changed; one that cannot be written.
     pub fn open(directory: &Path, study: &Study) -> Result<Self, FileError> {
-        let path = directory.join("study.yaml");
-        let text = to_yaml(study).map_err(FileError::io(&path))?;
-        std::fs::create_dir_all(directory.join("cells")).map_err(FileError::io(directory))?;
-        if path.exists() {
-            // Through the parser: files written by another version or hand may be spelt differently.
-            let there: Study = YamlDocument::read(&path)?.parse()?;
-            if there != *study {
-                let message = "holds another study (its study.yaml differs); give another --out".to_owned();
-                return Err(FileError::Campaign { path: directory.to_owned(), message });
-            }
-        } else {
-            write_atomic(&path, |file| file.write_all(text.as_bytes()))?;
+        let path = directory.join(SETTINGS);
+        if !path.exists() {
+            check_free(directory)?;
+            let text = to_yaml(study).map_err(FileError::io(&path))?;
+            std::fs::create_dir_all(directory).map_err(FileError::io(directory))?;
+            write_new(&path, |file| file.write_all(text.as_bytes()))?;
         }
+        // Through the parser: files written by another version or hand may be spelt differently.
+        let there: Study = YamlDocument::read(&path)?.parse()?;
+        if there != *study {
+            let differs = first_difference(&json!(there), &json!(study)).unwrap_or_default();
+            let message = format!("holds another study (`{differs}` in its study.yaml differs); give another --out");
+            return Err(FileError::Campaign { path: directory.to_owned(), message });
+        }
+        std::fs::create_dir_all(directory.join(CELLS)).map_err(FileError::io(directory))?;
         Ok(Self { directory: directory.to_owned() })
     }
 
@@ -57,7 +65,7 @@ impl StudyStore {
     }
 
     fn path(&self, study: &Study, cell: &Cell) -> PathBuf {
-        self.directory.join("cells").join(format!("{}.json", cell.name(study)))
+        self.directory.join(CELLS).join(format!("{}.json", cell.name(study)))
     }
 
     /// What came of a cell; none of one that is not finished.
@@ -99,4 +107,22 @@ impl StudyStore {
         let text = serde_json::to_string(&file).map_err(|error| FileError::io(&path)(error.into()))?;
         Ok(write_atomic(&path, |out| writeln!(out, "{text}"))?)
     }
+}
+
+/// Refuses a directory with anything in it but the beginnings of a study: a file that somebody is writing, cells from elsewhere.
+fn check_free(directory: &Path) -> Result<(), FileError> {
+    let entries = match std::fs::read_dir(directory) {
+        Err(error) if error.kind() == std::io::ErrorKind::NotFound => return Ok(()),
+        entries => entries.map_err(FileError::io(directory))?,
+    };
+    for entry in entries {
+        let name = entry.map_err(FileError::io(directory))?.file_name();
+        let name = name.to_string_lossy();
+        let begun = name == CELLS || name == SETTINGS || (name.starts_with(".study.yaml.") && name.ends_with(".tmp"));
+        if !begun {
+            let message = format!("is not empty ({name}) and holds no study; give another --out");
+            return Err(FileError::Campaign { path: directory.to_owned(), message });
+        }
+    }
+    Ok(())
 }

@@ -1,5 +1,7 @@
 //! The report of a campaign: one HTML file for people without a window.
 
+use std::fs::File;
+use std::io::Read;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -18,11 +20,21 @@ use crate::{CampaignError, References};
 
 /// Slices of the belief in the report: the most relevant parameters.
 const SLICES: usize = 4;
+/// Name of the report in the directory of its campaign.
+const REPORT: &str = "report.html";
+/// What stands around the state of the campaign in its report.
+const STATE_BEGINS: &str = "<meta name=\"tribo-campaign\" content=\"";
+const STATE_ENDS: &str = "\">";
+/// Part of a file in which that is looked for (bytes): it stands before the style sheet.
+const HEAD_BYTES: u64 = 4096;
 
 /// Writes `report.html` of the campaign in a directory, to `out` or beside its journal; finished or not. Without `loop_time`,
 /// which is read from a clock, equal campaigns have equal reports, wherever they live.
 pub fn write_report(directory: &Path, out: Option<&Path>, loop_time: bool) -> Result<PathBuf, CampaignError> {
     let mut watch = CampaignWatch::open(directory)?;
+    if let Some(out) = out {
+        check_replaceable(out)?;
+    }
     let simulated = watch.tune().config().user_trials.is_none();
     if simulated && References::read(directory).is_none() {
         watch.set_references(watch.tune().references()?);
@@ -42,9 +54,44 @@ pub fn write_report(directory: &Path, out: Option<&Path>, loop_time: bool) -> Re
     let timed = best.as_ref().filter(|_| loop_time && simulated);
     let times = timed.map(|best| campaign.tune.loop_times(&best.watched.trial.theta)).transpose()?;
     let page = campaign_page(&campaign, surrogate.as_ref(), best.as_ref(), times.as_ref());
-    let path = out.map_or_else(|| directory.join("report.html"), Path::to_owned);
+    let path = out.map_or_else(|| directory.join(REPORT), Path::to_owned);
     write_atomic(&path, |file| file.write_all(page.as_bytes())).map_err(FileError::from)?;
     Ok(path)
+}
+
+/// Makes the report in the directory of a campaign true again, if there is one and trials have ended or were taken back since it was
+/// written; a file that is no report of ours is left alone.
+pub(crate) fn refresh_report(directory: &Path) -> Result<(), CampaignError> {
+    let Some(told) = report_state(&directory.join(REPORT)) else { return Ok(()) };
+    let campaign = CampaignWatch::open(directory)?.poll()?;
+    if campaign.is_some_and(|campaign| state(&campaign) != told) {
+        write_report(directory, None, false)?;
+    }
+    Ok(())
+}
+
+/// Refuses to replace a file that is no report.
+fn check_replaceable(path: &Path) -> Result<(), FileError> {
+    if !path.is_file() || report_state(path).is_some() {
+        return Ok(());
+    }
+    let message = "is there and no report of a campaign; give another --out, or remove it".to_owned();
+    Err(FileError::Campaign { path: path.to_owned(), message })
+}
+
+/// What a report tells of: its `<meta name="tribo-campaign">`; none of another file.
+fn report_state(path: &Path) -> Option<String> {
+    let mut head = Vec::new();
+    File::open(path).ok()?.take(HEAD_BYTES).read_to_end(&mut head).ok()?;
+    let head = String::from_utf8_lossy(&head);
+    let (_, from) = head.split_once(STATE_BEGINS)?;
+    Some(from.split_once(STATE_ENDS)?.0.to_owned())
+}
+
+/// The trials that a report tells of.
+fn state(campaign: &CampaignSnapshot) -> String {
+    let (ended, back, of) = (campaign.trials.len(), campaign.withdrawn.len(), campaign.tune.config().trials);
+    format!("{ended} ended, {back} withdrawn, of {of}, tribo {}", env!("CARGO_PKG_VERSION"))
 }
 
 /// The whole file, from what is known.
@@ -58,11 +105,13 @@ pub fn campaign_page(
         head(campaign),
         result(campaign),
         failures(campaign),
+        withdrawn(campaign),
         search(campaign, surrogate),
         best.map_or(String::new(), |best| best_trial(best, times)),
         all_trials(campaign),
     ];
-    page::page(&headline(campaign), &body.concat())
+    let page = page::page(&headline(campaign), &body.concat());
+    page.replacen("<title>", &format!("{STATE_BEGINS}{}{STATE_ENDS}\n<title>", escape(&state(campaign))), 1)
 }
 
 /// What came of it, in one sentence.
@@ -153,6 +202,18 @@ fn parameter_table(campaign: &CampaignSnapshot, best: &WatchedTrial) -> String {
         std::iter::once(joint.to_string()).chain(values.iter().map(|value| significant(*value, 4))).collect::<Vec<_>>()
     });
     table(&header, &[0], rows)
+}
+
+/// Trials that were taken back, and why.
+fn withdrawn(campaign: &CampaignSnapshot) -> String {
+    if campaign.withdrawn.is_empty() {
+        return String::new();
+    }
+    let rows = campaign.withdrawn.iter().map(|(number, reason)| [number.to_string(), reason.clone()]);
+    section(
+        &format!("Withdrawn trials ({})", campaign.withdrawn.len()),
+        &table(&["trial", "why it counts no more"], &[0, 1], rows),
+    )
 }
 
 fn failures(campaign: &CampaignSnapshot) -> String {

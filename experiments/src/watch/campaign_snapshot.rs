@@ -6,7 +6,7 @@ use std::sync::Arc;
 use tribo_figure::number::fixed;
 
 use super::TrialColumns;
-use crate::files::file_name;
+use crate::files::{TunedFile, file_name};
 use crate::strategy::FinishedTrial;
 use crate::{AnyTune, CampaignError, CostName, EarlyStop, References};
 
@@ -19,6 +19,8 @@ pub struct WatchedTrial {
     pub aborted_at_s: Option<f64>,
     /// What its user said of its failure, of a trial that ran elsewhere.
     pub reported: Option<String>,
+    /// Seal of its log, where the journal has it.
+    pub seal: Option<String>,
 }
 
 impl WatchedTrial {
@@ -50,6 +52,8 @@ pub struct CampaignSnapshot {
     pub tune: Arc<AnyTune>,
     /// Finished trials, by number.
     pub trials: Vec<WatchedTrial>,
+    /// Trials that were taken back, and why; they are not among `trials`.
+    pub withdrawn: Vec<(usize, String)>,
     /// Numbers of the trials that have begun and not ended.
     pub running: Vec<usize>,
     /// Whether the last line of the journal is incomplete: it is being written, or its writer was killed.
@@ -99,7 +103,16 @@ impl CampaignSnapshot {
             return Ok(Some(self.tune.uncompensated()?));
         }
         let tried = self.tried_without();
-        Ok(tried.map(|watched| self.tune.read_trial(&self.directory, watched.trial.number)).transpose()?)
+        Ok(tried.map(|watched| self.tune.read_trial(&self.directory, watched)).transpose()?)
+    }
+
+    /// The compensator of the best trial, if there is one: what `tuned.yaml` holds.
+    pub fn tuned(&self) -> Option<TunedFile> {
+        let (best, uncompensated) = (&self.best()?.trial, self.uncompensated_cost());
+        Some(match &*self.tune {
+            AnyTune::Six(tune) => TunedFile::of_finished(tune, best, uncompensated),
+            AnyTune::Seven(tune) => TunedFile::of_finished(tune, best, uncompensated),
+        })
     }
 
     /// Trials that were stopped.

@@ -35,7 +35,7 @@ impl TrialSnapshot {
         watched: WatchedTrial,
         uncompensated: Option<Arc<TrialColumns>>,
     ) -> Result<Self, FileError> {
-        let log = tune.read_trial(campaign, watched.trial.number)?;
+        let log = tune.read_trial(campaign, &watched)?;
         Ok(Self::new(tune, watched, log, uncompensated))
     }
 

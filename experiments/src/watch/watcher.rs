@@ -5,7 +5,9 @@ use std::sync::Arc;
 
 use super::{CampaignSnapshot, WatchedTrial};
 use crate::campaign_directory::{explained, read_settings};
-use crate::journal::{JournalTail, News, TrialState, finished_trial, reported};
+use crate::files::YamlDocument;
+use crate::journal::{JournalTail, News, TrialState, finished_trial, reported, seal};
+use crate::recorded_settings::check_unchanged;
 use crate::{AnyTune, CampaignError, EarlyStop, References};
 
 /// Watches the campaign of a directory, finished or running, in this process or another.
@@ -13,6 +15,8 @@ use crate::{AnyTune, CampaignError, EarlyStop, References};
 pub struct CampaignWatch {
     directory: PathBuf,
     tune: Arc<AnyTune>,
+    /// The text of the settings, until the journal has said what they were.
+    unchecked: Option<YamlDocument>,
     tail: JournalTail,
     torn: bool,
     references: Option<References>,
@@ -31,8 +35,8 @@ impl CampaignWatch {
         let (config, document) = read_settings(directory, missing)?;
         let tune = config.validate_any().map_err(|error| explained(error, &document))?;
         let tail = JournalTail::new(&directory.join("journal.log"));
-        let (directory, tune) = (directory.to_owned(), Arc::new(tune));
-        Ok(Self { directory, tune, tail, torn: false, references: None, early_stop: None, seen: false })
+        let (directory, tune, unchecked) = (directory.to_owned(), Arc::new(tune), Some(document));
+        Ok(Self { directory, tune, unchecked, tail, torn: false, references: None, early_stop: None, seen: false })
     }
 
     /// The settings.
@@ -69,15 +73,24 @@ impl CampaignWatch {
         }
         (self.seen, self.torn) = (true, torn);
         let journal = self.directory.join("journal.log");
-        let (mut trials, mut running) = (Vec::new(), Vec::new());
+        if let (Some(document), Some(began)) = (&self.unchecked, &self.tail.study().settings) {
+            check_unchanged(began, document, &journal)?;
+            self.unchecked = None;
+        }
+        if let Some(trials) = self.tail.study().trials.filter(|trials| *trials != self.tune.config().trials) {
+            Arc::make_mut(&mut self.tune).set_trials(trials);
+        }
+        let (mut trials, mut running, mut withdrawn) = (Vec::new(), Vec::new(), Vec::new());
         for (number, trial) in self.tail.trials().iter().enumerate() {
             if trial.state == TrialState::Fail {
                 // Given up: nothing is known of it.
+            } else if let Some(reason) = &trial.withdrawn {
+                withdrawn.push((number, reason.clone()));
             } else if trial.state.is_finished() {
                 let aborted_at_s = trial.attributes.get("aborted_at_s").and_then(serde_json::Value::as_f64);
                 let finished = finished_trial(self.tune.space(), &journal, number, trial)?;
                 let reported = reported(trial);
-                trials.push(WatchedTrial { trial: finished, aborted_at_s, reported });
+                trials.push(WatchedTrial { trial: finished, aborted_at_s, reported, seal: seal(trial) });
             } else {
                 running.push(number);
             }
@@ -85,6 +98,6 @@ impl CampaignWatch {
         let (directory, tune, references) = (self.directory.clone(), Arc::clone(&self.tune), self.references);
         let early_stop =
             self.early_stop.filter(|stop| tune.config().stop_below.is_some() && stop.trials == trials.len());
-        Ok(Some(CampaignSnapshot { directory, tune, trials, running, torn, references, early_stop }))
+        Ok(Some(CampaignSnapshot { directory, tune, trials, withdrawn, running, torn, references, early_stop }))
     }
 }

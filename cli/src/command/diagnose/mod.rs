@@ -103,7 +103,7 @@ fn run_with<const N: usize>(
         Ok(diagnosis) => diagnosis,
         Err(DiagnoseError::Cancelled) => {
             progress.finish();
-            return Err(Stopped.into());
+            return Err(Stopped::empty_handed().into());
         }
         Err(error) => {
             progress.finish();
@@ -128,7 +128,7 @@ fn run_with<const N: usize>(
     }
     progress.finish();
     if progress.stopped() {
-        return Err(Stopped.into());
+        return Err(Stopped::empty_handed().into());
     }
     let extended =
         valid.map(|_| extended).map_err(|error| anyhow::anyhow!("the findings make no valid model: {error}"));
