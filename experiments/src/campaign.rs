@@ -98,7 +98,10 @@ impl<const N: usize> Campaign<N> {
             }
         }
         let done: Vec<FinishedTrial> = finished.iter().flatten().cloned().collect();
-        write_tuned(directory, &tune, &done, References::read(directory).map(|known| known.uncompensated))?;
+        // One that is there may be stale; where there is none, a run that is refused later on leaves none.
+        if directory.join("tuned.yaml").exists() {
+            write_tuned(directory, &tune, &done, References::read(directory).map(|known| known.uncompensated))?;
+        }
         let created = recorded.len();
         Ok(Self { directory: directory.to_owned(), tune, journal, trials: finished, created, recorded, seals })
     }
