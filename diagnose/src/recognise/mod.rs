@@ -146,10 +146,15 @@ impl<const N: usize> Round<N> {
                 });
                 let unexplained = |fit: &Fit<N>| fit.unexplained.iter().filter(|left| **left > NOT_EXPLAINED).count();
                 let fewer = unexplained(after) < unexplained(before) && unexplained(after) <= MOST_UNEXPLAINED;
-                // A factor on everything is nearly a heavy payload or another gravity.
-                let plausible = matches!(change, Change::TorqueFactor(_) | Change::AllTorqueSigns)
-                    && (before.penalty_nats - after.penalty_nats > IMPLAUSIBLE_NATS
-                        || squares(&before.left) > ARM_GAIN.powi(2) * squares(&after.left));
+                // The weight of the arm on a turned joint is an offset that no arm has; a factor on everything is nearly a heavy payload.
+                let cheaper = before.penalty_nats - after.penalty_nats > IMPLAUSIBLE_NATS;
+                let plausible = match change {
+                    Change::JointTorqueFactor(..) => false,
+                    Change::TorqueFactor(_) | Change::AllTorqueSigns => {
+                        cheaper || squares(&before.left) > ARM_GAIN.powi(2) * squares(&after.left)
+                    }
+                    _ => cheaper,
+                };
                 !worse && (explains && fewer || plausible)
             }
         }

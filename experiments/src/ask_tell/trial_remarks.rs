@@ -43,7 +43,8 @@ pub fn trial_remarks<const N: usize>(
             .map(|log| recognise(&log, &nominal))
             .unwrap_or_default(),
     );
-    if failed {
+    // A log that ends early is refused for that.
+    if failed || log.duration_s() < user_trials.judged_from_s + 0.9 * user_trials.judged_s {
         return remarks;
     }
     let start_s = log.time_s[0] + user_trials.judged_from_s;

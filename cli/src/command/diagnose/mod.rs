@@ -57,6 +57,10 @@ pub fn run(arguments: &Diagnose, common: &Common) -> anyhow::Result<()> {
     let others = validate.iter().chain(&reference).map(|(name, log)| (name, log));
     for (name, log) in names.iter().zip(&session).chain(others) {
         check_joints(Path::new(name), log, &model)?;
+    }
+    for (name, log) in
+        names.iter().zip(&session).chain(validate.iter().chain(&reference).map(|(name, log)| (name, log)))
+    {
         let remarks = match &model {
             AnyModel::Six(model) => recognise(log, &model.to_nominal()),
             AnyModel::Seven(model) => recognise(log, &model.to_nominal()),
