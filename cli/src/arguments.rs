@@ -313,6 +313,9 @@ pub struct Estimate {
     /// The log, in any format that convert reads. Where it has torque on both sides of the gears and no --model is given,
     /// their friction is all that is estimated.
     pub log: PathBuf,
+    /// Go on with a log that is refused; what speaks against it is said.
+    #[arg(long)]
+    pub anyway: bool,
     /// Model of the robot (YAML, schema tribo.model/1) [default: the bare robot without friction].
     #[arg(long, value_name = "FILE")]
     pub model: Option<PathBuf>,
@@ -351,6 +354,9 @@ pub struct Diagnose {
     /// The logs of one session, in any format that convert reads.
     #[arg(required = true, value_name = "LOG")]
     pub logs: Vec<PathBuf>,
+    /// Go on with a log that is refused; what speaks against it is said.
+    #[arg(long)]
+    pub anyway: bool,
     /// Model that the logs are held against (YAML, schema tribo.model/1) [default: the bare robot without friction; rotors
     /// without inertia where link-side torque was logged too].
     #[arg(long, value_name = "FILE")]

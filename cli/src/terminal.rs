@@ -39,20 +39,23 @@ struct Visible<'s> {
 
 impl fmt::Write for Visible<'_> {
     fn write_str(&mut self, text: &str) -> fmt::Result {
-        let mut rest = text;
-        let mut write = || {
-            while let Some((at, letter)) = rest.char_indices().find(|&(_, letter)| is_obeyed(letter)) {
-                self.stream.write_all(&rest.as_bytes()[..at])?;
-                match self.form {
-                    Form::Text => write!(self.stream, "\\u{{{:x}}}", u32::from(letter))?,
-                    Form::Json => write!(self.stream, "\\u{:04x}", u32::from(letter))?,
-                }
-                rest = &rest[at + letter.len_utf8()..];
-            }
-            self.stream.write_all(rest.as_bytes())
-        };
-        self.error = write();
+        self.error = self.pass_on(text);
         if self.error.is_ok() { Ok(()) } else { Err(fmt::Error) }
+    }
+}
+
+impl Visible<'_> {
+    fn pass_on(&mut self, text: &str) -> io::Result<()> {
+        let mut rest = text;
+        while let Some((at, letter)) = rest.char_indices().find(|&(_, letter)| is_obeyed(letter)) {
+            self.stream.write_all(&rest.as_bytes()[..at])?;
+            match self.form {
+                Form::Text => write!(self.stream, "\\u{{{:x}}}", u32::from(letter))?,
+                Form::Json => write!(self.stream, "\\u{:04x}", u32::from(letter))?,
+            }
+            rest = &rest[at + letter.len_utf8()..];
+        }
+        self.stream.write_all(rest.as_bytes())
     }
 }
 

@@ -94,6 +94,9 @@ fn a_wrong_log_is_neither_diagnosed_nor_estimated_and_is_converted_with_a_warnin
         refused(at, &format!("{command} turned.csv"), &["the torque of joint 1", "multiply column tau_J_1 by -1"]);
         refused(at, &format!("{command} ms.csv"), &["milliseconds"]);
     }
+    // Somebody may know better.
+    let taken = run(at, "estimate --residual torque --anyway turned.csv --json").ok();
+    assert!(taken.stderr.contains("multiply column tau_J_1 by -1"), "{taken:?}");
     let converted = run(at, "convert ms.csv out.parquet").ok();
     assert!(converted.stdout.contains("divide column time by 1e3"), "{converted:?}");
     let warned = run(at, "estimate --residual ekf speeds.csv --json").ok();

@@ -96,7 +96,7 @@ pub fn write_log_to(
 /// Reads the log at `from` and writes it to `to`. `progress` hears the part that is read, 0 to 1, and stops by saying false.
 ///
 /// # Errors
-/// Those of [`read_log`] and [`write_log`]; [`LogError::Stopped`]. Then nothing is written.
+/// Those of [`read_log_watched`] and [`write_log`]; [`LogError::Stopped`]. Then nothing is written.
 pub fn convert(
     from: impl AsRef<Path>,
     to: impl AsRef<Path>,

@@ -3,6 +3,7 @@
 //! Seeds from 900000 on belong to these tests: nothing was tuned on them. One command draws other ones:
 //! `cargo run --release -p tribo-experiments --example diagnosis_confusion -- --seeds 0..87`.
 
+mod believed;
 mod nulls;
 mod outside;
 mod pairs;

@@ -22,19 +22,35 @@ pub fn remarks_json(remarks: &[Remark], wanted: Use) -> Value {
     remarks.collect()
 }
 
+/// What is done with a log that cannot be right.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Refused {
+    /// It is an error.
+    IsAnError,
+    /// Somebody who knows better goes on with it.
+    IsTaken,
+}
+
+impl Refused {
+    /// As `--anyway` says.
+    pub fn unless(anyway: bool) -> Self {
+        if anyway { Self::IsTaken } else { Self::IsAnError }
+    }
+}
+
 /// Refuses a log that cannot be right for what it is wanted for, with every reason; what only may be wrong goes to standard error.
 ///
 /// # Errors
 /// [`BadInput`], one line per reason.
-pub fn believe(path: &Path, remarks: &[Remark], wanted: Use, quiet: bool) -> anyhow::Result<()> {
+pub fn believe(path: &Path, remarks: &[Remark], wanted: Use, refused: Refused, quiet: bool) -> anyhow::Result<()> {
     let name = path.display();
-    let refused: Vec<String> = remarks
+    let reasons: Vec<String> = remarks
         .iter()
         .filter(|remark| remark.refuses(wanted))
         .map(|remark| format!("{name}: {}: {remark}", remark.fault.name()))
         .collect();
-    if !refused.is_empty() {
-        return Err(BadInput(refused.join("\n")).into());
+    if !reasons.is_empty() && refused == Refused::IsAnError {
+        return Err(BadInput(reasons.join("\n")).into());
     }
     for remark in remarks.iter().filter(|remark| remark.concerns(wanted) && !quiet) {
         message!("tribo: {name}: {remark}");

@@ -16,7 +16,7 @@ use tribo_logs::{LogSummary, RobotLog, Table, write_table};
 use tribo_residual::{OBSERVER_GAIN_RAD_S, identify_band};
 use tribo_sim::{Effect, panda_gaz_joints};
 
-use super::believe::believe;
+use super::believe::{Refused, believe};
 use super::{check_joints, named, read_log, transmission, warn_not_cancelled};
 use crate::arguments::{Common, Estimate};
 use crate::failure::BadInput;
@@ -41,7 +41,8 @@ pub fn run(arguments: &Estimate, common: &Common) -> anyhow::Result<()> {
     // The torque residual alone does without dq.
     let wanted = if arguments.residual == "torque" { Use::Diagnosis } else { Use::Wrench };
     // Tables show the warnings of the log themselves.
-    believe(&arguments.log, &recognise::recognise(&log), wanted, common.quiet || !common.json)?;
+    let refused = Refused::unless(arguments.anyway);
+    believe(&arguments.log, &recognise::recognise(&log), wanted, refused, common.quiet || !common.json)?;
     let nameless = given.is_none() && choice.robot.is_none();
     let smoothing_rad_s = given.as_ref().map_or(SIGN_SMOOTHING_RAD_S, |(_, model)| model.smoothing_rad_s());
     let gears = match TransmissionFriction::of_log(&log, smoothing_rad_s) {
@@ -84,7 +85,14 @@ fn estimate<const N: usize>(
     model: &Model<N>,
 ) -> anyhow::Result<()> {
     let wanted = if arguments.residual == "torque" { Use::Diagnosis } else { Use::Wrench };
-    believe(&arguments.log, &tribo_diagnose::recognise::recognise(log, &model.to_nominal()), wanted, common.quiet)?;
+    let refused = Refused::unless(arguments.anyway);
+    believe(
+        &arguments.log,
+        &tribo_diagnose::recognise::recognise(log, &model.to_nominal()),
+        wanted,
+        refused,
+        common.quiet,
+    )?;
     let believed = Believed::on_log(model);
     warn_not_cancelled(&believed.not_cancelled, common);
     if !(arguments.block_s > 0.0 && arguments.block_s.is_finite()) {
@@ -187,8 +195,9 @@ struct FreeLog<const N: usize> {
 impl<const N: usize> FreeLog<N> {
     fn read(path: &Path, model: &Model<N>, believed: &Believed<N>, common: &Common) -> anyhow::Result<Self> {
         let (log, _) = read_log(path, common)?;
-        believe(path, &recognise::recognise(&log), Use::Wrench, common.quiet)?;
-        believe(path, &tribo_diagnose::recognise::recognise(&log, &model.to_nominal()), Use::Wrench, common.quiet)?;
+        believe(path, &recognise::recognise(&log), Use::Wrench, Refused::IsAnError, common.quiet)?;
+        let remarks = tribo_diagnose::recognise::recognise(&log, &model.to_nominal());
+        believe(path, &remarks, Use::Wrench, Refused::IsAnError, common.quiet)?;
         let bad = |error: &dyn std::fmt::Display| BadInput(format!("{}: {error}", path.display()));
         let fits = identify_band(&log, &believed.arm, OBSERVER_GAIN_RAD_S).map_err(|error| bad(&error))?;
         let band = FrictionBand::new(fits.map(|fit| fit.band)).map_err(|error| bad(&error))?;

@@ -7,7 +7,7 @@ use tribo_experiments::{AbortReason, JudgedLog, Told, TuneConfig, UserCampaign, 
 use tribo_logs::recognise::{Fault, Use, recognise};
 use tribo_logs::{RobotLog, read_log};
 
-use super::believe::believe;
+use super::believe::{Refused, believe};
 use super::{learnt, now};
 use crate::arguments::{Common, Tell};
 use crate::failure::BadInput;
@@ -118,9 +118,9 @@ fn judged<const N: usize>(
     // Somebody may have stopped a trial before the arm moved.
     let mut remarks = recognise(log);
     remarks.retain(|remark| !failed || remark.fault != Fault::Standstill);
-    believe(path, &remarks, Use::Trial, common.quiet)?;
+    believe(path, &remarks, Use::Trial, Refused::IsAnError, common.quiet)?;
     let remarks = trial_remarks(campaign.tune(), campaign.user_trials(), log, failed);
-    believe(path, &remarks, Use::Trial, common.quiet)?;
+    believe(path, &remarks, Use::Trial, Refused::IsAnError, common.quiet)?;
     let judged = judge_log(campaign.tune(), campaign.user_trials(), &theta, log, failed);
     Ok(judged.map_err(|error| BadInput(format!("{}: {error}", path.display())))?)
 }

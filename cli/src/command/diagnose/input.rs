@@ -6,7 +6,7 @@ use tribo_experiments::files::ModelChoice;
 use tribo_logs::RobotLog;
 use tribo_logs::recognise::{Use, recognise};
 
-use super::super::believe::believe;
+use super::super::believe::{Refused, believe};
 use super::super::{named, read_log};
 use crate::arguments::{Common, Diagnose};
 use crate::failure::BadInput;
@@ -21,11 +21,11 @@ pub fn choice(arguments: &Diagnose) -> anyhow::Result<ModelChoice> {
 }
 
 /// The logs with their names; suspicions about them go to standard error.
-pub fn logs(paths: &[PathBuf], common: &Common) -> anyhow::Result<Vec<(String, RobotLog)>> {
-    paths.iter().map(|path| log(path, common)).collect()
+pub fn logs(paths: &[PathBuf], refused: Refused, common: &Common) -> anyhow::Result<Vec<(String, RobotLog)>> {
+    paths.iter().map(|path| log(path, refused, common)).collect()
 }
 
-fn log(path: &Path, common: &Common) -> anyhow::Result<(String, RobotLog)> {
+fn log(path: &Path, refused: Refused, common: &Common) -> anyhow::Result<(String, RobotLog)> {
     let (log, summary) = read_log(path, common)?;
     if !common.quiet {
         for warning in &summary.warnings {
@@ -35,7 +35,7 @@ fn log(path: &Path, common: &Common) -> anyhow::Result<(String, RobotLog)> {
             message!("{}\n{summary}", path.display());
         }
     }
-    believe(path, &recognise(&log), Use::Diagnosis, common.quiet)?;
+    believe(path, &recognise(&log), Use::Diagnosis, refused, common.quiet)?;
     Ok((path.display().to_string(), log))
 }
 

@@ -16,7 +16,7 @@ use tribo_logs::RobotLog;
 use tribo_logs::recognise::Use;
 use tribo_robot::Arm;
 
-use super::believe::believe;
+use super::believe::{Refused, believe};
 use super::check_joints;
 use crate::arguments::{Common, Diagnose};
 use crate::failure::{BadInput, CheckFailed, Stopped};
@@ -44,9 +44,10 @@ pub fn run(arguments: &Diagnose, common: &Common) -> anyhow::Result<()> {
     let given = choice.given()?;
     let outputs = Outputs::checked(arguments)?;
     input::check_logs_differ(arguments)?;
-    let logs = input::logs(&arguments.logs, common)?;
-    let validate = input::logs(&arguments.validate, common)?;
-    let reference = input::logs(&arguments.reference, common)?;
+    let refused = Refused::unless(arguments.anyway);
+    let logs = input::logs(&arguments.logs, refused, common)?;
+    let validate = input::logs(&arguments.validate, refused, common)?;
+    let reference = input::logs(&arguments.reference, refused, common)?;
     if let Some(band_hz) = arguments.band_hz.filter(|band_hz| !(*band_hz > 0.0 && band_hz.is_finite())) {
         return Err(BadInput(format!("--band-hz is {band_hz}; allowed: greater than 0")).into());
     }
@@ -65,7 +66,7 @@ pub fn run(arguments: &Diagnose, common: &Common) -> anyhow::Result<()> {
             AnyModel::Six(model) => recognise(log, &model.to_nominal()),
             AnyModel::Seven(model) => recognise(log, &model.to_nominal()),
         };
-        believe(Path::new(name), &remarks, Use::Diagnosis, common.quiet)?;
+        believe(Path::new(name), &remarks, Use::Diagnosis, refused, common.quiet)?;
     }
     let unloaded = reference.into_iter().map(|(_, log)| log).collect();
     let held = Held { names, session, validate, unloaded, model_name: choice.name(model.robot()), model_file };
