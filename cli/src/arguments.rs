@@ -192,7 +192,7 @@ pub struct CampaignSettings {
     /// What chooses the next parameters.
     #[arg(long, value_parser = PossibleValuesParser::new(["zero", "gaz", "random", "sobol", "paper", "bo", "composite", "cma_es", "iterative_learning", "grey_box"]))]
     pub strategy: Option<String>,
-    /// Number of trials [default: 50; of a new campaign of `ask` with grey_box: 5].
+    /// Number of trials [default: 50; of a new campaign of ask with grey_box: 5].
     #[arg(long, allow_negative_numbers = true)]
     pub trials: Option<usize>,
     /// Trials of the initial design.

@@ -113,10 +113,10 @@ fn what_cannot_be_exported_is_refused() {
     refused("export c --format rust --name x", &["--name is `x`; allowed: nothing"]);
     edit(&tuned, |text| text.replace("viscous_nm_s_per_rad: 0", "viscous_nm_s_per_rad: 1"));
     refused(
-        "export c --format crisp",
+        "export c/tuned.yaml --format crisp",
         &["joint 0: friction without a dry part (2.175 Nm at the speed limit)", "crisp"],
     );
     edit(&tuned, |text| text.replace("robot: panda", "robot: its_own"));
-    refused("export c --format mjcf", &["robot `its_own` is no preset", "yaml, json, ros2, c and rust"]);
+    refused("export c/tuned.yaml --format mjcf", &["robot `its_own` is no preset", "yaml, json, ros2, c and rust"]);
     run(at.path(), "export c --format c").ok();
 }

@@ -18,7 +18,7 @@ fn campaign(at: &Path, strategy: &str, seed: u64, threads: usize, name: &str) ->
     let document = run(at, &format!("tune --trials 6 --init 4 --phases random {arguments} --json")).ok().json();
     let trials = journal(&at.join(name));
     assert_eq!(trials.len(), 6);
-    assert!(trials.iter().all(|trial| trial.end.is_some() && trial.params.len() == 14 && trial.attributes.len() == 6));
+    assert!(trials.iter().all(|trial| trial.end.is_some() && trial.params.len() == 14 && trial.attributes.len() == 7));
     (trials, result(&document))
 }
 

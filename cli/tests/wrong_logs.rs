@@ -63,8 +63,6 @@ fn a_wrong_log_is_no_trial() {
     refused(at, "tell mine mnm.csv", &["torque_unit", "mNm"]);
     mutilated(at, "good.csv", "turned.csv", |name, x| if torque(name) { -x } else { x });
     refused(at, "tell mine turned.csv", &["torque_sign", "all joints", "multiply the torques by -1"]);
-    mutilated(at, "good.csv", "joint.csv", |name, x| if name == "tau_J_d_3" { -x } else { x });
-    refused(at, "tell mine joint.csv", &["the torque of joint 3 fits the model with the opposite sign"]);
     mutilated(at, "good.csv", "standing.csv", |name, x| match angle(name) {
         true if name.starts_with("dq") => 0.0,
         true => at_start(name),

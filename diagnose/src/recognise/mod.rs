@@ -133,7 +133,8 @@ impl<const N: usize> Round<N> {
         let squares = |left: &[f64; N]| left.iter().map(|x| x * x).sum::<f64>();
         match change {
             // What the priors of tilt and rotors alone speak against.
-            Change::OtherSide(_) | Change::NoGravity | Change::Gravity(_) => true,
+            Change::OtherSide(_) | Change::NoGravity => true,
+            Change::Gravity(_) => squares(&self.before.left) > squares(&after.left),
             Change::OtherRobot(_) => squares(&self.before.left) > ARM_GAIN.powi(2) * squares(&after.left),
             _ => {
                 let (before, after) = (&self.before, after);
