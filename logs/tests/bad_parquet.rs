@@ -88,7 +88,7 @@ fn files_of_other_programs_are_read_as_far_as_they_are_numbers() {
     assert_eq!(table.skipped_columns, ["e", "f"]);
     let text = read_log(&path).unwrap_err().to_string();
     assert!(
-        text.contains("foreign.parquet: missing columns: time, q_0, dq_0, tau_J_0 (not understood: a, b"),
+        text.contains("foreign.parquet: missing columns: time, q_0, tau_J_0 (not understood: a, b"),
         "{text}"
     );
 }
