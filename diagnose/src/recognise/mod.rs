@@ -69,6 +69,9 @@ pub fn recognise<const N: usize>(log: &RobotLog, nominal: &Nominal<N>) -> Vec<Re
     remarks
 }
 
+/// By how much less must be left of all torques for gravity to be surely elsewhere than in the model: priors alone only warn.
+const SURE_GAIN: f64 = 1.5;
+
 /// A hypothesis that explains the log better, and those that do nearly as well.
 struct Found<const N: usize> {
     change: Change,
@@ -133,8 +136,7 @@ impl<const N: usize> Round<N> {
         let squares = |left: &[f64; N]| left.iter().map(|x| x * x).sum::<f64>();
         match change {
             // What the priors of tilt and rotors alone speak against.
-            Change::OtherSide(_) | Change::NoGravity => true,
-            Change::Gravity(_) => squares(&self.before.left) > squares(&after.left),
+            Change::OtherSide(_) | Change::NoGravity | Change::Gravity(_) => true,
             Change::OtherRobot(_) => squares(&self.before.left) > ARM_GAIN.powi(2) * squares(&after.left),
             _ => {
                 let (before, after) = (&self.before, after);

@@ -17,6 +17,9 @@ pub(super) fn remark<const N: usize>(found: &Found<N>) -> Remark {
     };
     let refuse = Remark::refuse;
     let everything: Vec<usize> = (0..N).collect();
+    let squares = |fit: &super::fit::Fit<N>| fit.left.iter().map(|x| x * x).sum::<f64>();
+    let surely = squares(&found.before) > super::SURE_GAIN.powi(2) * squares(&found.after);
+    let of_gravity = if surely { refuse } else { Remark::warn };
     match &found.change {
         Change::TorqueSign(j) | Change::PositionSign(j) if found.either_sign(*j) => refuse(
             Fault::TorqueOrPositionSign,
@@ -102,7 +105,7 @@ pub(super) fn remark<const N: usize>(found: &Found<N>) -> Remark {
             format!("the torque of joint {j} is {factor:.4} times that of the model: {}", left(*j)),
             format!("look at the unit of tau_J_{j}, at the gear ratio and the torque constant"),
         ),
-        Change::NoGravity => refuse(
+        Change::NoGravity => of_gravity(
             Fault::GravityMissing,
             everything,
             format!("the torques fit the model without gravity: {}", in_all()),
@@ -110,7 +113,7 @@ pub(super) fn remark<const N: usize>(found: &Found<N>) -> Remark {
              a campaign can begin with --torque commanded_without_gravity"
                 .to_owned(),
         ),
-        Change::Gravity(g) => refuse(
+        Change::Gravity(g) => of_gravity(
             Fault::GravityDirection,
             everything,
             format!(
