@@ -3,6 +3,7 @@
 use std::fmt;
 
 use tribo_friction::{BristlePart, Curve, FrictionModel, JointEffects, Ripple};
+use tribo_logs::recognise::joints_named;
 use tribo_robot::Arm;
 use tribo_sim::{Effect, Truth};
 
@@ -14,7 +15,8 @@ use crate::files::Model;
 /// payload base_tilt link_inertial rotor_inertia                                          → arm
 /// coulomb viscous stribeck coulomb_asymmetry torque_offset load_friction
 /// torque_ripple position_spring presliding friction_curve                                → effects of the compensator
-/// torque_gain thermal_friction joint_elasticity backlash time_delay external_contact     → not cancelled, with the reason
+/// torque_gain thermal_friction joint_elasticity backlash time_delay external_contact
+/// friction_lead                                                                          → not cancelled, with the reason
 /// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct Believed<const N: usize> {
@@ -79,15 +81,7 @@ pub fn not_cancelled_sentences(left: &[NotCancelled]) -> Vec<String> {
         .into_iter()
         .map(|(one, joints)| match &joints[..] {
             [] | [_] => one.to_string(),
-            [first @ .., last] => {
-                let first: Vec<String> = first.iter().map(usize::to_string).collect();
-                format!(
-                    "{} of joints {} and {last} is not cancelled: {}",
-                    one.effect.cause(),
-                    first.join(", "),
-                    one.why
-                )
-            }
+            _ => format!("{} of {} is not cancelled: {}", one.effect.cause(), joints_named(&joints), one.why),
         })
         .collect()
 }

@@ -17,7 +17,7 @@ use crate::CampaignError;
 use crate::config::{ConfigError, TRIALS};
 use crate::files::{FieldError, FileError, YamlDocument, to_yaml};
 use crate::journal::{Clock, Journal, JournalTrial};
-use crate::leftovers::{is_leftover, sweep};
+use crate::leftovers::{first_stranger, is_leftover, sweep};
 use crate::recorded_settings::{check_unchanged, check_version};
 use crate::{TuneConfig, ValidTune};
 
@@ -50,25 +50,15 @@ fn check_free(directory: &Path) -> Result<(), FileError> {
     if directory.join(SETTINGS).exists() {
         return refused("holds a campaign already; give another --out, or --resume to go on with it".to_owned());
     }
-    let entries = match std::fs::read_dir(directory) {
-        Err(error) if error.kind() == std::io::ErrorKind::NotFound => return Ok(()),
-        entries => entries.map_err(FileError::io(directory))?,
+    let begun = |name: &str, path: &Path| match name {
+        JOURNAL => path.metadata().is_ok_and(|file| file.is_file() && file.len() == 0),
+        TRIAL_LOGS => std::fs::read_dir(path).is_ok_and(|mut logs| logs.next().is_none()),
+        name => is_leftover(name),
     };
-    for entry in entries {
-        let entry = entry.map_err(FileError::io(directory))?;
-        let (name, path) = (entry.file_name(), entry.path());
-        let begun = match name.to_str() {
-            Some(JOURNAL) => path.metadata().is_ok_and(|file| file.is_file() && file.len() == 0),
-            Some(TRIAL_LOGS) => std::fs::read_dir(&path).is_ok_and(|mut logs| logs.next().is_none()),
-            Some(name) => is_leftover(name),
-            None => false,
-        };
-        if !begun {
-            let name = name.to_string_lossy();
-            return refused(format!("is not empty ({name}) and holds no campaign; give a directory of its own"));
-        }
+    match first_stranger(directory, begun)? {
+        Some(name) => refused(format!("is not empty ({name}) and holds no campaign; give a directory of its own")),
+        None => Ok(()),
     }
-    Ok(())
 }
 
 /// Whether the trials of a campaign are run by the caller.

@@ -5,6 +5,8 @@
 
 use std::path::Path;
 
+use crate::files::FileError;
+
 /// Removes the temporary files of a campaign's own files. The caller holds the campaign, so nobody is writing them.
 pub(crate) fn sweep(campaign: &Path) {
     for directory in [campaign.to_owned(), campaign.join("trials")] {
@@ -14,6 +16,25 @@ pub(crate) fn sweep(campaign: &Path) {
             let _ = std::fs::remove_file(entry.path());
         }
     }
+}
+
+/// Name of the first entry of a directory that does not belong there; none where there is no directory.
+pub(crate) fn first_stranger(
+    directory: &Path,
+    belongs: impl Fn(&str, &Path) -> bool,
+) -> Result<Option<String>, FileError> {
+    let entries = match std::fs::read_dir(directory) {
+        Err(error) if error.kind() == std::io::ErrorKind::NotFound => return Ok(None),
+        entries => entries.map_err(FileError::io(directory))?,
+    };
+    for entry in entries {
+        let entry = entry.map_err(FileError::io(directory))?;
+        let name = entry.file_name();
+        if !name.to_str().is_some_and(|name| belongs(name, &entry.path())) {
+            return Ok(Some(name.to_string_lossy().into_owned()));
+        }
+    }
+    Ok(None)
 }
 
 /// `.campaign.yaml.RANDOM.tmp`, and likewise of `references.yaml`, `tuned.yaml`, `report.html` and `NNNN.parquet`.

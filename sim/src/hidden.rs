@@ -1,7 +1,7 @@
 //! The effects of a truth, sorted by where they act.
 
 use nalgebra::{SVector, Vector3};
-use tribo_friction::law::smooth_sign;
+use tribo_friction::law::{sign_lead, smooth_sign};
 use tribo_friction::{BristlePart, Curve, JointEffects, JointFriction, MAX_BRISTLES, Ripple};
 use tribo_robot::{Arm, LinkInertia, Payload, Wrench, so3};
 
@@ -48,8 +48,7 @@ pub(crate) struct FrictionLead {
 impl FrictionLead {
     /// `A (tanh((qd + ℓ qdd)/w) − tanh(qd/w))` (Nm) at qd [rad/s] and qdd [rad/s²] of the joint.
     pub fn torque_nm(&self, qd: f64, qdd: f64) -> f64 {
-        let ahead = smooth_sign(qd + self.lead_s * qdd, self.width_rad_s);
-        self.amplitude_nm * (ahead - smooth_sign(qd, self.width_rad_s))
+        self.amplitude_nm * sign_lead(qd, qdd, self.width_rad_s, self.lead_s)
     }
 }
 

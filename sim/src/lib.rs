@@ -55,7 +55,7 @@ pub use plant::{BoxFrictionPlant, DEFAULT_SUB_STEPS};
 pub use quasi_static::{QuasiStaticArm, Transmission};
 pub use recording::{ExtraTorque, Recorder, Recording, RecordingError, Session, record};
 pub use sensors::Sensors;
-pub use soft_friction::SoftFriction;
+pub use soft_friction::{SOFT_FRICTION_LEAD_S, SoftFriction};
 pub use truth::{TorqueSide, Truth, panda_gaz_joints};
 pub use typical_friction::{AnyTypicalFriction, TypicalFriction};
 pub use warm_joint::{JointWarmth, WarmJoint};

@@ -1,5 +1,7 @@
 //! What the plant leaves out of its effects, and what only its torque sensor shows.
 
+use tribo_logs::recognise::joints_named;
+
 use crate::Effect;
 
 /// One sentence, without a full stop, for every cause of a truth that [`BoxFrictionPlant`](crate::BoxFrictionPlant) does not have, or
@@ -14,13 +16,9 @@ pub fn not_simulated(effects: &[Effect]) -> Vec<String> {
             None => causes.push((effect.cause(), what, joint.into_iter().collect())),
         }
     }
-    let sentence = |(cause, what, joints): (&str, &str, Vec<usize>)| {
-        let names: Vec<String> = joints.iter().map(usize::to_string).collect();
-        match &names[..] {
-            [] => format!("{cause} {what}"),
-            [joint] => format!("{cause} of joint {joint} {what}"),
-            [first @ .., last] => format!("{cause} of joints {} and {last} {what}", first.join(", ")),
-        }
+    let sentence = |(cause, what, joints): (&str, &str, Vec<usize>)| match joints.is_empty() {
+        true => format!("{cause} {what}"),
+        false => format!("{cause} of {} {what}", joints_named(&joints)),
     };
     causes.into_iter().map(sentence).collect()
 }

@@ -3,8 +3,12 @@
 use nalgebra::SVector;
 use tribo_robot::{Arm, mass_matrix};
 
-/// Rate at which the constraint stops a joint (1/s): 2/(dmax · 0.02 s), dmax = 0.95.
-const STOPPING_PER_S: f64 = 2.0 / (0.95 * 0.02);
+/// Largest impedance dmax = 0.95 times the time constant 0.02 s of the constraint (s).
+const CONSTRAINT_S: f64 = 0.95 * 0.02;
+/// Rate at which the constraint stops a joint (1/s).
+const STOPPING_PER_S: f64 = 2.0 / CONSTRAINT_S;
+/// Time by which [`SoftFriction`] leads the velocity (s): one over the rate at which it stops a joint.
+pub const SOFT_FRICTION_LEAD_S: f64 = 0.5 * CONSTRAINT_S;
 /// Stiffness of the constraint over the inertia that a joint feels [-]: d/(1 − d), d = 0.9.
 const HARDNESS: f64 = 9.0;
 

@@ -38,10 +38,8 @@ pub fn run(arguments: &Estimate, common: &Common) -> anyhow::Result<()> {
     let given = choice.given()?;
     let (log, summary) = read_log(&arguments.log, common)?;
     let everything = arguments.residual == "all";
-    // The torque residual alone does without dq.
-    let wanted = if arguments.residual == "torque" { Use::Diagnosis } else { Use::Wrench };
     // Tables show the warnings of the log themselves.
-    let refused = Refused::unless(arguments.anyway);
+    let (wanted, refused) = judgement(arguments);
     believe(&arguments.log, &recognise::recognise(&log), wanted, refused, common.quiet || !common.json)?;
     let nameless = given.is_none() && choice.robot.is_none();
     let smoothing_rad_s = given.as_ref().map_or(SIGN_SMOOTHING_RAD_S, |(_, model)| model.smoothing_rad_s());
@@ -71,6 +69,12 @@ pub fn run(arguments: &Estimate, common: &Common) -> anyhow::Result<()> {
     }
 }
 
+/// What the log is wanted for, and what is done with one that cannot be right. The torque residual alone does without dq.
+fn judgement(arguments: &Estimate) -> (Use, Refused) {
+    let wanted = if arguments.residual == "torque" { Use::Diagnosis } else { Use::Wrench };
+    (wanted, Refused::unless(arguments.anyway))
+}
+
 /// A log, and what it says of its gears without a model.
 struct Measured {
     log: RobotLog,
@@ -84,8 +88,7 @@ fn estimate<const N: usize>(
     Measured { log, summary, gears }: &Measured,
     model: &Model<N>,
 ) -> anyhow::Result<()> {
-    let wanted = if arguments.residual == "torque" { Use::Diagnosis } else { Use::Wrench };
-    let refused = Refused::unless(arguments.anyway);
+    let (wanted, refused) = judgement(arguments);
     believe(
         &arguments.log,
         &tribo_diagnose::recognise::recognise(log, &model.to_nominal()),

@@ -1,6 +1,6 @@
 //! Dry friction that turns round before the joint does.
 
-use tribo_friction::law::smooth_sign;
+use tribo_friction::law::sign_lead;
 use tribo_sim::Effect;
 
 use super::Candidate;
@@ -24,9 +24,7 @@ impl<const N: usize> Candidate<N> for FrictionLead {
 
     fn columns(&self, scene: &Scene<N>, shape: &[f64]) -> Vec<FineColumn<N>> {
         let (j, width_rad_s, lead_s) = (self.joint, shape[0], shape[1]);
-        vec![scene.joint_column(j, |at| {
-            smooth_sign(at.qd[j] + lead_s * at.qdd[j], width_rad_s) - smooth_sign(at.qd[j], width_rad_s)
-        })]
+        vec![scene.joint_column(j, |at| sign_lead(at.qd[j], at.qdd[j], width_rad_s, lead_s))]
     }
 
     fn effect(&self, _scene: &Scene<N>, shape: &[f64], coefficients: &[f64]) -> Option<Effect> {

@@ -4,9 +4,10 @@ use std::ops::Range;
 
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
-use tribo_friction::law::smooth_sign;
+use tribo_friction::law::{sign_lead, smooth_sign};
+use tribo_sim::SOFT_FRICTION_LEAD_S;
 
-use super::prior::{ArmScale, CURVE_WIDTHS, LEAD_S, PRESLIDING_RAD, RIPPLES};
+use super::prior::{ArmScale, CURVE_WIDTHS, PRESLIDING_RAD, RIPPLES};
 use super::standstill;
 use crate::cause::{base_tilt_columns, bristle};
 use crate::filter::central_difference;
@@ -261,7 +262,7 @@ fn own_columns<const N: usize>(scene: &Scene<N>, j: usize, scale: &ArmScale) -> 
             }
             JointTerm::Lead(k) => {
                 let width_rad_s = scale.lead_width_rad_s(j, k);
-                of(&|at| smooth_sign(at.qd[j] + LEAD_S * at.qdd[j], width_rad_s) - smooth_sign(at.qd[j], width_rad_s))
+                of(&|at| sign_lead(at.qd[j], at.qdd[j], width_rad_s, SOFT_FRICTION_LEAD_S))
             }
             JointTerm::Sine(k) => of(&|at| waves(k).map_or(0.0, |n| (n * at.q[j]).sin())),
             JointTerm::Cosine(k) => of(&|at| waves(k).map_or(0.0, |n| (n * at.q[j]).cos())),

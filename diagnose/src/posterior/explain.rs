@@ -68,8 +68,8 @@ fn fitted(
 ) -> Result<Fitted, DiagnoseError> {
     let parts = problem.all_parts();
     let rules = |family: &Family| family.prior(problem.scale.link_side);
-    let gears = Family::ALL.into_iter().filter(|family| !rules(family).simulated);
-    let mut families: Vec<Family> = gears.filter(|family| problem.has(*family)).collect();
+    let mut families: Vec<Family> =
+        Family::of_gears(problem.scale.link_side).filter(|family| problem.has(*family)).collect();
     let mut asked = false;
     let too_short = || DiagnoseError::TooShort { got: problem.columns.samples(&parts), need: problem.places.len() };
     loop {

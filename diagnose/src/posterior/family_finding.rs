@@ -157,8 +157,7 @@ impl<const N: usize> Answer<'_, N> {
     /// Σ of several terms of one joint.
     fn sum(&self, joint: usize, terms: &[JointTerm]) -> (f64, f64) {
         let index: Vec<usize> = terms.iter().filter_map(|t| self.problem.index(Place::Own(joint, *t))).collect();
-        let variance: f64 = index.iter().flat_map(|a| index.iter().map(|b| self.fit.covariance_of(*a, *b))).sum();
-        (index.iter().map(|i| self.fit.state[*i]).sum(), variance.max(0.0).sqrt())
+        self.fit.sum(&index)
     }
 
     fn of_joints(&self, label: CauseLabel) -> Option<Shown> {

@@ -72,6 +72,12 @@ impl Fit {
         place(a).zip(place(b)).map_or(0.0, |(a, b)| self.covariance[(a, b)])
     }
 
+    /// Σ of some parameters, with its posterior standard deviation.
+    pub fn sum(&self, parameters: &[usize]) -> (f64, f64) {
+        let variance: f64 = parameters.iter().flat_map(|a| parameters.iter().map(|b| self.covariance_of(*a, *b))).sum();
+        (parameters.iter().map(|i| self.state[*i]).sum(), variance.max(0.0).sqrt())
+    }
+
     /// Scale of a family, if it is in the fit.
     pub fn scale(&self, family: Family) -> Option<f64> {
         self.start.families.iter().position(|other| *other == family).map(|i| self.scales[i])

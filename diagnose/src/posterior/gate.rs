@@ -46,8 +46,7 @@ pub(crate) fn wrongness<const N: usize>(scene: &Scene<N>) -> Wrongness {
     let columns = Columns::of(scene, &scale, PARTS);
     let problem = Problem::of(scene, columns, scale, vec![false; scene.chains.len()]);
     let parts = problem.all_parts();
-    let families: Vec<Family> =
-        Family::ALL.into_iter().filter(|family| !family.prior(problem.scale.link_side).simulated).collect();
+    let families: Vec<Family> = Family::of_gears(problem.scale.link_side).collect();
     let Some((all, _)) = posterior(&problem, &parts, &Start::of(&families)) else {
         return Wrongness { everywhere: false, left_nm: vec![f64::INFINITY; N] };
     };

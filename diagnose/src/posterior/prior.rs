@@ -90,6 +90,11 @@ impl Family {
         }
     }
 
+    /// Those that a real arm may show.
+    pub fn of_gears(link_side: bool) -> impl Iterator<Item = Self> {
+        Self::ALL.into_iter().filter(move |family| !family.prior(link_side).simulated)
+    }
+
     /// The labels that findings of this family carry.
     pub fn labels(self) -> &'static [CauseLabel] {
         match self {
@@ -115,8 +120,6 @@ impl Family {
 pub(crate) const CURVE_WIDTHS: [f64; 3] = [0.02, 0.08, 0.3];
 /// Distances of presliding (rad): what harmonic drives show at the joint.
 pub(crate) const PRESLIDING_RAD: [f64; 3] = [1e-3, 3e-3, 1e-2];
-/// Lead of friction before velocity in MuJoCo's soft constraint with its default `solreffriction` (s).
-pub(crate) const LEAD_S: f64 = 0.5 * 0.95 * 0.02;
 /// Waves per revolution beside the slowest ripple of a joint, itself among them. Gears, torque sensors and cables repeat with
 /// the joint's angle: a Fourier series, of which a range that is no full wave says nothing. The waves of the motor, some hundred
 /// per revolution, lie above the band.

@@ -21,9 +21,8 @@ pub(crate) fn soft_friction(problem: &Problem, equations: &NormalEquations, part
     let leads = |joint: &usize| {
         let terms = JointTerm::LEAD.into_iter();
         let index: Vec<usize> = terms.filter_map(|term| problem.index(Place::Own(*joint, term))).collect();
-        let sum: f64 = index.iter().map(|i| with.state[*i]).sum();
-        let variance: f64 = index.iter().flat_map(|a| index.iter().map(|b| with.covariance_of(*a, *b))).sum();
-        sum > SURE * variance.max(0.0).sqrt()
+        let (sum, sd) = with.sum(&index);
+        sum > SURE * sd
     };
     let leading = (0..problem.joints()).filter(leads).count();
     2 * leading > problem.joints() && with.log_evidence > without.log_evidence + LEAST_NATS

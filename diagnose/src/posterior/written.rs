@@ -1,9 +1,9 @@
 //! The posterior mean as effects of a model file.
 
-use tribo_sim::Effect;
+use tribo_sim::{Effect, SOFT_FRICTION_LEAD_S};
 
 use super::columns::JointTerm;
-use super::prior::{CURVE_WIDTHS, LEAD_S, PAYLOAD_RADIUS_M, PRESLIDING_RAD, RIPPLES};
+use super::prior::{CURVE_WIDTHS, PAYLOAD_RADIUS_M, PRESLIDING_RAD, RIPPLES};
 use super::problem::{Place, Problem, State};
 use crate::cause::tilt_of;
 use crate::scene::Scene;
@@ -80,7 +80,7 @@ fn own_effect(problem: &Problem, joint: usize, term: JointTerm, value: f64) -> O
             joint,
             amplitude_nm: value,
             width_rad_s: problem.scale.lead_width_rad_s(joint, k),
-            lead_s: LEAD_S,
+            lead_s: SOFT_FRICTION_LEAD_S,
         },
         JointTerm::Load => Effect::LoadFriction { joint, load_coefficient: value },
         JointTerm::Rotor => Effect::RotorInertia { joint, delta_rotor_inertia_kg_m2: value },

@@ -56,6 +56,14 @@ pub(super) struct Fit<const N: usize> {
     pub correlation: [f64; N],
 }
 
+impl<const N: usize> Fit<N> {
+    /// Whether another fit leaves this many times less of all torques together (RMS).
+    pub fn leaves_over(&self, other: &Self, times: f64) -> bool {
+        let squares = |fit: &Self| fit.left.iter().map(|x| x * x).sum::<f64>();
+        squares(self) > times.powi(2) * squares(other)
+    }
+}
+
 /// Regressors of one hypothesis about the motion.
 pub(super) struct Columns<const N: usize> {
     /// Rigid torque.

@@ -34,7 +34,8 @@ const SIDE_NATS: f64 = 20.0;
 const JOINT_GAIN: f64 = 2.0;
 const NOT_EXPLAINED: f64 = 0.15;
 const WELL_ENOUGH: f64 = 0.3;
-/// By how much less must be left in all by another arm, or another unit.
+/// By how much less must be left in all by another arm, or another unit; and for gravity to be surely elsewhere than in the model, of
+/// which priors alone only warn.
 const ARM_GAIN: f64 = 1.5;
 /// Lead (nats) over others that say something else.
 const LEAD_NATS: f64 = 6.0;
@@ -68,9 +69,6 @@ pub fn recognise<const N: usize>(log: &RobotLog, nominal: &Nominal<N>) -> Vec<Re
     }
     remarks
 }
-
-/// By how much less must be left of all torques for gravity to be surely elsewhere than in the model: priors alone only warn.
-const SURE_GAIN: f64 = 1.5;
 
 /// A hypothesis that explains the log better, and those that do nearly as well.
 struct Found<const N: usize> {
@@ -133,11 +131,10 @@ impl<const N: usize> Round<N> {
 impl<const N: usize> Round<N> {
     /// Whether a hypothesis explains what was not explained, and does not only squeeze out the last percent or move it elsewhere.
     fn convinces(&self, change: &Change, after: &Fit<N>) -> bool {
-        let squares = |left: &[f64; N]| left.iter().map(|x| x * x).sum::<f64>();
         match change {
             // What the priors of tilt and rotors alone speak against.
             Change::OtherSide(_) | Change::NoGravity | Change::Gravity(_) => true,
-            Change::OtherRobot(_) => squares(&self.before.left) > ARM_GAIN.powi(2) * squares(&after.left),
+            Change::OtherRobot(_) => self.before.leaves_over(after, ARM_GAIN),
             _ => {
                 let (before, after) = (&self.before, after);
                 let worse =
@@ -153,9 +150,7 @@ impl<const N: usize> Round<N> {
                 let cheaper = before.penalty_nats - after.penalty_nats > IMPLAUSIBLE_NATS;
                 let plausible = match change {
                     Change::JointTorqueFactor(..) => false,
-                    Change::TorqueFactor(_) | Change::AllTorqueSigns => {
-                        cheaper || squares(&before.left) > ARM_GAIN.powi(2) * squares(&after.left)
-                    }
+                    Change::TorqueFactor(_) | Change::AllTorqueSigns => cheaper || before.leaves_over(after, ARM_GAIN),
                     _ => cheaper,
                 };
                 !worse && (explains && fewer || plausible)

@@ -3,8 +3,8 @@
 use tribo_logs::recognise::{Fault, Remark};
 use tribo_sim::TorqueSide;
 
-use super::Found;
 use super::hypothesis::Change;
+use super::{ARM_GAIN, Found};
 
 /// The remark on a finding.
 pub(super) fn remark<const N: usize>(found: &Found<N>) -> Remark {
@@ -17,8 +17,7 @@ pub(super) fn remark<const N: usize>(found: &Found<N>) -> Remark {
     };
     let refuse = Remark::refuse;
     let everything: Vec<usize> = (0..N).collect();
-    let squares = |fit: &super::fit::Fit<N>| fit.left.iter().map(|x| x * x).sum::<f64>();
-    let surely = squares(&found.before) > super::SURE_GAIN.powi(2) * squares(&found.after);
+    let surely = found.before.leaves_over(&found.after, ARM_GAIN);
     let of_gravity = if surely { refuse } else { Remark::warn };
     match &found.change {
         Change::TorqueSign(j) | Change::PositionSign(j) if found.either_sign(*j) => refuse(

@@ -9,6 +9,7 @@ use tribo_logs::{write_atomic, write_new};
 use super::{Cell, CellResult, Study};
 use crate::files::{FileError, YamlDocument, read_text, to_yaml};
 use crate::first_difference;
+use crate::leftovers::first_stranger;
 
 const SETTINGS: &str = "study.yaml";
 const CELLS: &str = "cells";
@@ -111,18 +112,14 @@ impl StudyStore {
 
 /// Refuses a directory with anything in it but the beginnings of a study: a file that somebody is writing, cells from elsewhere.
 fn check_free(directory: &Path) -> Result<(), FileError> {
-    let entries = match std::fs::read_dir(directory) {
-        Err(error) if error.kind() == std::io::ErrorKind::NotFound => return Ok(()),
-        entries => entries.map_err(FileError::io(directory))?,
+    let begun = |name: &str, _: &Path| {
+        name == CELLS || name == SETTINGS || (name.starts_with(".study.yaml.") && name.ends_with(".tmp"))
     };
-    for entry in entries {
-        let name = entry.map_err(FileError::io(directory))?.file_name();
-        let name = name.to_string_lossy();
-        let begun = name == CELLS || name == SETTINGS || (name.starts_with(".study.yaml.") && name.ends_with(".tmp"));
-        if !begun {
+    match first_stranger(directory, begun)? {
+        Some(name) => {
             let message = format!("is not empty ({name}) and holds no study; give another --out");
-            return Err(FileError::Campaign { path: directory.to_owned(), message });
+            Err(FileError::Campaign { path: directory.to_owned(), message })
         }
+        None => Ok(()),
     }
-    Ok(())
 }

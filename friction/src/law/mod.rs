@@ -88,6 +88,13 @@ impl JointFriction {
     }
 }
 
+/// `tanh((qd + ℓ qdd)/w) − tanh(qd/w)`: what a sign that leads its velocity by ℓ (s) adds to one that does not; qd and w in rad/s,
+/// qdd in rad/s².
+#[inline]
+pub fn sign_lead(qd: f64, qdd: f64, width_rad_s: f64, lead_s: f64) -> f64 {
+    smooth_sign(qd + lead_s * qdd, width_rad_s) - smooth_sign(qd, width_rad_s)
+}
+
 /// tanh(qd/smoothing), or the hard sign (sign(0) = 0) when the smoothing is not positive.
 #[inline]
 pub fn smooth_sign(qd: f64, smoothing_rad_s: f64) -> f64 {

@@ -15,7 +15,7 @@ mod remark;
 mod travel;
 mod velocity;
 
-pub use remark::{Fault, Remark, Severity, Use};
+pub use remark::{Fault, Remark, Severity, Use, joints_named};
 pub use travel::{Travel, travel};
 
 use crate::LogColumns;

@@ -159,7 +159,7 @@ impl fmt::Display for Remark {
 
 /// `joint 3`, `joints 1 and 3`, `joints 0, 1 and 3`.
 #[must_use]
-pub(crate) fn joints_named(joints: &[usize]) -> String {
+pub fn joints_named(joints: &[usize]) -> String {
     match joints {
         [] => "no joint".to_owned(),
         [one] => format!("joint {one}"),
