@@ -13,6 +13,8 @@ pub struct Recommendation {
     pub point: Vec<f64>,
     /// What it will cost: the posterior median of noisy costs, else the cost that was seen.
     pub cost: f64,
+    /// Standard deviation of that expectation, from the central 68 % of the noise-free cost; none where what was seen counts.
+    pub sd: Option<f64>,
 }
 
 /// The trial with the least cost, or, of noisy costs, with the least posterior mean: the luckiest of fifty trials is seldom the best.
@@ -34,9 +36,14 @@ pub fn recommend(
         Some(model) if model.noise_aware => Belief::of(model, domain, history, seed)?,
         _ => None,
     };
-    let (trial, cost) = match belief {
-        Some(belief) if belief.noisy => (belief.incumbent, belief.targets.cost(belief.best_target)),
-        _ => (least, seen),
+    let (trial, cost, sd) = match belief {
+        Some(belief) if belief.noisy => {
+            let place = domain.to_unit(&history.trials[belief.incumbent].point)?;
+            let at = belief.gp.posterior_batch(&[place])[0];
+            let [low, high] = [-at.sd, at.sd].map(|step| belief.targets.cost(belief.best_target + step));
+            (belief.incumbent, belief.targets.cost(belief.best_target), Some(0.5 * (high - low).abs()))
+        }
+        _ => (least, seen, None),
     };
-    Ok(Some(Recommendation { trial, point: history.trials[trial].point.clone(), cost }))
+    Ok(Some(Recommendation { trial, point: history.trials[trial].point.clone(), cost, sd }))
 }

@@ -4,6 +4,7 @@ use std::path::PathBuf;
 
 use clap::builder::PossibleValuesParser;
 use clap::{Args, Parser, Subcommand};
+use tribo_experiments::StopBelow;
 
 /// Gives any robot arm without force sensors a trustworthy sense of touch.
 #[derive(Debug, Parser)]
@@ -18,7 +19,7 @@ pub struct Arguments {
 }
 
 const EXAMPLES: &str = "Examples:
-  tribo tune                                   tune a simulated Panda, 50 trials
+  tribo tune                                   tune a simulated Panda until nothing is left to gain
   tribo tune --friction stribeck --truth stribeck --pose 1 --seed 7
   tribo tune --robot ur10e                     another arm: fr3, ur10e, kinova_gen3, iiwa14 or a URDF
   tribo tune --resume --out campaigns/0001     go on with a campaign that was stopped
@@ -160,7 +161,7 @@ pub struct Tune {
     /// Directory of the campaign [default: the next free campaigns/NNNN, with --resume the last one].
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
-    /// Go on with the campaign in --out.
+    /// Go on with the campaign in --out; only --trials and --stop-below may differ from what it began with.
     #[arg(long)]
     pub resume: bool,
     /// What the campaign is like.
@@ -192,7 +193,7 @@ pub struct CampaignSettings {
     /// What chooses the next parameters.
     #[arg(long, value_parser = PossibleValuesParser::new(["zero", "gaz", "random", "sobol", "paper", "bo", "composite", "cma_es", "iterative_learning", "grey_box"]))]
     pub strategy: Option<String>,
-    /// Number of trials [default: 50; of a new campaign of ask with grey_box: 5].
+    /// Most trials; a campaign that has nothing left to gain ends before [default: 50; of a new campaign of ask with grey_box: 5].
     #[arg(long, allow_negative_numbers = true)]
     pub trials: Option<usize>,
     /// Trials of the initial design.
@@ -201,11 +202,13 @@ pub struct CampaignSettings {
     /// Trials that are chosen together and run side by side, as on so many robots: faster, and each knows less [default: 1].
     #[arg(long, value_name = "Q", allow_negative_numbers = true)]
     pub batch: Option<usize>,
-    /// End the campaign once three trials in a row promise less than this share of the best J (paper, bo, composite).
-    #[arg(long, value_name = "SHARE", allow_negative_numbers = true)]
-    pub stop_below: Option<f64>,
-    /// Parameter box: the paper's bounds by index (literal) or by unit.
-    #[arg(long, value_parser = PossibleValuesParser::new(["literal", "unit_consistent"]))]
+    /// End the campaign once another trial promises less than this: repeatability (the deviation of J when the same parameters are tried
+    /// again), a share of the best J, or never [default: repeatability with grey_box, never with other strategies].
+    #[arg(long, value_name = "SHARE|repeatability|never", allow_negative_numbers = true)]
+    pub stop_below: Option<StopBelow>,
+    /// Parameter box: as wide as the arm's torque limits allow, or the paper's bounds by index (literal) or by unit [default:
+    /// torque_limits with grey_box, literal with other strategies].
+    #[arg(long, value_parser = PossibleValuesParser::new(["torque_limits", "literal", "unit_consistent"]))]
     pub bounds: Option<String>,
     /// Phases of the reference trajectory.
     #[arg(long, value_parser = PossibleValuesParser::new(["documented", "random"]))]
@@ -237,6 +240,9 @@ pub struct Ask {
     /// Do not ask: print the parameters of this running trial once more.
     #[arg(long, value_name = "N")]
     pub trial: Option<usize>,
+    /// Ask although nothing is left to gain.
+    #[arg(long)]
+    pub anyway: bool,
     /// File to write the compensator to [default: standard output].
     #[arg(long, value_name = "FILE")]
     pub out: Option<PathBuf>,

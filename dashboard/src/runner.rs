@@ -6,7 +6,7 @@ use std::sync::mpsc::{Receiver, TryRecvError, channel};
 use std::sync::{Arc, Condvar, Mutex, PoisonError};
 
 use tribo_experiments::journal::Clock;
-use tribo_experiments::{AnyTune, Campaign, CampaignError, CampaignObserver, TuneConfig};
+use tribo_experiments::{AnyTune, Campaign, CampaignError, CampaignObserver, Changes, TuneConfig};
 
 /// What the window wants of the thread.
 #[derive(Debug, Default)]
@@ -68,8 +68,8 @@ impl Runner {
     /// It is running already, or damaged.
     pub fn resume(directory: &Path, clock: Clock) -> Result<Self, CampaignError> {
         Ok(match TuneConfig::joints_of_campaign(directory)? {
-            6 => Self::run(directory, Campaign::<6>::resume(directory, None, clock)?),
-            _ => Self::run(directory, Campaign::<7>::resume(directory, None, clock)?),
+            6 => Self::run(directory, Campaign::<6>::resume(directory, Changes::default(), clock)?),
+            _ => Self::run(directory, Campaign::<7>::resume(directory, Changes::default(), clock)?),
         })
     }
 

@@ -14,7 +14,7 @@ const AFTER: RGBColor = RGBColor(0, 114, 178);
 fn main() -> Result<(), Box<dyn Error>> {
     let path = std::env::args().nth(1).ok_or("usage: readme_figure OUT.svg")?;
     let tune = TuneConfig { trials: 2, ..TuneConfig::default() }.validate::<7>()?;
-    let trials = run_in_memory(&tune)?;
+    let trials = run_in_memory(&tune)?.trials;
     let logs: Vec<_> =
         trials.iter().map(|trial| run_numbered(&tune, trial.number, &trial.theta)).collect::<Result<_, _>>()?;
 

@@ -47,7 +47,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         ..TuneConfig::default()
     };
     let tune = config.validate::<7>()?;
-    let trials = run_in_memory(&tune)?;
+    let trials = run_in_memory(&tune)?.trials;
     let mut logs = Vec::new();
     for trial in &trials {
         logs.push(run_numbered(&tune, trial.number, &trial.theta)?.log);

@@ -1,6 +1,5 @@
 //! What a choice of estimator costs or gains.
 
-use crate::campaign::best_trial;
 use crate::numbered_trial::{noise_seed, run_estimated};
 use crate::{CampaignError, CampaignResult, EstimatorName, TuneConfig, ValidTune, run_in_memory};
 
@@ -29,21 +28,21 @@ pub fn against_ekf<const N: usize>(
     tune: &ValidTune<N>,
     result: &CampaignResult,
 ) -> Result<Option<AgainstEkf>, CampaignError> {
-    let Some((best, _)) = result.best else { return Ok(None) };
+    let Some(best) = result.best else { return Ok(None) };
     if tune.config.residual == EstimatorName::Ekf {
         return Ok(None);
     }
     let config = TuneConfig { residual: EstimatorName::Ekf, ..tune.config.clone() };
     let ekf = config.validate::<N>()?;
-    let trials = run_in_memory(&ekf)?;
-    let Some((ekf_best, _)) = best_trial(&trials) else { return Ok(None) };
+    let of_ekf = run_in_memory(&ekf)?;
+    let Some(ekf_best) = of_ekf.conclusion.best else { return Ok(None) };
     let judged = |theta: &[f64]| {
         let seed = noise_seed(ekf.config.seed, UNSEEN);
         run_estimated(&ekf, &ekf.trial, &ekf.space.friction(theta), seed).map(|outcome| outcome.cost.total())
     };
     Ok(Some(AgainstEkf {
-        cost: judged(&result.trials[best].theta)?,
-        cost_of_ekf_campaign: judged(&trials[ekf_best].theta)?,
+        cost: judged(&result.trials[best.trial].theta)?,
+        cost_of_ekf_campaign: judged(&of_ekf.trials[ekf_best.trial].theta)?,
     }))
 }
 

@@ -7,14 +7,18 @@ use std::sync::{Arc, Mutex};
 use rayon::prelude::*;
 use tribo_logs::{seal_of, write_atomic};
 
-use crate::campaign_directory::{RunBy, create, open};
+use crate::campaign_directory::{Changes, RunBy, create, open};
 use crate::files::{FileError, TunedFile, read_text, to_yaml};
 use crate::friction_limit::FrictionLimit;
 use crate::journal::{Clock, Ended, Journal, JournalTrial, finish, finished_trial, seal};
 use crate::stored_logs::StoredLogs;
-use crate::strategy::{FinishedTrial, Identification, LawCheck, Past, Proposal, RunningTrial, Strategy, StrategyError};
+use crate::strategy::{
+    BestTrial, FinishedTrial, Identification, LawCheck, Past, Proposal, RunningTrial, Strategy, StrategyError,
+};
 use crate::trial_store::{trial_log_path, write_trial_log};
-use crate::{CampaignError, EarlyStop, ParameterSpace, References, TuneConfig, ValidTune, references, run_numbered};
+use crate::{
+    CampaignError, Conclusion, EarlyStop, ParameterSpace, References, TuneConfig, ValidTune, references, run_numbered,
+};
 
 /// Somebody who watches a campaign; called in the order in which trials finish.
 pub trait CampaignObserver: Send {
@@ -46,8 +50,8 @@ pub struct CampaignResult {
     pub space: ParameterSpace,
     /// All trials, by number.
     pub trials: Vec<FinishedTrial>,
-    /// Number and cost of the best trial that was not aborted.
-    pub best: Option<(usize, f64)>,
+    /// The best trial that was seen to its end.
+    pub best: Option<BestTrial>,
     /// Reference costs.
     pub references: References,
     /// Whether the friction law explains the first trial, where the strategy identifies one.
@@ -80,10 +84,10 @@ impl<const N: usize> Campaign<N> {
         Ok(Self { directory: directory.to_owned(), tune, journal, trials, created: 0, recorded, seals })
     }
 
-    /// Goes on with the campaign of a directory; `trials` is its number of trials from now on (never below those recorded). What follows
+    /// Goes on with the campaign of a directory; trials recorded stay, be they more than it is to have from now on. What follows
     /// from the journal, `tuned.yaml` above all, is made true again.
-    pub fn resume(directory: &Path, trials: Option<usize>, clock: Clock) -> Result<Self, CampaignError> {
-        let (tune, journal, recorded) = open(directory, trials, RunBy::Tribo, clock)?;
+    pub fn resume(directory: &Path, changes: Changes, clock: Clock) -> Result<Self, CampaignError> {
+        let (tune, journal, recorded) = open(directory, changes, RunBy::Tribo, clock)?;
         let path = directory.join("journal.log");
         let mut finished = vec![None; tune.config.trials.max(recorded.len())];
         let mut seals = BTreeMap::new();
@@ -100,7 +104,9 @@ impl<const N: usize> Campaign<N> {
         let done: Vec<FinishedTrial> = finished.iter().flatten().cloned().collect();
         // One that is there may be stale; where there is none, a run that is refused later on leaves none.
         if directory.join("tuned.yaml").exists() {
-            write_tuned(directory, &tune, &done, References::read(directory).map(|known| known.uncompensated))?;
+            let best = Conclusion::best_of(journal.study().conclusion.as_ref(), &done);
+            let uncompensated = References::read(directory).map(|known| known.uncompensated);
+            write_tuned(directory, &tune, &done, best.as_ref(), uncompensated)?;
         }
         let created = recorded.len();
         Ok(Self { directory: directory.to_owned(), tune, journal, trials: finished, created, recorded, seals })
@@ -134,8 +140,9 @@ impl<const N: usize> Campaign<N> {
                 return Err(CampaignError::Stopped { finished: self.finished() });
             }
             let begins_batch = self.tune.config.batches().of(next).start == next;
-            if let Some(stop_below) = self.tune.config.stop_below.filter(|_| begins_batch) {
-                early_stop = EarlyStop::before(next, stop_below, strategy.as_ref(), &self.trials, (&limit, &logs))
+            if let Some(rule) = self.tune.config.stop_rule().filter(|_| begins_batch) {
+                let finished: Vec<FinishedTrial> = self.trials[..next].iter().flatten().cloned().collect();
+                early_stop = EarlyStop::before(next, &rule, strategy.as_ref(), &finished, (&limit, &logs))
                     .map_err(|source| CampaignError::Strategy { trial: next, source })?;
                 if let Some(stop) = early_stop {
                     stop.write(&self.directory)?;
@@ -146,12 +153,13 @@ impl<const N: usize> Campaign<N> {
             self.run_batch(&batch, &limit, &logs, observer)?;
         }
 
-        let law_check = strategy.law_check(self.trials.len(), &logs).map_err(fail)?;
         let trials: Vec<FinishedTrial> = self.trials.into_iter().flatten().collect();
-        let best = best_trial(&trials);
+        let conclusion = Conclusion::of(&self.tune, strategy.as_ref(), &trials, &logs).map_err(fail)?;
+        self.journal.conclude(&conclusion)?;
+        let Conclusion { best, law_check, .. } = conclusion;
         let (config, space) = (self.tune.config.clone(), self.tune.space.clone());
         let result = CampaignResult { config, space, trials, best, references, early_stop, law_check };
-        write_tuned(&self.directory, &self.tune, &result.trials, Some(references.uncompensated))?;
+        write_tuned(&self.directory, &self.tune, &result.trials, best.as_ref(), Some(references.uncompensated))?;
         Ok(result)
     }
 
@@ -252,29 +260,24 @@ impl<const N: usize> Campaign<N> {
     }
 }
 
-/// Number and cost of the cheapest trial that was not aborted; the earliest of equals.
-pub(crate) fn best_trial(trials: &[FinishedTrial]) -> Option<(usize, f64)> {
-    let complete = trials.iter().filter(|trial| trial.aborted.is_none());
-    complete.map(|trial| (trial.number, trial.cost.total())).min_by(|a, b| a.1.total_cmp(&b.1))
-}
-
 /// Makes `tuned.yaml` what follows from the trials: the compensator of the best one; no file if there is none. A file that is right is
 /// left alone.
 pub(crate) fn write_tuned<const N: usize>(
     directory: &Path,
     tune: &ValidTune<N>,
     trials: &[FinishedTrial],
+    best: Option<&BestTrial>,
     uncompensated_cost: Option<f64>,
 ) -> Result<(), FileError> {
-    let best = best_trial(trials).and_then(|(number, _)| trials.iter().find(|trial| trial.number == number));
+    let best = best.and_then(|best| Some((best, trials.iter().find(|trial| trial.number == best.trial)?)));
     let path = directory.join("tuned.yaml");
-    let Some(best) = best else {
+    let Some((best, trial)) = best else {
         return match std::fs::remove_file(&path) {
             Err(error) if error.kind() != std::io::ErrorKind::NotFound => Err(FileError::io(&path)(error)),
             _ => Ok(()),
         };
     };
-    let file = TunedFile::of_finished(tune, best, uncompensated_cost);
+    let file = TunedFile::of_finished(tune, &trial.theta, best, uncompensated_cost);
     let text = to_yaml(&file).map_err(FileError::io(&path))?;
     if read_text(&path).is_ok_and(|there| there == text) {
         return Ok(());

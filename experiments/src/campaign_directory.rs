@@ -19,7 +19,7 @@ use crate::files::{FieldError, FileError, YamlDocument, to_yaml};
 use crate::journal::{Clock, Journal, JournalTrial};
 use crate::leftovers::{first_stranger, is_leftover, sweep};
 use crate::recorded_settings::{check_unchanged, check_version};
-use crate::{TuneConfig, ValidTune};
+use crate::{StopBelow, TuneConfig, ValidTune};
 
 /// What is said of a directory without campaign.
 const NO_CAMPAIGN: &str = "holds no campaign (no campaign.yaml)";
@@ -70,10 +70,19 @@ pub(crate) enum RunBy {
     User,
 }
 
-/// Opens the campaign of a directory, which the caller then holds; `trials` is its number of trials from now on.
+/// What may change of a campaign that goes on; none leaves it as it is.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Changes {
+    /// Its number of trials.
+    pub trials: Option<usize>,
+    /// When it ends before the last of them.
+    pub stop_below: Option<StopBelow>,
+}
+
+/// Opens the campaign of a directory, which the caller then holds.
 pub(crate) fn open<const N: usize>(
     directory: &Path,
-    trials: Option<usize>,
+    changes: Changes,
     run_by: RunBy,
     clock: Clock,
 ) -> Result<(ValidTune<N>, Journal, Vec<JournalTrial>), CampaignError> {
@@ -88,6 +97,7 @@ pub(crate) fn open<const N: usize>(
         }
         _ => {}
     }
+    let Changes { trials, stop_below } = changes;
     if let Some(trials) = trials {
         check_trials(trials)?;
     }
@@ -104,6 +114,12 @@ pub(crate) fn open<const N: usize>(
     match &journal.study().settings {
         Some(began) => check_unchanged(began, &document, &path)?,
         None => journal.adopt_settings(&document.parse::<Value>()?)?,
+    }
+    let known = journal.study().stop_below.or(tune.config.stop_below);
+    tune.config.stop_below = stop_below.or(known);
+    tune.config.check_stop_below().map_err(ConfigError::from)?;
+    if let Some(changed) = tune.config.stop_below.filter(|stop| Some(*stop) != known) {
+        journal.set_stop_below(changed)?;
     }
     let known = journal.study().trials.unwrap_or(tune.config.trials);
     tune.config.trials = trials.unwrap_or(known);

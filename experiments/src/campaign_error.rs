@@ -1,9 +1,11 @@
 //! What can go wrong in a campaign.
 
-use crate::EstimatorError;
+use std::path::PathBuf;
+
 use crate::config::ConfigError;
 use crate::files::FileError;
 use crate::strategy::StrategyError;
+use crate::{EarlyStop, EstimatorError};
 
 /// Why a campaign cannot go on.
 #[derive(Debug, thiserror::Error)]
@@ -25,6 +27,14 @@ pub enum CampaignError {
     /// The estimator cannot work with the parameters of a trial.
     #[error(transparent)]
     Estimator(#[from] EstimatorError),
+    /// Another trial is not worth its time.
+    #[error("{}: nothing left to gain: {stop}", campaign.display())]
+    NothingToGain {
+        /// Directory of the campaign.
+        campaign: PathBuf,
+        /// What another trial promises.
+        stop: EarlyStop,
+    },
     /// Somebody asked to stop; finished trials are safe.
     #[error("stopped after {finished} finished trials")]
     Stopped {

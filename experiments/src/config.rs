@@ -4,9 +4,10 @@ use std::path::{Path, PathBuf};
 
 use nalgebra::SVector;
 use serde::{Deserialize, Serialize};
+use tribo_bayesopt::StopRule;
 use tribo_control::{GuardSettings, ImpedanceSettings, PAPER_PHASES_RAD, SinusoidReference};
 use tribo_ekf::{KnownInput, MeasurementNoise, WrenchEkfSettings};
-use tribo_friction::{JointEffects, VelocitySource};
+use tribo_friction::{JointEffects, JointFriction, VelocitySource};
 use tribo_robot::Kinematics;
 use tribo_sim::{DEFAULT_SUB_STEPS, TorqueSide, WrenchPulses};
 
@@ -16,7 +17,7 @@ use crate::scenario::{LoadedTruth, ModelError, TruthName, freeze, random_phases,
 use crate::strategy::StrategyName;
 use crate::{
     Batches, Believed, Bounds, ByJoints, CostMeasure, CostName, EstimatorName, ParameterSpace, PenaltyLimits, Robot,
-    Trial, TunedLaw, UserTrials,
+    StopBelow, Trial, TunedLaw, UserTrials,
 };
 
 /// Schema name of campaign settings.
@@ -56,8 +57,9 @@ pub struct TuneConfig {
     pub strategy: StrategyName,
     /// Friction law of the compensator.
     pub friction: TunedLaw,
-    /// Parameter box.
-    pub bounds: Bounds,
+    /// Parameter box; none is what [`Bounds::default_of`] says of the strategy.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub bounds: Option<Bounds>,
     /// Estimator whose wrench is the cost.
     pub residual: EstimatorName,
     /// What is made of that wrench.
@@ -72,10 +74,10 @@ pub struct TuneConfig {
     pub init: usize,
     /// Trials that are chosen together and run side by side, as on so many robots (batch size q).
     pub batch: usize,
-    /// Ends the campaign before its last trial, once the expected improvement of three trials in a row was below this share of the best
-    /// J; none runs all trials. For strategies with a model of J, where Tribo runs the trials.
+    /// Ends the campaign before its last trial, once another one promises less than this; none is what [`StopBelow::default_of`] says of
+    /// the strategy. For strategies that know what a trial promises.
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub stop_below: Option<f64>,
+    pub stop_below: Option<StopBelow>,
     /// What the simulated arm is like: a name, or the path of a model file.
     pub truth: TruthName,
     /// Content of the file that `truth` names, as it was when the campaign began.
@@ -121,7 +123,7 @@ impl Default for TuneConfig {
             seed: 1,
             strategy: StrategyName::GreyBox,
             friction: TunedLaw::CoulombViscous,
-            bounds: Bounds::Literal,
+            bounds: None,
             residual: EstimatorName::Ekf,
             cost: CostName::Paper,
             lever_arm_m: 0.15,
@@ -167,12 +169,26 @@ pub struct ValidTune<const N: usize> {
     pub config: TuneConfig,
     /// The parameters that are tuned.
     pub space: ParameterSpace,
+    /// How many times a Panda's friction each joint is taken to have, before anything is known of it.
+    pub friction_scale: [f64; N],
     /// The trial that is repeated.
     pub trial: Trial<N>,
     /// What an oracle believes of the truth.
     pub oracle: Believed<N>,
     /// What the controller believes, where a model file says it; its friction law is not in the trial.
     pub believed: Option<Believed<N>>,
+}
+
+impl<const N: usize> ValidTune<N> {
+    /// The parameters of the simulated arm's own friction; none where its law has others, or a user runs the trials.
+    pub fn true_parameters(&self) -> Option<Vec<f64>> {
+        let same = |law: &JointFriction| {
+            matches!(law, JointFriction::CoulombViscous(_) | JointFriction::Stribeck(_) | JointFriction::Lugre(_))
+        };
+        let known = self.config.user_trials.is_none() && self.space.law != TunedLaw::GazSigmoid;
+        let friction = &self.oracle.friction;
+        (known && friction.joints.iter().all(same)).then(|| self.space.theta(friction))
+    }
 }
 
 /// Validated settings about an arm with as many joints as it happens to have.
@@ -255,6 +271,25 @@ impl TuneConfig {
         }
     }
 
+    /// Checks the rule that ends the campaign early against its range and the strategy.
+    pub(crate) fn check_stop_below(&self) -> Result<(), FieldError> {
+        if let Some(StopBelow::Share(share)) = self.stop_below
+            && !(share > 0.0 && share <= 0.5)
+        {
+            return Err(FieldError::new("stop_below", share, "greater than 0, at most 0.5"));
+        }
+        if let Some(stop) = self.stop_below.filter(|stop| *stop != StopBelow::Never && !self.strategy.expects_gain()) {
+            let allowed = "never with this strategy: grey_box, paper, bo and composite know what a trial promises";
+            return Err(FieldError::new("stop_below", stop, allowed));
+        }
+        Ok(())
+    }
+
+    /// The rule by which the campaign ends before its last trial; none of one that runs all.
+    pub fn stop_rule(&self) -> Option<StopRule> {
+        self.stop_below.unwrap_or_else(|| StopBelow::default_of(self.strategy)).rule(self.strategy)
+    }
+
     /// Which trials are chosen together.
     pub fn batches(&self) -> Batches {
         Batches { size: self.batch }
@@ -292,19 +327,7 @@ impl TuneConfig {
         FieldError::check("model_error.noise_factor", self.model_error.noise_factor, 0.0, 1000.0)?;
         positive("lever_arm_m", self.lever_arm_m, 10.0)?;
         FieldError::check("failure_rate", self.failure_rate, 0.0, 0.9)?;
-        if let Some(share) = self.stop_below {
-            positive("stop_below", share, 0.5)?;
-            let allowed = match (self.strategy.expects_gain(), &self.user_trials) {
-                (false, _) => Some("nothing with this strategy: paper, bo and composite know what a trial promises"),
-                (true, Some(_)) => {
-                    Some("nothing in campaigns whose trials run elsewhere: ask no more when it is enough")
-                }
-                (true, None) => None,
-            };
-            if let Some(allowed) = allowed {
-                return Err(FieldError::new("stop_below", share, allowed).into());
-            }
-        }
+        self.check_stop_below()?;
         let i = &self.impedance;
         positive("impedance.mass_kg", i.mass_kg, 1e3)?;
         positive("impedance.inertia_kg_m2", i.inertia_kg_m2, 1e3)?;
@@ -373,7 +396,9 @@ impl TuneConfig {
             None => None,
         };
         let start = self.start(&robot)?;
-        let box_scale = robot.box_scale().to_vec();
+        let friction_scale = robot.friction_times_panda();
+        let bounds = self.bounds.unwrap_or_else(|| Bounds::default_of(self.strategy));
+        let box_scale = bounds.scale(friction_scale, &robot.arm.limits.tau_max_nm);
         let model = robot.arm;
         let phase_rad = match self.phases {
             Phases::Documented => PAPER_PHASES_RAD,
@@ -391,8 +416,8 @@ impl TuneConfig {
             impedance: self.impedance,
             reference: SinusoidReference::paper(centre, phase_rad),
             velocity: self.velocity,
-            // What its bounds are in proportion to is the friction of the joints, like the box of their parameters.
-            guard: self.guard.map(|guard| guard.for_friction(box_scale.iter().sum::<f64>() / N as f64)),
+            // What its bounds are in proportion to is the friction of the joints.
+            guard: self.guard.map(|guard| guard.for_friction(friction_scale.iter().sum::<f64>() / N as f64)),
             limits: self.limits,
             measure: match self.cost {
                 CostName::Paper => CostMeasure::Paper,
@@ -403,8 +428,8 @@ impl TuneConfig {
         };
         let trial = believed.as_ref().map_or(trial.clone(), |believed| trial.believing(believed));
         let trial = if self.residual == EstimatorName::DoubleEncoder { trial.with_two_encoders() } else { trial };
-        let space = ParameterSpace { law: self.friction, bounds: self.bounds, box_scale };
+        let space = ParameterSpace { law: self.friction, bounds, box_scale };
         self.tribo_version = env!("CARGO_PKG_VERSION").to_owned();
-        Ok(ValidTune { config: self, space, trial, oracle, believed })
+        Ok(ValidTune { config: self, space, friction_scale, trial, oracle, believed })
     }
 }

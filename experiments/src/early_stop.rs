@@ -4,7 +4,7 @@ use std::fmt;
 use std::path::Path;
 
 use serde::{Deserialize, Serialize};
-use tribo_bayesopt::{LeastGain, StopRule};
+use tribo_bayesopt::StopRule;
 use tribo_logs::write_atomic;
 
 use crate::files::{FileError, YamlDocument, to_yaml};
@@ -25,33 +25,30 @@ pub struct EarlyStop {
     pub repeatability: f64,
 }
 
-/// Suggestions in a row that must promise too little.
-const CONSECUTIVE: usize = 3;
 const NAME: &str = "early_stop.yaml";
 
 impl EarlyStop {
-    /// Whether the campaign ends before trial `next`, once three trials in a row promise less than `stop_below` of the best J. A function of
-    /// the trials before it, so that a resumed campaign ends where it would have ended.
+    /// Whether the campaign ends before trial `next`, by this rule. A function of the trials before it, so that a resumed campaign ends
+    /// where it would have ended.
     ///
     /// # Errors
     /// A strategy without an answer.
     pub(crate) fn before<const N: usize>(
         next: usize,
-        stop_below: f64,
+        rule: &StopRule,
         strategy: &dyn Strategy<N>,
-        trials: &[Option<FinishedTrial>],
+        finished: &[FinishedTrial],
         (limit, logs): (&FrictionLimit<N>, &dyn LogSource<N>),
     ) -> Result<Option<Self>, StrategyError> {
-        let rule = StopRule { gain_below: LeastGain::Share(stop_below), consecutive: CONSECUTIVE };
-        let finished: Vec<FinishedTrial> = trials[..next].iter().flatten().cloned().collect();
         let promise = |number: usize| {
             let allowed = limit.before(number, logs)?;
             let allowed = allowed.as_ref().map(Allowance::as_dyn);
-            strategy.expected_gain(Past { finished: &finished[..number], running: &[], allowed }, logs)
+            let before: Vec<FinishedTrial> = finished.iter().filter(|trial| trial.number < number).cloned().collect();
+            strategy.expected_gain(Past { finished: &before, running: &[], allowed }, logs)
         };
         let ended = rule.ends_before(next, promise)?;
         Ok(ended.map(|at| Self {
-            trials: next,
+            trials: finished.len(),
             expected_gain: at.gain,
             least_gain: rule.least_gain(&at),
             repeatability: at.repeatability,
@@ -83,7 +80,18 @@ impl fmt::Display for EarlyStop {
         let Self { trials, expected_gain, least_gain, .. } = self;
         write!(
             f,
-            "ended after {trials} trials: the next is expected to gain {expected_gain:.2e} of J, less than {least_gain:.2e}"
+            "after {trials} trials another is expected to gain {} of J, less than {}",
+            short(*expected_gain),
+            short(*least_gain)
         )
     }
+}
+
+/// Two significant digits, whole numbers at least.
+fn short(value: f64) -> String {
+    if value == 0.0 {
+        return "nothing".to_owned();
+    }
+    let decimals = (1.0 - value.abs().log10().floor()).clamp(0.0, 12.0) as usize;
+    format!("{value:.decimals$}")
 }

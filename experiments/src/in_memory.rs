@@ -5,7 +5,7 @@ use std::sync::Arc;
 use crate::files::FileError;
 use crate::friction_limit::FrictionLimit;
 use crate::strategy::{FinishedTrial, Identification, LogSource, Past, RunningTrial};
-use crate::{CampaignError, TrialLog, ValidTune, run_numbered};
+use crate::{CampaignError, Conclusion, EarlyStop, TrialLog, ValidTune, run_numbered};
 
 /// Logs of a campaign that never touches the disk.
 struct LogsInMemory<const N: usize>(Vec<TrialLog<N>>);
@@ -16,15 +16,36 @@ impl<const N: usize> LogSource<N> for LogsInMemory<N> {
     }
 }
 
-/// Runs all trials of a campaign one after the other, without directory, journal or reference costs.
-pub fn run_in_memory<const N: usize>(tune: &ValidTune<N>) -> Result<Vec<FinishedTrial>, CampaignError> {
+/// What came of a campaign that left nothing on the disk.
+#[derive(Clone, Debug)]
+pub struct InMemory {
+    /// Its trials, by number.
+    pub trials: Vec<FinishedTrial>,
+    /// The best trial, and the check of the friction law.
+    pub conclusion: Conclusion,
+    /// Why it ended before its last trial, if it did.
+    pub early_stop: Option<EarlyStop>,
+}
+
+/// Runs the trials of a campaign one after the other, without directory, journal or reference costs.
+///
+/// # Errors
+/// A strategy without an answer, parameters that the estimator cannot work with.
+pub fn run_in_memory<const N: usize>(tune: &ValidTune<N>) -> Result<InMemory, CampaignError> {
     let fail = |source| CampaignError::Strategy { trial: 0, source };
     let identification = Arc::new(Identification::new(tune).map_err(fail)?);
     let strategy = tune.config.strategy.build(tune, &identification).map_err(fail)?;
     let limit = FrictionLimit::of(tune, &identification);
     let (mut trials, mut logs): (Vec<FinishedTrial>, _) = (Vec::new(), LogsInMemory(Vec::new()));
+    let mut early_stop = None;
     for number in 0..tune.config.trials {
         let fail = |source| CampaignError::Strategy { trial: number, source };
+        if let Some(rule) = tune.config.stop_rule().filter(|_| tune.config.batches().of(number).start == number) {
+            early_stop = EarlyStop::before(number, &rule, strategy.as_ref(), &trials, (&limit, &logs)).map_err(fail)?;
+            if early_stop.is_some() {
+                break;
+            }
+        }
         let proposal = match strategy.design(number).map_err(fail)? {
             Some(proposal) => limit.hold_back_design(proposal, number, &logs),
             None => {
@@ -45,5 +66,6 @@ pub fn run_in_memory<const N: usize>(tune: &ValidTune<N>) -> Result<Vec<Finished
         });
         logs.0.push(outcome.log);
     }
-    Ok(trials)
+    let conclusion = Conclusion::of(tune, strategy.as_ref(), &trials, &logs).map_err(fail)?;
+    Ok(InMemory { trials, conclusion, early_stop })
 }

@@ -1,9 +1,12 @@
 //! The parameters a campaign tunes.
 
+use nalgebra::SVector;
 use serde::{Deserialize, Serialize};
 use tribo_bayesopt::{BayesoptError, Domain};
 use tribo_friction::law::{CoulombViscous, GazSigmoid, Stribeck};
 use tribo_friction::{FrictionModel, JointFriction};
+
+use crate::strategy::StrategyName;
 
 /// Friction law of the compensator that is tuned.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
@@ -18,16 +21,45 @@ pub enum TunedLaw {
     GazSigmoid,
 }
 
-/// Which box the parameters live in: the paper's bounds read in two ways (its section 5.4 contradicts its eqs. 27–28).
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+/// Which box the parameters live in: the paper's bounds read in two ways (its section 5.4 contradicts its eqs. 27–28), or the arm's.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Bounds {
     /// By index, as printed: Fv ≤ 5 Nm s/rad, Fc ≤ 2.5 Nm; Fv, Fc, dF ≤ 1.5, 1/vs ≤ 10 s/rad, shape ≤ 2.5.
-    #[default]
     Literal,
+    /// As wide as the arm is strong: Fc up to a quarter of the torque limit of each joint (Nm), other torques in the proportion of the
+    /// literal box, and nowhere narrower than that.
+    TorqueLimits,
     /// By unit: Fc ≤ 5 Nm, Fv ≤ 2.5 Nm s/rad; Fc, dF ≤ 1.5 Nm, vs ≤ 1.5 rad/s, Fv ≤ 10 Nm s/rad, shape in 0.5–2.5.
     UnitConsistent,
 }
+
+/// Share of a joint's torque limit that its dry friction may reach: geared joints of arms lose 5 to 15 % of it.
+const SHARE_OF_LIMIT: f64 = 0.25;
+
+impl Bounds {
+    /// The box of a campaign that was told nothing: least squares does not mind how wide it is, a search that knows J alone does.
+    pub fn default_of(strategy: StrategyName) -> Self {
+        if strategy == StrategyName::GreyBox { Self::TorqueLimits } else { Self::Literal }
+    }
+
+    /// How many times as wide in torque as that of a Panda's joint the box of each joint is, of an arm whose friction is so many times a
+    /// Panda's; torque limits in Nm.
+    pub(crate) fn scale<const N: usize>(
+        self,
+        friction_times_panda: [f64; N],
+        tau_max_nm: &SVector<f64, N>,
+    ) -> Vec<f64> {
+        let joint = |(times, most_nm): (f64, &f64)| match self {
+            Self::TorqueLimits => times.max(SHARE_OF_LIMIT * most_nm / LITERAL_COULOMB_NM),
+            Self::Literal | Self::UnitConsistent => times,
+        };
+        friction_times_panda.into_iter().zip(tau_max_nm).map(joint).collect()
+    }
+}
+
+/// Largest dry friction of the paper's box (Nm).
+const LITERAL_COULOMB_NM: f64 = 2.5;
 
 /// One tuned parameter: its name in files and its bounds.
 type Entry = (&'static str, f64, f64);
@@ -47,13 +79,13 @@ impl ParameterSpace {
     /// Parameters of one joint as large as a Panda's: (name, lower, upper).
     fn of_joint(&self) -> &'static [Entry] {
         match (self.law, self.bounds) {
-            (TunedLaw::CoulombViscous, Bounds::Literal) => {
-                &[("viscous_nm_s_per_rad", 0.0, 5.0), ("coulomb_nm", 0.0, 2.5)]
+            (TunedLaw::CoulombViscous, Bounds::Literal | Bounds::TorqueLimits) => {
+                &[("viscous_nm_s_per_rad", 0.0, 5.0), ("coulomb_nm", 0.0, LITERAL_COULOMB_NM)]
             }
             (TunedLaw::CoulombViscous, Bounds::UnitConsistent) => {
                 &[("viscous_nm_s_per_rad", 0.0, 2.5), ("coulomb_nm", 0.0, 5.0)]
             }
-            (TunedLaw::Stribeck, Bounds::Literal) => &[
+            (TunedLaw::Stribeck, Bounds::Literal | Bounds::TorqueLimits) => &[
                 ("viscous_nm_s_per_rad", 0.0, 1.5),
                 ("coulomb_nm", 0.0, 1.5),
                 ("breakaway_minus_coulomb_nm", 0.0, 1.5),
@@ -127,6 +159,21 @@ impl ParameterSpace {
         self.entries().into_iter().map(value).collect()
     }
 
+    /// A sentence for each torque parameter that lies at the upper end of its box: the arm may have more friction than it can say.
+    pub fn at_bounds(&self, theta: &[f64]) -> Vec<String> {
+        let per_joint = self.parameters_per_joint();
+        let entries = self.entries().into_iter().zip(theta).enumerate();
+        let reached =
+            entries.filter(|(_, ((name, _, high), value))| is_torque(name) && **value >= *high * (1.0 - 1e-9));
+        let sentence = |(k, ((name, _, high), _)): (usize, (Entry, &f64))| {
+            let joint = k / per_joint;
+            format!(
+                "joint {joint}: {name} is at its bound of {high:.3}, so the friction may be larger (--bounds torque_limits widens it)"
+            )
+        };
+        reached.map(sentence).collect()
+    }
+
     /// Multiplies every torque of a joint in a parameter vector; speeds and shapes stay.
     pub fn scale_torques(&self, theta: &mut [f64], joint: usize, factor: f64) {
         let k = self.parameters_per_joint();
@@ -161,7 +208,7 @@ impl ParameterSpace {
                 coulomb_nm: at(1),
                 breakaway_minus_coulomb_nm: at(2),
                 inverse_stribeck_velocity_s_per_rad: match self.bounds {
-                    Bounds::Literal => at(3),
+                    Bounds::Literal | Bounds::TorqueLimits => at(3),
                     Bounds::UnitConsistent => 1.0 / at(3),
                 },
                 shape: at(4),
@@ -196,7 +243,7 @@ impl ParameterSpace {
                 (TunedLaw::Stribeck, Some(law)) => {
                     let inverse = law.inverse_stribeck_velocity_s_per_rad;
                     let speed = match self.bounds {
-                        Bounds::Literal => inverse,
+                        Bounds::Literal | Bounds::TorqueLimits => inverse,
                         Bounds::UnitConsistent => 1.0 / inverse,
                     };
                     vec![viscous, coulomb, law.breakaway_minus_coulomb_nm, speed, law.shape]
@@ -221,7 +268,7 @@ mod tests {
     #[test]
     fn vectors_and_models_are_inverse_inside_the_box() {
         for law in [TunedLaw::CoulombViscous, TunedLaw::Stribeck] {
-            for bounds in [Bounds::Literal, Bounds::UnitConsistent] {
+            for bounds in [Bounds::Literal, Bounds::UnitConsistent, Bounds::TorqueLimits] {
                 let space = ParameterSpace { law, bounds, box_scale: vec![1.0, 1.0, 1.0, 1.5, 1.0, 1.0, 1.0] };
                 let domain = space.domain().unwrap();
                 let unit: Vec<f64> = (0..space.dimension()).map(|i| 0.2 + 0.6 * ((i * 7) % 11) as f64 / 11.0).collect();
@@ -231,7 +278,7 @@ mod tests {
                     assert!((a - b).abs() < 1e-12);
                 }
                 assert_eq!(
-                    space.friction::<7>(&space.zero()).torque(&nalgebra::SVector::repeat(0.3), 0.001).amax(),
+                    space.friction::<7>(&space.zero()).torque(&SVector::repeat(0.3), 0.001).amax(),
                     0.0
                 );
             }

@@ -25,8 +25,7 @@ impl CampaignResult {
                 })
             })
             .collect();
-        let best = self.best.map(|(trial, cost)| json!({"trial": trial, "cost": cost}));
-        let params = self.best.map(|(trial, _)| space.nested(&self.trials[trial].theta));
+        let params = self.best.map(|best| space.nested(&self.trials[best.trial].theta));
         json!({
             "schema": "tribo.campaign/1",
             "tribo_version": self.config.tribo_version,
@@ -38,7 +37,7 @@ impl CampaignResult {
             "cost_measure": self.config.cost,
             "velocity": self.config.velocity,
             "trials": trials,
-            "best": best,
+            "best": self.best,
             "uncompensated_cost": self.references.uncompensated,
             "oracle_cost": self.references.oracle,
             "frictionless_cost": self.references.frictionless,

@@ -39,9 +39,9 @@ impl<const N: usize> Robot<N> {
         Self { arm, poses_rad, friction: known.then(|| TypicalFriction::new(coulomb_nm, viscous_nm_s_per_rad)) }
     }
 
-    /// How many times as wide as a Panda's the parameter box of each joint is: as its friction goes, else as its torque
-    /// limit (over 87 Nm); at least 1.
-    pub fn box_scale(&self) -> [f64; N] {
+    /// How many times a Panda's friction each joint is taken to have: as its friction goes, else as its torque limit (over 87 Nm); at
+    /// least 1.
+    pub fn friction_times_panda(&self) -> [f64; N] {
         match &self.friction {
             Some(friction) => friction.times_panda(),
             None => std::array::from_fn(|j| (self.arm.limits.tau_max_nm[j] / PANDA_TORQUE_NM).max(1.0)),

@@ -3,14 +3,14 @@
 #![allow(clippy::unwrap_used, clippy::panic, reason = "tests")]
 
 use tribo_experiments::strategy::{FinishedTrial, Origin, StrategyName};
-use tribo_experiments::{Campaign, TuneConfig, UserTrials, run_in_memory};
+use tribo_experiments::{Campaign, StopBelow, TuneConfig, UserTrials, run_in_memory};
 
 fn clock() -> String {
     "2026-01-01T00:00:00.000000+00:00".to_owned()
 }
 
 fn config(strategy: StrategyName, batch: usize) -> TuneConfig {
-    TuneConfig { strategy, trials: 8, init: 3, batch, ..TuneConfig::default() }
+    TuneConfig { strategy, trials: 8, init: 3, batch, stop_below: Some(StopBelow::Never), ..TuneConfig::default() }
 }
 
 fn on_threads(threads: usize, config: TuneConfig) -> Vec<FinishedTrial> {
@@ -24,10 +24,10 @@ fn on_threads(threads: usize, config: TuneConfig) -> Vec<FinishedTrial> {
 #[test]
 fn results_depend_neither_on_threads_nor_on_what_ends_first() {
     for strategy in [StrategyName::GreyBox, StrategyName::Bo] {
-        let alone = run_in_memory(&config(strategy, 3).validate::<7>().unwrap()).unwrap();
+        let alone = run_in_memory(&config(strategy, 3).validate::<7>().unwrap()).unwrap().trials;
         assert_eq!(on_threads(1, config(strategy, 3)), alone, "{strategy:?}");
         assert_eq!(on_threads(3, config(strategy, 3)), alone, "{strategy:?}");
-        let one_by_one = run_in_memory(&config(strategy, 1).validate::<7>().unwrap()).unwrap();
+        let one_by_one = run_in_memory(&config(strategy, 1).validate::<7>().unwrap()).unwrap().trials;
         assert_ne!(one_by_one, alone, "{strategy:?}");
         assert_eq!(on_threads(1, config(strategy, 1)), one_by_one, "{strategy:?}");
         assert_eq!(on_threads(3, config(strategy, 1)), one_by_one, "{strategy:?}");
@@ -40,7 +40,7 @@ fn results_depend_neither_on_threads_nor_on_what_ends_first() {
 /// One fit for each batch, tried once: the others of the batch are corrections of it.
 #[test]
 fn the_grey_box_tries_a_fit_once_and_corrects_it_beside() {
-    let trials = run_in_memory(&config(StrategyName::GreyBox, 2).validate::<7>().unwrap()).unwrap();
+    let trials = run_in_memory(&config(StrategyName::GreyBox, 2).validate::<7>().unwrap()).unwrap().trials;
     let origins: Vec<Origin> = trials.iter().map(|trial| trial.origin).collect();
     let [fit, corrected] = [Origin::LeastSquares, Origin::Model];
     assert_eq!(origins[..5], [Origin::Constant, fit, corrected, fit, corrected]);

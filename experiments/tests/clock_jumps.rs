@@ -4,7 +4,7 @@
 
 use std::sync::atomic::{AtomicU64, Ordering};
 
-use tribo_experiments::{Campaign, TuneConfig};
+use tribo_experiments::{Campaign, Changes, TuneConfig};
 
 fn steady() -> String {
     "2026-01-01T12:00:00.000000".to_owned()
@@ -30,7 +30,10 @@ fn results_do_not_depend_on_the_clock() {
 
     let short = TuneConfig { trials: 2, ..config.clone() }.validate::<7>().unwrap();
     Campaign::create(&other, short, jumping).unwrap().run(&mut ()).unwrap();
-    let resumed = Campaign::<7>::resume(&other, Some(3), jumping).unwrap().run(&mut ()).unwrap();
+    let resumed = Campaign::<7>::resume(&other, Changes { trials: Some(3), ..Changes::default() }, jumping)
+        .unwrap()
+        .run(&mut ())
+        .unwrap();
     assert_eq!(resumed.trials, whole.trials);
     assert_eq!(resumed.best, whole.best);
     for name in ["tuned.yaml", "references.yaml", "trials/0002.parquet"] {

@@ -6,7 +6,9 @@ use std::path::Path;
 
 use tribo_experiments::strategy::{FinishedTrial, StrategyName};
 use tribo_experiments::watch::CampaignWatch;
-use tribo_experiments::{Campaign, CampaignError, CampaignObserver, CampaignResult, EarlyStop, TuneConfig};
+use tribo_experiments::{
+    Campaign, CampaignError, CampaignObserver, CampaignResult, Changes, EarlyStop, StopBelow, TuneConfig,
+};
 
 fn clock() -> String {
     "2026-01-01T00:00:00.000000+00:00".to_owned()
@@ -39,7 +41,7 @@ fn killed(directory: &Path, after: usize) {
 }
 
 fn resumed(directory: &Path) -> CampaignResult {
-    Campaign::<7>::resume(directory, None, clock).unwrap().run(&mut ()).unwrap()
+    Campaign::<7>::resume(directory, Changes::default(), clock).unwrap().run(&mut ()).unwrap()
 }
 
 #[test]

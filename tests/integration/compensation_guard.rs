@@ -98,7 +98,7 @@ fn a_blind_search_tries_nothing_that_shakes() {
         trials: 8,
         ..TuneConfig::default()
     };
-    let guarded = run_in_memory(&config.clone().validate::<7>().unwrap()).unwrap();
+    let guarded = run_in_memory(&config.clone().validate::<7>().unwrap()).unwrap().trials;
     assert!(guarded[0].theta.iter().all(|value| *value == 0.0), "{:?}", guarded[0].theta);
     assert!(guarded.iter().all(|trial| trial.origin == Origin::Guard));
     // Under the measured velocity even 1.3 times may be too much for the noise: then the second line of defence acts.
@@ -114,7 +114,7 @@ fn a_blind_search_tries_nothing_that_shakes() {
     });
     let most = most.fold(0.0, f64::max);
     assert!((1.2..2.0).contains(&most), "{most}");
-    let trusted = run_in_memory(&tune).unwrap();
+    let trusted = run_in_memory(&tune).unwrap().trials;
     assert!(trusted.iter().all(|trial| trial.origin == Origin::Design));
     let median = |trials: &[FinishedTrial]| {
         let mut costs: Vec<f64> = trials.iter().map(|trial| trial.cost.total()).collect();

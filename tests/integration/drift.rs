@@ -2,7 +2,7 @@
 
 use tribo_experiments::scenario::TruthName;
 use tribo_experiments::strategy::StrategyName;
-use tribo_experiments::{AnyEstimator, Believed, TuneConfig, run_in_memory, run_trial};
+use tribo_experiments::{AnyEstimator, Believed, StopBelow, TuneConfig, run_in_memory, run_trial};
 use tribo_friction::VelocitySource;
 
 /// J of a controller that knows the friction of this moment, under the noise of the trial itself: a maximum over 30 s moves
@@ -31,10 +31,11 @@ fn grey_box_follows_friction_that_fades() {
         strategy: StrategyName::GreyBox,
         velocity: VelocitySource::Reference,
         trials: 50,
+        stop_below: Some(StopBelow::Never),
         ..TuneConfig::default()
     };
     let tune = config.validate::<7>().expect("valid settings");
-    let trials = run_in_memory(&tune).expect("a campaign");
+    let trials = run_in_memory(&tune).expect("a campaign").trials;
     let warm_up = tune.numbered(49).0.truth.warm_up.expect("a truth that warms up");
     assert!((warm_up.scale(16.5) - 0.74).abs() < 0.01, "{}", warm_up.scale(16.5));
 

@@ -30,13 +30,13 @@ fn payload_error(tune: &ValidTune<7>) -> f64 {
     fit.payload_kg - PAYLOAD_KG
 }
 
-/// 0.2 kg at the flange, link masses wrong by 3 % (one deviation), three times the noise: the best of five trials costs at most 1.05
+/// 0.2 kg at the flange, link masses wrong by 3 % (one deviation), three times the noise: what is expected of the best trial is at most 1.05
 /// of what the true friction costs the same controller.
 #[test]
 fn tuning_bears_a_wrong_model() {
     let ratio = |(seed, velocity): (u64, VelocitySource)| {
         let tune = tune(seed, velocity, 0.03);
-        let trials = run_in_memory(&tune).expect("a campaign");
+        let best = run_in_memory(&tune).expect("a campaign").conclusion.best.expect("a best trial");
         let friction = tune.oracle.friction;
         let oracle = |noise: u64| {
             let name = tune.config.residual;
@@ -44,11 +44,11 @@ fn tuning_bears_a_wrong_model() {
             run_trial(&tune.trial, &friction, estimator.expect("an estimator"), 880 + noise).cost.total()
         };
         let oracle = (0..3).map(oracle).sum::<f64>() / 3.0;
-        trials.iter().map(|trial| trial.cost.total()).fold(f64::INFINITY, f64::min) / oracle
+        best.cost / oracle
     };
     let campaigns = [(1, VelocitySource::Reference), (2, VelocitySource::Hybrid), (3, VelocitySource::Reference)];
     let ratios = campaigns.map(ratio);
-    println!("wrong model: best of five over the true friction {ratios:.3?}");
+    println!("wrong model: best trial over the true friction {ratios:.3?}");
     assert!(ratios.iter().all(|ratio| *ratio <= 1.05), "{ratios:?}");
 }
 

@@ -1,7 +1,7 @@
 //! Story: people stop trials; what they stopped is not taken for tried.
 
 use tribo_experiments::strategy::Origin;
-use tribo_experiments::{AbortReason, TuneConfig, run_in_memory};
+use tribo_experiments::{AbortReason, StopBelow, TuneConfig, run_in_memory};
 
 /// Trials of least squares before the Bayesian ones.
 const FITS: usize = 3;
@@ -10,8 +10,14 @@ const FITS: usize = 3;
 fn least_squares_goes_on_until_its_trials_were_seen_to_the_end() {
     let (mut stopped, mut corrected) = (0, 0);
     for seed in 0..6 {
-        let config = TuneConfig { seed, trials: 8, failure_rate: 0.5, ..TuneConfig::default() };
-        let trials = run_in_memory(&config.validate::<7>().expect("valid settings")).expect("a campaign");
+        let config = TuneConfig {
+            seed,
+            trials: 8,
+            failure_rate: 0.5,
+            stop_below: Some(StopBelow::Never),
+            ..TuneConfig::default()
+        };
+        let trials = run_in_memory(&config.validate::<7>().expect("valid settings")).expect("a campaign").trials;
         for (number, _) in trials.iter().enumerate().filter(|(_, trial)| trial.origin == Origin::Model) {
             let seen =
                 |origin: Origin| trials[..number].iter().filter(move |it| it.origin == origin && it.aborted.is_none());

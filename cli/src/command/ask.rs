@@ -81,6 +81,7 @@ fn reopened<const N: usize>(mut campaign: UserCampaign<N>, arguments: &Ask) -> a
     let mut wanted = settings.clone();
     arguments.settings.apply(&mut wanted)?;
     apply(arguments, wanted.user_trials.get_or_insert_default())?;
+    wanted.stop_below = settings.stop_below;
     // What files hold is compared by their names: flags name files.
     (wanted.trials, wanted.robot_content, wanted.truth_content, wanted.model_content) = (
         settings.trials,
@@ -98,13 +99,33 @@ fn reopened<const N: usize>(mut campaign: UserCampaign<N>, arguments: &Ask) -> a
     if let Some(trials) = arguments.settings.trials.filter(|trials| *trials != settings.trials) {
         campaign.set_trials(trials)?;
     }
+    if let Some(stop_below) =
+        arguments.settings.stop_below.filter(|stop| Some(*stop) != campaign.tune().config.stop_below)
+    {
+        campaign.set_stop_below(stop_below)?;
+    }
     Ok(campaign)
 }
 
+/// A campaign that has nothing left to gain, with what to do next.
+fn how_to_go_on(error: CampaignError, directory: &Path) -> anyhow::Error {
+    if !matches!(error, CampaignError::NothingToGain { .. }) {
+        return error.into();
+    }
+    let shown = directory.display();
+    BadInput(format!(
+        "{error}\nthe result: tribo export {shown} --format c; another trial all the same: tribo ask {shown} --anyway"
+    ))
+    .into()
+}
+
 fn ask<const N: usize>(mut campaign: UserCampaign<N>, arguments: &Ask, common: &Common) -> anyhow::Result<()> {
+    let directory = &arguments.campaign;
     let asked = match arguments.trial {
         Some(number) => campaign.asked(number)?,
-        None => threads::pool(common)?.install(|| campaign.ask())?,
+        None => threads::pool(common)?
+            .install(|| campaign.ask(arguments.anyway))
+            .map_err(|error| how_to_go_on(error, directory))?,
     };
     let out = arguments.out.as_deref();
     let text = to_yaml(&asked.file).map_err(FileError::io(out.unwrap_or(&arguments.campaign)))?;

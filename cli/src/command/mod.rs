@@ -22,11 +22,13 @@ use std::path::Path;
 
 use serde::de::DeserializeOwned;
 use tribo_experiments::files::{AnyModel, YamlDocument};
+use tribo_experiments::strategy::{BestTrial, LawCheck};
 use tribo_experiments::{AnyTune, ConfigError, NotCancelled, TuneConfig};
 use tribo_logs::{LogError, LogSummary, RobotLog, read_log_watched};
 
 use crate::arguments::{CampaignSettings, Common, Scenario};
 use crate::failure::{BadInput, Stopped};
+use crate::output::significant;
 use crate::progress::StageProgress;
 
 /// Where campaigns go when nobody says where.
@@ -112,6 +114,17 @@ fn check_joints(path: &Path, log: &RobotLog, model: &AnyModel) -> anyhow::Result
     }
     let message = format!("{}: {} joints; the model has {}", path.display(), log.joints(), model.joints());
     Err(BadInput(message).into())
+}
+
+/// `2.93 ± 0.05`: J expected of the best trial when it is run again.
+fn expected(best: &BestTrial) -> String {
+    let cost = significant(best.cost, 4);
+    best.sd.map_or(cost.clone(), |sd| format!("{cost} ± {}", significant(sd, 2)))
+}
+
+/// What is said where the friction law does not explain the robot.
+fn law_sentence(check: Option<LawCheck>) -> Option<String> {
+    check.filter(|check| !check.passed()).map(|check| check.to_string())
 }
 
 /// Says what a believed model holds that its controller cannot act on.

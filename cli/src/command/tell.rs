@@ -3,12 +3,13 @@
 use std::path::Path;
 
 use serde_json::{Map, Value, json};
+use tribo_experiments::strategy::BestTrial;
 use tribo_experiments::{AbortReason, JudgedLog, Told, TuneConfig, UserCampaign, judge_log, trial_remarks};
 use tribo_logs::recognise::{Fault, Use, recognise};
 use tribo_logs::{RobotLog, read_log};
 
 use super::believe::{Refused, believe};
-use super::{learnt, now};
+use super::{expected, law_sentence, learnt, now};
 use crate::arguments::{Common, Tell};
 use crate::failure::BadInput;
 use crate::output::{print, print_json, significant, table};
@@ -76,7 +77,7 @@ fn show_withdrawn<const N: usize>(campaign: &UserCampaign<N>, number: usize, rea
             "trial": number,
             "state": "withdrawn",
             "reason": reason,
-            "best": best.map(|(trial, cost)| json!({"trial": trial, "cost": cost})),
+            "best": best,
             "finished": finished,
             "trials": campaign.tune().config.trials,
             "running": campaign.running(),
@@ -87,10 +88,10 @@ fn show_withdrawn<const N: usize>(campaign: &UserCampaign<N>, number: usize, rea
     }
 }
 
-/// `best J 2.9 in trial 3`.
-fn best_so_far(best: Option<(usize, f64)>) -> String {
-    best.map_or("no trial has succeeded yet".to_owned(), |(trial, cost)| {
-        format!("best J {} in trial {trial}", significant(cost, 4))
+/// `best: trial 3, expected J 2.93 ± 0.05`.
+fn best_so_far(best: Option<BestTrial>) -> String {
+    best.map_or("no trial has succeeded yet".to_owned(), |best| {
+        format!("best: trial {}, expected J {}", best.trial, expected(&best))
     })
 }
 
@@ -143,7 +144,9 @@ fn document<const N: usize>(
         "aborted_at_s": told.aborted_at_s,
         "faults": judged.map(|judged| judged.faults),
         "logged_compensation": judged.map(|judged| judged.logged_compensation),
-        "best": told.best.map(|(trial, cost)| json!({"trial": trial, "cost": cost})),
+        "best": told.best,
+        "law_check": told.law_check.map(|check| json!({"unexplained": check.unexplained, "passed": check.passed()})),
+        "early_stop": told.early_stop,
         "finished": told.finished,
         "trials": campaign.tune().config.trials,
         "running": campaign.running(),
@@ -179,7 +182,15 @@ fn show<const N: usize>(campaign: &UserCampaign<N>, told: &Told, judged: Option<
 /// How to go on after the last trial.
 fn what_next<const N: usize>(campaign: &UserCampaign<N>, told: &Told, arguments: &Tell) {
     let (directory, total) = (arguments.campaign.display(), campaign.tune().config.trials);
-    if told.finished >= total {
+    if let Some(sentence) = law_sentence(told.law_check) {
+        print(format_args!(
+            "\n{sentence}\nfind out what: tribo diagnose LOG, with a log of a motion that takes every joint both ways"
+        ));
+    }
+    if let Some(stop) = &told.early_stop {
+        print(format_args!("nothing left to gain: {stop}"));
+    }
+    if told.finished >= total || told.early_stop.is_some() {
         print(format_args!("next: tribo export {directory} --format c, or tribo report {directory}"));
     }
 }

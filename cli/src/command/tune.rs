@@ -5,13 +5,15 @@ use std::time::Instant;
 
 use anyhow::Context;
 use tribo_experiments::files::FileError;
+use tribo_experiments::strategy::BestTrial;
 use tribo_experiments::watch::write_report;
 use tribo_experiments::{
-    AgainstEkf, AnyTune, Campaign, CampaignError, CampaignResult, CostName, EstimatorName, TuneConfig, against_ekf,
+    AgainstEkf, AnyTune, Campaign, CampaignError, CampaignResult, Changes, CostName, EstimatorName, ParameterSpace,
+    TuneConfig, against_ekf,
 };
 
-use super::{CAMPAIGNS, configured, now, warn_not_cancelled};
-use crate::arguments::{Common, Tune};
+use super::{CAMPAIGNS, configured, expected, law_sentence, now, warn_not_cancelled};
+use crate::arguments::{CampaignSettings, Common, Tune};
 use crate::failure::{BadInput, CheckFailed, Stopped};
 use crate::output::{print, print_json, significant, table};
 use crate::progress::{TrialProgress, stop_on_signal};
@@ -22,21 +24,11 @@ pub fn run(arguments: &Tune, common: &Common) -> anyhow::Result<()> {
     let started = Instant::now();
     if arguments.resume {
         let directory = resumed(arguments)?;
+        let CampaignSettings { trials, stop_below, .. } = arguments.settings;
+        let changes = Changes { trials, stop_below };
         return match TuneConfig::joints_of_campaign(&directory)? {
-            6 => finish(
-                Campaign::<6>::resume(&directory, arguments.settings.trials, now)?,
-                &directory,
-                arguments,
-                common,
-                started,
-            ),
-            _ => finish(
-                Campaign::<7>::resume(&directory, arguments.settings.trials, now)?,
-                &directory,
-                arguments,
-                common,
-                started,
-            ),
+            6 => finish(Campaign::<6>::resume(&directory, changes, now)?, &directory, arguments, common, started),
+            _ => finish(Campaign::<7>::resume(&directory, changes, now)?, &directory, arguments, common, started),
         };
     }
     let (directory, tune) = configured_campaign(arguments)?;
@@ -102,7 +94,7 @@ fn finish<const N: usize>(
     if let Some(stop) = &result.early_stop
         && !common.quiet
     {
-        message!("tribo: {stop}");
+        message!("tribo: nothing left to gain: {stop}");
     }
     if tune.config.residual != EstimatorName::Ekf && !common.quiet {
         message!("the same campaign with the EKF, for comparison");
@@ -113,7 +105,7 @@ fn finish<const N: usize>(
     if common.json {
         print_json(&result.to_json(judged, wall_s));
     } else if !common.quiet {
-        show(&result, judged.as_ref(), directory, &report, wall_s);
+        show(&result, tune.true_parameters().as_deref(), judged.as_ref(), directory, &report, wall_s);
     }
     match arguments.check {
         Some(limit) => check(&result, limit),
@@ -155,7 +147,6 @@ fn resumed(arguments: &Tune) -> anyhow::Result<PathBuf> {
         ("--friction", settings.friction.is_some()),
         ("--residual", settings.residual.is_some()),
         ("--cost", settings.cost.is_some()),
-        ("--stop-below", settings.stop_below.is_some()),
         ("--strategy", settings.strategy.is_some()),
         ("--init", settings.init.is_some()),
         ("--batch", settings.batch.is_some()),
@@ -186,22 +177,51 @@ fn last_campaign() -> Option<(u32, PathBuf)> {
         .max_by_key(|(number, _)| *number)
 }
 
+/// The tuned parameters joint by joint, each beside the true one where the simulated arm has such a parameter.
+fn show_parameters(space: &ParameterSpace, theta: &[f64], truth: Option<&[f64]>) {
+    let mut header = vec!["joint"];
+    for name in space.names_of_joint() {
+        header.push(name);
+        header.extend(truth.map(|_| "(true)"));
+    }
+    let mut parameters = table(&header);
+    let per_joint = space.parameters_per_joint();
+    for (joint, values) in theta.chunks(per_joint).enumerate() {
+        let cells = values.iter().enumerate().flat_map(|(k, value)| {
+            let of_truth = truth.map(|truth| significant(truth[joint * per_joint + k], 4));
+            std::iter::once(significant(*value, 4)).chain(of_truth)
+        });
+        parameters.add_row(std::iter::once(joint.to_string()).chain(cells));
+    }
+    print(format_args!("\n{parameters}"));
+    for sentence in space.at_bounds(theta) {
+        print(sentence);
+    }
+}
+
 fn check(result: &CampaignResult, limit: f64) -> anyhow::Result<()> {
-    let ratio = result.best.map_or(f64::INFINITY, |(_, cost)| cost / result.references.oracle);
+    let ratio = result.best.map_or(f64::INFINITY, |best| best.cost / result.references.oracle);
     if ratio <= limit {
         return Ok(());
     }
     Err(CheckFailed(format!("best J is {ratio:.3} of the oracle's; allowed: {limit}")).into())
 }
 
-fn show(result: &CampaignResult, judged: Option<&AgainstEkf>, directory: &Path, report: &Path, wall_s: f64) {
+fn show(
+    result: &CampaignResult,
+    truth: Option<&[f64]>,
+    judged: Option<&AgainstEkf>,
+    directory: &Path,
+    report: &Path,
+    wall_s: f64,
+) {
     let unit = format!("J [{}]", result.config.cost.unit());
     let peak = match result.config.cost {
         CostName::Paper => "max F+M",
         CostName::Robust => "99 % F+M/ℓ",
     };
     let mut trials = table(&["trial", &unit, "J/J_oracle", peak, "mean", "penalty", "chosen by", "state"]);
-    let best = result.best.map(|(number, _)| number);
+    let best = result.best.map(|best| best.trial);
     for trial in &result.trials {
         let cost = trial.cost.total();
         let mark = if Some(trial.number) == best { " *" } else { "" };
@@ -221,28 +241,19 @@ fn show(result: &CampaignResult, judged: Option<&AgainstEkf>, directory: &Path, 
     let references = &result.references;
     let mut summary = table(&["", &unit]);
     summary.add_row(["uncompensated".to_owned(), significant(references.uncompensated, 4)]);
-    if let Some((number, cost)) = result.best {
-        summary.add_row([format!("tuned (trial {number})"), significant(cost, 4)]);
+    if let Some(best) = result.best {
+        summary.add_row([format!("tuned (trial {}), expected of another trial", best.trial), expected(&best)]);
     }
     summary.add_row(["oracle (true friction)".to_owned(), significant(references.oracle, 4)]);
     summary.add_row(["no friction at all".to_owned(), significant(references.frictionless, 4)]);
     print(format_args!("\n{summary}"));
     if let Some(best) = best {
-        let space = &result.space;
-        let header: Vec<&str> = std::iter::once("joint").chain(space.names_of_joint()).collect();
-        let mut parameters = table(&header);
-        for (joint, values) in result.trials[best].theta.chunks(space.parameters_per_joint()).enumerate() {
-            let row = std::iter::once(joint.to_string()).chain(values.iter().map(|value| significant(*value, 4)));
-            parameters.add_row(row);
-        }
-        print(format_args!("\n{parameters}"));
+        show_parameters(&result.space, &result.trials[best].theta, truth);
     }
-    if let Some(check) = result.law_check.filter(|check| !check.passed()) {
+    if let Some(sentence) = law_sentence(result.law_check) {
         print(format_args!(
-            "\nthe friction law leaves {:.0} % of the wrench unexplained on parts of trial 0 that it was not fitted to: something else \
-             is at work in this robot.\nfind out what: tribo simulate {} --trial 0 --log free_motion.csv   (yours comes from your robot)\n\
+            "\n{sentence}\nfind out what: tribo simulate {} --trial 0 --log free_motion.csv   (yours comes from your robot)\n\
              \x20              tribo diagnose free_motion.csv   (several causes may fit so small a motion: it names the one that tells)",
-            100.0 * check.unexplained,
             directory.join("campaign.yaml").display(),
         ));
     }
@@ -262,7 +273,7 @@ fn show(result: &CampaignResult, judged: Option<&AgainstEkf>, directory: &Path, 
         directory.join("tuned.yaml").display(),
         report.display()
     ));
-    if let Some((_, cost)) = result.best {
+    if let Some(BestTrial { cost, .. }) = result.best {
         print(format_args!(
             "next: tribo export {} --format c   (or rust, ros2, crisp, urdf, mjcf, yaml, json; J {:.1} -> {:.1})",
             directory.display(),

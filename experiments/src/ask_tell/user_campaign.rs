@@ -8,15 +8,21 @@ use serde_json::{Value, json};
 use tribo_logs::seal_of;
 
 use super::{JudgedLog, Learnt, UserTrials};
-use crate::campaign::{best_trial, write_tuned};
-use crate::campaign_directory::{RunBy, check_trials, create, open};
+use crate::campaign::write_tuned;
+use crate::campaign_directory::{Changes, RunBy, check_trials, create, open};
 use crate::files::{FileError, TunedFile};
 use crate::friction_limit::FrictionLimit;
 use crate::journal::{Clock, Ended, Journal, JournalTrial, TrialState, finish, finished_trial, seal};
 use crate::stored_logs::StoredLogs;
-use crate::strategy::{FinishedTrial, Identification, LogSource, Origin, Past, Proposal, RunningTrial};
+use crate::strategy::{
+    BestTrial, FinishedTrial, Identification, LawCheck, LogSource, Origin, Past, Proposal, RunningTrial, Strategy,
+    StrategyError,
+};
 use crate::watch::refresh_report;
-use crate::{AbortReason, CampaignError, Cost, CostAccumulator, TrialLog, ValidTune, trial_log_path, write_trial_log};
+use crate::{
+    AbortReason, CampaignError, Conclusion, ConfigError, Cost, CostAccumulator, EarlyStop, StopBelow, TrialLog,
+    ValidTune, trial_log_path, write_trial_log,
+};
 
 /// A trial that has been asked for.
 #[derive(Clone, Debug, PartialEq)]
@@ -38,10 +44,14 @@ pub struct Told {
     pub trial: FinishedTrial,
     /// Time of its failure since the start of the judged part (s), where it is known.
     pub aborted_at_s: Option<f64>,
-    /// Number and cost of the best trial so far.
-    pub best: Option<(usize, f64)>,
+    /// The best trial so far.
+    pub best: Option<BestTrial>,
+    /// What the first log that is long enough says of the friction law.
+    pub law_check: Option<LawCheck>,
     /// Trials told so far, failed ones included.
     pub finished: usize,
+    /// Why another trial is not worth its time, if it is not.
+    pub early_stop: Option<EarlyStop>,
 }
 
 /// A campaign in its directory, whose trials run elsewhere: [`Self::ask`] hands out parameters, [`Self::tell`] takes what came
@@ -88,7 +98,7 @@ impl<const N: usize> UserCampaign<N> {
     /// # Errors
     /// No campaign, one whose trials Tribo runs, or a damaged one.
     pub fn open(directory: &Path, clock: Clock) -> Result<Self, CampaignError> {
-        let (tune, journal, recorded) = open::<N>(directory, None, RunBy::User, clock)?;
+        let (tune, journal, recorded) = open::<N>(directory, Changes::default(), RunBy::User, clock)?;
         let user_trials = tune.config.user_trials.unwrap_or_default();
         let path = directory.join("journal.log");
         let trials = recorded
@@ -97,19 +107,53 @@ impl<const N: usize> UserCampaign<N> {
             .map(|(number, trial)| Entry::of(&tune, &path, number, trial))
             .collect::<Result<_, _>>()?;
         let seals = recorded.iter().enumerate().filter_map(|(number, trial)| Some((number, seal(trial)?))).collect();
-        let campaign = Self { directory: directory.to_owned(), tune, user_trials, journal, trials, seals };
+        let mut campaign = Self { directory: directory.to_owned(), tune, user_trials, journal, trials, seals };
         campaign.refresh()?;
         Ok(campaign)
     }
 
     /// Makes true what follows from the journal.
-    fn refresh(&self) -> Result<(), CampaignError> {
+    fn refresh(&mut self) -> Result<(), CampaignError> {
         let finished: Vec<FinishedTrial> = self.finished().cloned().collect();
+        let best = self.conclude(&finished)?.best;
         let zero = self.tune.space.zero();
         let uncompensated = finished.iter().find(|trial| trial.aborted.is_none() && trial.theta == zero);
         let uncompensated_cost = uncompensated.map(|trial| trial.cost.total());
-        write_tuned(&self.directory, &self.tune, &finished, uncompensated_cost)?;
+        write_tuned(&self.directory, &self.tune, &finished, best.as_ref(), uncompensated_cost)?;
         refresh_report(&self.directory)
+    }
+
+    /// What the trials amount to, as the journal has it, or worked out where trials have come or gone since.
+    fn conclude(&mut self, finished: &[FinishedTrial]) -> Result<Conclusion, CampaignError> {
+        if let Some(known) = self.journal.study().conclusion.filter(|known| known.trials == finished.len()) {
+            return Ok(known);
+        }
+        let choice = Choice::of(&self.tune).map_err(|source| self.no_answer(source))?;
+        let conclusion = Conclusion::of(&self.tune, choice.strategy.as_ref(), finished, &self.logs());
+        let conclusion = conclusion.map_err(|source| self.no_answer(source))?;
+        self.journal.conclude(&conclusion)?;
+        Ok(conclusion)
+    }
+
+    fn no_answer(&self, source: StrategyError) -> CampaignError {
+        CampaignError::Strategy { trial: self.trials.len(), source }
+    }
+
+    /// Why another trial is not worth its time, if it is not; nobody knows while trials are in flight.
+    ///
+    /// # Errors
+    /// A strategy without an answer, a log that cannot be read.
+    pub fn early_stop(&self) -> Result<Option<EarlyStop>, CampaignError> {
+        let choice = Choice::of(&self.tune).map_err(|source| self.no_answer(source))?;
+        self.ends_before(&choice).map_err(|source| self.no_answer(source))
+    }
+
+    fn ends_before(&self, choice: &Choice<N>) -> Result<Option<EarlyStop>, StrategyError> {
+        let rule = self.tune.config.stop_rule().filter(|_| self.in_flight().next().is_none());
+        let Some(rule) = rule else { return Ok(None) };
+        let finished: Vec<FinishedTrial> = self.finished().cloned().collect();
+        let (strategy, logs) = (choice.strategy.as_ref(), self.logs());
+        EarlyStop::before(self.trials.len(), &rule, strategy, &finished, (&choice.limit, &logs))
     }
 
     /// The validated settings.
@@ -133,6 +177,19 @@ impl<const N: usize> UserCampaign<N> {
         Ok(())
     }
 
+    /// Changes when the campaign ends before its last trial.
+    ///
+    /// # Errors
+    /// A rule that is not for its strategy, a journal that cannot be written.
+    pub fn set_stop_below(&mut self, stop_below: StopBelow) -> Result<(), CampaignError> {
+        let mut config = self.tune.config.clone();
+        config.stop_below = Some(stop_below);
+        config.check_stop_below().map_err(ConfigError::from)?;
+        self.journal.set_stop_below(stop_below)?;
+        self.tune.config.stop_below = Some(stop_below);
+        Ok(())
+    }
+
     /// Numbers of the trials that have been asked for and not been told.
     pub fn running(&self) -> Vec<usize> {
         self.in_flight().map(|trial| trial.number).collect()
@@ -153,11 +210,11 @@ impl<const N: usize> UserCampaign<N> {
         })
     }
 
-    /// The next parameters, marked as running in the journal.
+    /// The next parameters, marked as running in the journal; where another trial is not worth its time, only if it is asked for `anyway`.
     ///
     /// # Errors
-    /// All trials are told or running; a strategy without an answer; a journal that cannot be written.
-    pub fn ask(&mut self) -> Result<Asked, CampaignError> {
+    /// All trials are told or running; nothing is left to gain; a strategy without an answer; a journal that cannot be written.
+    pub fn ask(&mut self, anyway: bool) -> Result<Asked, CampaignError> {
         let (finished, running): (Vec<_>, Vec<_>) =
             (self.finished().cloned().collect(), self.in_flight().cloned().collect());
         let total = self.tune.config.trials;
@@ -169,9 +226,11 @@ impl<const N: usize> UserCampaign<N> {
         }
         let number = self.trials.iter().position(|entry| matches!(entry, Entry::Torn)).unwrap_or(self.trials.len());
         let fail = |source| CampaignError::Strategy { trial: number, source };
-        let identification = Arc::new(Identification::new(&self.tune).map_err(fail)?);
-        let strategy = self.tune.config.strategy.build(&self.tune, &identification).map_err(fail)?;
-        let (limit, logs) = (FrictionLimit::of(&self.tune, &identification), self.logs());
+        let choice = Choice::of(&self.tune).map_err(fail)?;
+        if let Some(stop) = self.ends_before(&choice).map_err(fail)?.filter(|_| !anyway) {
+            return Err(CampaignError::NothingToGain { campaign: self.directory.clone(), stop });
+        }
+        let (Choice { strategy, limit }, logs) = (choice, self.logs());
         let past = Past { finished: &finished, running: &running, allowed: None };
         let proposal = match strategy.design(number).map_err(fail)? {
             Some(proposal) => limit.hold_back(proposal, number, &logs),
@@ -275,13 +334,15 @@ impl<const N: usize> UserCampaign<N> {
         self.seals.extend(ended.seal.map(|seal| (number, seal)));
         self.refresh()?;
         let finished: Vec<FinishedTrial> = self.finished().cloned().collect();
-        let (aborted_at_s, best) = (ended.aborted_at_s, best_trial(&finished));
-        Ok(Told { trial, aborted_at_s, best, finished: finished.len() })
+        let Conclusion { best, law_check, .. } = self.conclude(&finished)?;
+        let (aborted_at_s, early_stop) = (ended.aborted_at_s, self.early_stop()?);
+        Ok(Told { trial, aborted_at_s, best, law_check, finished: finished.len(), early_stop })
     }
 
-    /// Number and cost of the best trial so far.
-    pub fn best(&self) -> Option<(usize, f64)> {
-        best_trial(&self.finished().cloned().collect::<Vec<_>>())
+    /// The best trial so far.
+    pub fn best(&self) -> Option<BestTrial> {
+        let finished: Vec<FinishedTrial> = self.finished().cloned().collect();
+        Conclusion::best_of(self.journal.study().conclusion.as_ref(), &finished)
     }
 
     /// What least squares on the last logs says of the friction, parameter by parameter; nothing before a log tells enough, or of a law
@@ -313,6 +374,20 @@ impl<const N: usize> UserCampaign<N> {
 
     fn logs(&self) -> LogsThatCame<'_, N> {
         LogsThatCame { campaign: self, stored: StoredLogs::new(self.directory.clone(), self.seals.clone()) }
+    }
+}
+
+/// What chooses the next trial, and what holds it back.
+struct Choice<const N: usize> {
+    strategy: Box<dyn Strategy<N>>,
+    limit: FrictionLimit<N>,
+}
+
+impl<const N: usize> Choice<N> {
+    fn of(tune: &ValidTune<N>) -> Result<Self, StrategyError> {
+        let identification = Arc::new(Identification::new(tune)?);
+        let strategy = tune.config.strategy.build(tune, &identification)?;
+        Ok(Self { strategy, limit: FrictionLimit::of(tune, &identification) })
     }
 }
 

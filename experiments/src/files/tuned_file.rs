@@ -8,7 +8,7 @@ use tribo_friction::{Compensator, FrictionModel, VelocitySource};
 use super::{FieldError, FileError, FrictionSection, Model, ModelFile, YamlDocument};
 use crate::ValidTune;
 use crate::robot::joints_of_preset;
-use crate::strategy::FinishedTrial;
+use crate::strategy::BestTrial;
 
 /// Schema name of tuned parameters.
 const SCHEMA: &str = "tribo.tuned/1";
@@ -27,9 +27,12 @@ pub struct TunedFile {
     pub seed: u64,
     /// Trial the parameters come from.
     pub trial: usize,
-    /// Cost J of that trial [N + Nm]; none of one that has been asked for and not been run.
+    /// Expected J of a trial with these parameters [N + Nm, or N]; none of one that has been asked for and not been run.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub cost: Option<f64>,
+    /// Standard deviation of that expectation, where it is known.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub cost_sd: Option<f64>,
     /// Cost J without compensation [N + Nm], where it is known.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub uncompensated_cost: Option<f64>,
@@ -56,6 +59,7 @@ impl TunedFile {
             seed: tune.config.seed,
             trial,
             cost: None,
+            cost_sd: None,
             uncompensated_cost: None,
             velocity: compensator.source,
             hybrid_threshold_rad_s: compensator.hybrid_threshold_rad_s,
@@ -64,14 +68,15 @@ impl TunedFile {
         }
     }
 
-    /// The compensator of a finished trial, with its cost and that of not compensating, where it is known.
+    /// The compensator of the best trial, which has parameters θ, with its cost and that of not compensating, where it is known.
     pub fn of_finished<const N: usize>(
         tune: &ValidTune<N>,
-        trial: &FinishedTrial,
+        theta: &[f64],
+        best: &BestTrial,
         uncompensated_cost: Option<f64>,
     ) -> Self {
-        let cost = Some(trial.cost.total());
-        Self { cost, uncompensated_cost, ..Self::of_trial(tune, trial.number, &trial.theta) }
+        let BestTrial { trial, cost, sd, .. } = *best;
+        Self { cost: Some(cost), cost_sd: sd, uncompensated_cost, ..Self::of_trial(tune, trial, theta) }
     }
 
     /// Reads and validates a file.

@@ -8,6 +8,7 @@ use serde_json::{Value, json};
 
 use super::{JournalTrial, Replay, StudyRecord, TrialState};
 use crate::files::FileError;
+use crate::{Conclusion, StopBelow};
 
 /// What tells the time for the time stamps of the journal: RFC 3339 with microseconds and offset.
 pub type Clock = fn() -> String;
@@ -86,11 +87,29 @@ impl Journal {
         Ok(())
     }
 
+    /// Records when the campaign ends before its last trial, from now on.
+    pub(crate) fn set_stop_below(&mut self, stop_below: StopBelow) -> Result<(), FileError> {
+        self.append(&[study_attribute(StudyRecord::STOP_BELOW, &json!(stop_below))])?;
+        self.study.stop_below = Some(stop_below);
+        Ok(())
+    }
+
+    /// Records what the trials amount to, unless it stands there.
+    pub(crate) fn conclude(&mut self, conclusion: &Conclusion) -> Result<(), FileError> {
+        if self.study.conclusion.as_ref() != Some(conclusion) {
+            self.append(&[study_attribute(StudyRecord::CONCLUSION, &json!(conclusion))])?;
+            self.study.conclusion = Some(*conclusion);
+        }
+        Ok(())
+    }
+
     /// Takes back a trial that has ended. What stands in the journal stays: an attribute of the study says that it counts no more, as
     /// Optuna knows no change of a trial that has ended.
     pub(crate) fn withdraw(&mut self, trial: usize, reason: &str) -> Result<(), FileError> {
         let what = json!({"reason": reason, "datetime": (self.clock)()});
-        self.append(&[study_attribute(&format!("{}{trial}", StudyRecord::WITHDRAWN), &what)])
+        self.append(&[study_attribute(&format!("{}{trial}", StudyRecord::WITHDRAWN), &what)])?;
+        self.study.conclusion = None;
+        Ok(())
     }
 
     /// Opens a journal, cuts off a torn last line, and replays the rest; an error if another process holds it.

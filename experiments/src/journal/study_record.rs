@@ -4,12 +4,15 @@ use serde_json::Value;
 
 use super::JournalTrial;
 use crate::config::TRIALS;
+use crate::{Conclusion, StopBelow};
 
 /// Attributes of the study (op_code 2), the last of each name counting:
 ///
 /// ```text
 /// settings       what campaign.yaml held when the campaign began, so that a change of the file is found and its field named
 /// trials         how many trials the campaign is to have, once that was changed
+/// stop_below     when it ends before its last trial, once that was changed
+/// conclusion     the best trial and the check of the friction law, of the trials that had finished
 /// withdrawn_N    {reason, datetime}: trial N, which has ended, counts for nothing
 /// ```
 ///
@@ -20,6 +23,10 @@ pub struct StudyRecord {
     pub settings: Option<Value>,
     /// Number of trials, where it was changed after the beginning.
     pub trials: Option<usize>,
+    /// When it ends early, where that was changed after the beginning.
+    pub stop_below: Option<StopBelow>,
+    /// What the trials amounted to; none where one has been taken back since.
+    pub conclusion: Option<Conclusion>,
 }
 
 impl StudyRecord {
@@ -27,6 +34,10 @@ impl StudyRecord {
     pub(super) const SETTINGS: &str = "settings";
     /// Name of the number of trials.
     pub(super) const TRIALS: &str = "trials";
+    /// Name of the rule that ends a campaign early.
+    pub(super) const STOP_BELOW: &str = "stop_below";
+    /// Name of what the trials amount to.
+    pub(super) const CONCLUSION: &str = "conclusion";
     /// What stands before the number of a trial that was taken back.
     pub(super) const WITHDRAWN: &str = "withdrawn_";
 
@@ -40,11 +51,23 @@ impl StudyRecord {
                 let number = value.as_u64().and_then(|number| usize::try_from(number).ok());
                 let number = number.filter(|number| TRIALS.contains(number));
                 self.trials = Some(number.ok_or_else(|| format!("`trials` is {value}; allowed: 1 to 10000"))?);
+            } else if name == Self::STOP_BELOW {
+                let stop = serde_json::from_value(value.clone()).map_err(|error| format!("`stop_below`: {error}"))?;
+                self.stop_below = Some(stop);
+            } else if name == Self::CONCLUSION {
+                let conclusion: Conclusion =
+                    serde_json::from_value(value.clone()).map_err(|error| format!("`conclusion`: {error}"))?;
+                let known = |trial: usize| trials.get(trial).is_some_and(|trial| trial.state.is_finished());
+                if conclusion.best.is_some_and(|best| !known(best.trial)) {
+                    return Err("`conclusion` names a best trial that has not ended".to_owned());
+                }
+                self.conclusion = Some(conclusion);
             } else if let Some(number) = name.strip_prefix(Self::WITHDRAWN).and_then(|number| number.parse().ok()) {
                 let number: usize = number;
                 let ended = trials.get_mut(number).filter(|trial| trial.state.is_finished());
                 let trial = ended.ok_or_else(|| format!("trial {number} is taken back and has not ended"))?;
                 let reason = value.get("reason").and_then(Value::as_str);
+                self.conclusion = None;
                 trial.withdrawn = Some(reason.ok_or_else(|| format!("`{name}` has no `reason`"))?.to_owned());
             }
         }

@@ -7,7 +7,7 @@ use tribo_friction::VelocitySource;
 use crate::files::FieldError;
 use crate::scenario::{POSES, TruthName};
 use crate::strategy::StrategyName;
-use crate::{CampaignError, ConfigError, Phases, TuneConfig, TunedLaw, references, run_in_memory};
+use crate::{CampaignError, ConfigError, Phases, StopBelow, TuneConfig, TunedLaw, references, run_in_memory};
 
 /// Settings of the experiment, `schema: tribo.reproduce/1`.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -165,6 +165,7 @@ impl Roveda2022 {
             truth: case.truth.clone(),
             velocity: self.velocity,
             trials: strategy.trials,
+            stop_below: Some(StopBelow::Never),
             pose,
             phases: Phases::Random,
             // The paper's search tries whatever it draws.
@@ -181,7 +182,7 @@ impl Roveda2022 {
             oracle += costs.oracle / self.oracle_runs as f64;
             uncompensated += costs.uncompensated / self.oracle_runs as f64;
         }
-        let trials = run_in_memory(&tune)?;
+        let trials = run_in_memory(&tune)?.trials;
         Ok(CellResult {
             truth: case.truth.clone(),
             strategy: strategy.strategy,

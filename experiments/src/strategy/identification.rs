@@ -4,12 +4,14 @@ use std::collections::BTreeMap;
 use std::sync::{Arc, Mutex, PoisonError};
 
 use nalgebra::SVector;
+use tribo_friction::FrictionModel;
 use tribo_friction::identify::{Basis, GlsError, GlsFit, GlsSample, GlsSettings, SavitzkyGolay, fit_from_wrench};
 use tribo_friction::law::CoulombViscous;
 use tribo_robot::{Arm, ControlTerms, WrenchEstimator};
 
+use super::replay::Replay;
 use super::{LawCheck, LogSource, StrategyError};
-use crate::{AnyEstimator, Batches, TrialLog, TunedLaw, ValidTune};
+use crate::{AnyEstimator, Batches, CostMeasure, TrialLog, TunedLaw, ValidTune};
 
 /// Logs that the fit looks back on: two track a robot that warms up, and lose nothing on one that does not.
 const LOGS: usize = 2;
@@ -32,8 +34,10 @@ pub struct Identification<const N: usize> {
 }
 
 /// What one log says.
-struct LogSamples<const N: usize> {
+pub(super) struct LogSamples<const N: usize> {
     samples: Vec<GlsSample<N>>,
+    /// First sample of the judged part.
+    judged_from: usize,
     /// Largest torque beyond gravity and Coriolis forces that was sent to each joint (Nm).
     largest_torque: SVector<f64, N>,
 }
@@ -58,7 +62,7 @@ impl<const N: usize> Identification<N> {
                 (gls.lower[column], gls.upper[column]) = (low, widest);
             }
         }
-        let widest = space.box_scale.iter().fold(1.0_f64, |most, scale| most.max(*scale));
+        let widest = tune.friction_scale.iter().fold(1.0_f64, |most, scale| most.max(*scale));
         gls.prior_sd = gls.prior_sd.map(|sd| sd * widest);
         gls.stuck_coulomb_nm *= widest;
         let friction = space.friction(&space.zero());
@@ -127,6 +131,16 @@ impl<const N: usize> Identification<N> {
         Ok(None)
     }
 
+    /// Speed below which a joint counts as standing [rad/s].
+    pub(super) fn stuck_rad_s(&self) -> f64 {
+        self.gls.stuck_rad_s
+    }
+
+    /// Prior standard deviation of a coefficient, by its column of [`Basis`].
+    pub(super) fn prior_sd(&self, column: usize) -> f64 {
+        self.gls.prior_sd[column]
+    }
+
     /// The first trial of the batch of trial `number`, which is chosen by the trials before that one.
     pub fn known_before(&self, number: usize) -> usize {
         self.batches.of(number).start
@@ -155,19 +169,36 @@ impl<const N: usize> Identification<N> {
         Ok(None)
     }
 
-    fn samples(&self, trial: usize, logs: &dyn LogSource<N>) -> Result<Option<Arc<LogSamples<N>>>, StrategyError> {
+    /// What the log of a finished trial says; none of one that left no log.
+    ///
+    /// # Errors
+    /// A log that cannot be read.
+    pub(super) fn samples(
+        &self,
+        trial: usize,
+        logs: &dyn LogSource<N>,
+    ) -> Result<Option<Arc<LogSamples<N>>>, StrategyError> {
         let mut remembered = self.samples.lock().unwrap_or_else(PoisonError::into_inner);
         if let Some(samples) = remembered.get(&trial) {
             return Ok(Some(Arc::clone(samples)));
         }
         let Some(log) = logs.log(trial)? else { return Ok(None) };
-        let samples = identification_samples(&self.model, &log, &self.estimator);
-        let samples = Arc::new(LogSamples { samples, largest_torque: largest_joint_torque(&log) });
+        let timed = timed_samples(&self.model, &log, &self.estimator);
+        let judged_from = timed.iter().take_while(|(time_s, _)| *time_s < 0.0).count();
+        let samples = timed.into_iter().map(|(_, sample)| sample).collect();
+        let samples = Arc::new(LogSamples { samples, judged_from, largest_torque: largest_joint_torque(&log) });
         remembered.insert(trial, Arc::clone(&samples));
         if remembered.len() > REMEMBERED {
             remembered.pop_first();
         }
         Ok(Some(samples))
+    }
+}
+
+impl<const N: usize> LogSamples<N> {
+    /// The judged part, taken with a compensator that believed this friction.
+    pub fn replay(&self, compensated: FrictionModel<N>, measure: CostMeasure, stuck_rad_s: f64) -> Replay<'_, N> {
+        Replay { samples: &self.samples[self.judged_from..], compensated, measure, stuck_rad_s }
     }
 }
 
@@ -206,6 +237,15 @@ pub fn identification_samples<const N: usize>(
     log: &TrialLog<N>,
     estimator: &AnyEstimator<N>,
 ) -> Vec<GlsSample<N>> {
+    timed_samples(model, log, estimator).into_iter().map(|(_, sample)| sample).collect()
+}
+
+/// The same, each with its time since the start of the judged part (s).
+fn timed_samples<const N: usize>(
+    model: &Arm<N>,
+    log: &TrialLog<N>,
+    estimator: &AnyEstimator<N>,
+) -> Vec<(f64, GlsSample<N>)> {
     let filter = SavitzkyGolay { half_width: DERIVATIVE_HALF_WIDTH };
     let qd: Vec<Vec<f64>> =
         (0..N).map(|j| filter.derivative(&log.q.iter().map(|q| q[j]).collect::<Vec<_>>(), log.period_s)).collect();
@@ -219,7 +259,7 @@ pub fn identification_samples<const N: usize>(
             let wrench_from_torque = estimator.wrench_from_torque(&terms, &qd, &tau_compensation)?;
             // A sample that is no number tells nothing; one of them must not silence a whole log.
             let sample = GlsSample { wrench: log.wrench[k], wrench_from_torque, qd, tau_compensation };
-            is_finite(&sample).then_some(sample)
+            is_finite(&sample).then_some((log.time_s[k], sample))
         })
         .collect()
 }

@@ -1,5 +1,7 @@
 //! Whether the friction law is the right kind of law for this robot.
 
+use std::fmt;
+
 use serde::{Deserialize, Serialize};
 use tribo_friction::identify::{GlsError, GlsSample, GlsSettings, unexplained_on_held_out};
 
@@ -8,6 +10,17 @@ use tribo_friction::identify::{GlsError, GlsSample, GlsSettings, unexplained_on_
 pub struct LawCheck {
     /// Part of the friction's wrench, weighted, that stays unexplained [-]; see [`unexplained_on_held_out`].
     pub unexplained: f64,
+}
+
+impl fmt::Display for LawCheck {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let percent = 100.0 * self.unexplained;
+        write!(
+            f,
+            "the friction law leaves {percent:.0} % of the wrench unexplained on parts of the first log that it was not fitted to"
+        )?;
+        f.write_str(if self.passed() { "" } else { ": something else is at work in this robot" })
+    }
 }
 
 impl LawCheck {

@@ -2,12 +2,14 @@
 
 mod baseline;
 mod bayes;
+mod best;
 mod cma_es;
 mod completion;
 mod grey_box;
 mod identification;
 mod iterative_learning;
 mod law_check;
+mod replay;
 
 use std::fmt;
 use std::sync::Arc;
@@ -18,6 +20,7 @@ use tribo_friction::identify::GlsError;
 
 pub(crate) use baseline::published_gaz;
 pub(crate) use bayes::observations;
+pub use best::BestTrial;
 pub use grey_box::GreyBox;
 pub(crate) use identification::basis_column;
 pub use identification::{Identification, identification_samples};
@@ -180,6 +183,12 @@ pub trait Strategy<const N: usize>: Send + Sync {
         Ok(None)
     }
 
+    /// The best of the finished trials by what their logs say; none of a strategy that looks at nothing but J ([`BestTrial::of`]).
+    fn best(&self, past: Past<'_>, logs: &dyn LogSource<N>) -> Result<Option<BestTrial>, StrategyError> {
+        let _ = (past, logs);
+        Ok(None)
+    }
+
     /// What the trial proposed after these promises; none where a design chooses it, or the strategy has no model of the cost.
     fn expected_gain(&self, past: Past<'_>, logs: &dyn LogSource<N>) -> Result<Option<ExpectedGain>, StrategyError> {
         let _ = (past, logs);
@@ -190,7 +199,7 @@ pub trait Strategy<const N: usize>: Send + Sync {
 impl StrategyName {
     /// Whether it says what the next trial promises.
     pub fn expects_gain(self) -> bool {
-        matches!(self, Self::Paper | Self::Bo | Self::Composite)
+        matches!(self, Self::Paper | Self::Bo | Self::Composite | Self::GreyBox)
     }
 
     /// The strategy for these settings, with the identification of the same settings where it looks at logs.

@@ -3,9 +3,10 @@
 use serde::{Deserialize, Serialize};
 
 use super::settings::Study;
-use crate::campaign::best_trial;
 use crate::files::file_name;
-use crate::{AbortReason, AnyTune, CampaignError, EstimatorError, References, ValidTune, references, run_in_memory};
+use crate::{
+    AbortReason, AnyTune, CampaignError, EstimatorError, InMemory, References, ValidTune, references, run_in_memory,
+};
 
 /// What a cell computes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -83,11 +84,11 @@ impl Cell {
         match self.work {
             Work::References => Ok(mean_references(tune, study.oracle_runs)?),
             Work::Campaign(_) => {
-                let trials = run_in_memory(tune)?;
+                let InMemory { trials, conclusion, .. } = run_in_memory(tune)?;
                 Ok(CellResult::Campaign {
                     cost: trials.iter().map(|trial| trial.cost.total()).collect(),
                     aborted: trials.iter().map(|trial| trial.aborted).collect(),
-                    best: best_trial(&trials).map_or(Vec::new(), |(number, _)| trials[number].theta.clone()),
+                    best: conclusion.best.map_or(Vec::new(), |best| trials[best.trial].theta.clone()),
                 })
             }
         }

@@ -9,7 +9,7 @@ use crate::files::{FieldError, FileError, ModelFile, YamlDocument, file_name};
 use crate::robot::POSES;
 use crate::scenario::{TruthName, freeze};
 use crate::strategy::StrategyName;
-use crate::{ConfigError, EstimatorName, Phases, TuneConfig, TunedLaw};
+use crate::{ConfigError, EstimatorName, Phases, StopBelow, TuneConfig, TunedLaw};
 
 /// Schema name of studies.
 const SCHEMA: &str = "tribo.study/1";
@@ -162,10 +162,6 @@ impl Study {
         if self.settings.user_trials.is_some() {
             return Err(FieldError::new("settings.user_trials", "there", "nothing: a study is simulated").into());
         }
-        if let Some(share) = self.settings.stop_below {
-            let allowed = "nothing: a study compares campaigns of equal length";
-            return Err(FieldError::new("settings.stop_below", share, allowed).into());
-        }
         // What the settings name is read once, here, so that all shards see the same.
         freeze(self.settings.model.as_ref(), &mut self.settings.model_content)?;
         for case in &mut self.cases {
@@ -215,7 +211,9 @@ impl Study {
             Work::References => config,
             Work::Campaign(strategy) => {
                 let Budget { strategy, trials } = self.strategies[strategy];
-                TuneConfig { strategy, trials, ..config }
+                // Campaigns of equal length, unless the settings say otherwise of strategies that can end early.
+                let stop_below = config.stop_below.filter(|_| strategy.expects_gain()).unwrap_or(StopBelow::Never);
+                TuneConfig { strategy, trials, stop_below: Some(stop_below), ..config }
             }
         }
     }

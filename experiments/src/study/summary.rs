@@ -126,7 +126,10 @@ impl Campaigns {
                     }
                     least
                 });
-                campaigns.best.push(best.collect());
+                let mut best: Vec<f64> = best.collect();
+                // A campaign that ended early keeps what it had.
+                best.resize(study.strategies[strategy].trials, least);
+                campaigns.best.push(best);
                 campaigns.aborted.push(aborted.iter().flatten().count());
             }
         }

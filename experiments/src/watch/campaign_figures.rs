@@ -5,7 +5,7 @@ use std::ops::Range;
 use tribo_figure::number::{quantity_and_unit, significant};
 use tribo_figure::{Figure, Layer, Mark, Scale, Symbol};
 
-use super::CampaignSnapshot;
+use super::{CampaignSnapshot, WatchedTrial};
 use crate::CostName;
 
 /// Colour of a cost that a trial is compared with.
@@ -92,7 +92,8 @@ pub fn cost_parts(campaign: &CampaignSnapshot, with_penalty: bool) -> Figure {
     figure
 }
 
-/// One figure per parameter of the law: its value in every joint over the trials, and its bounds, the widest of all joints.
+/// One figure per parameter of the law: its value in every joint over the trials, and its bounds, the widest of all joints; a bound far
+/// above all values is left out.
 pub fn parameters(campaign: &CampaignSnapshot) -> Vec<Figure> {
     parameters_of(campaign, 0..campaign.tune.space().joints())
 }
@@ -112,6 +113,9 @@ pub fn parameters_of_joint(campaign: &CampaignSnapshot, joint: usize) -> Vec<Fig
     figures
 }
 
+/// How many times the largest value a bound is at most worth drawing.
+const FAR: f64 = 5.0;
+
 fn parameters_of(campaign: &CampaignSnapshot, joints: Range<usize>) -> Vec<Figure> {
     let space = campaign.tune.space();
     let (entries, per_joint, x) = (space.entries(), space.parameters_per_joint(), numbers(campaign));
@@ -123,7 +127,12 @@ fn parameters_of(campaign: &CampaignSnapshot, joints: Range<usize>) -> Vec<Figur
         let low = shown().map(|entry| entry.1).fold(f64::INFINITY, f64::min);
         let high = shown().map(|entry| entry.2).fold(f64::NEG_INFINITY, f64::max);
         figure.layers.push(Layer::level("bounds", GREY, low));
-        figure.layers.push(Layer::level("bounds", GREY, high));
+        let of_trial =
+            |watched: &WatchedTrial| joints.clone().map(|j| watched.trial.theta[j * per_joint + k]).fold(0.0, f64::max);
+        let most = campaign.trials.iter().map(of_trial).fold(0.0, f64::max);
+        if most == 0.0 || high <= FAR * most {
+            figure.layers.push(Layer::level("bounds", GREY, high));
+        }
         for j in joints.clone() {
             let values = campaign.trials.iter().map(|watched| watched.trial.theta[j * per_joint + k]).collect();
             let name = format!("joint {j}");

@@ -7,8 +7,8 @@ use tribo_figure::number::fixed;
 
 use super::TrialColumns;
 use crate::files::{TunedFile, file_name};
-use crate::strategy::FinishedTrial;
-use crate::{AnyTune, CampaignError, CostName, EarlyStop, References};
+use crate::strategy::{BestTrial, FinishedTrial};
+use crate::{AnyTune, CampaignError, Conclusion, CostName, EarlyStop, References};
 
 /// A finished trial as the journal tells it.
 #[derive(Clone, Debug, PartialEq)]
@@ -62,6 +62,8 @@ pub struct CampaignSnapshot {
     pub references: Option<References>,
     /// Why it ended before its last trial, if it did.
     pub early_stop: Option<EarlyStop>,
+    /// What its journal says of the trials that had finished when it was written.
+    pub conclusion: Option<Conclusion>,
 }
 
 impl CampaignSnapshot {
@@ -70,10 +72,15 @@ impl CampaignSnapshot {
         self.trials.iter().find(|watched| watched.trial.number == number)
     }
 
-    /// The cheapest trial that was not stopped; the earliest of equals.
+    /// The best trial so far; until the campaign has concluded on all that have finished, the cheapest.
     pub fn best(&self) -> Option<&WatchedTrial> {
-        let complete = self.trials.iter().filter(|watched| watched.trial.aborted.is_none());
-        complete.min_by(|a, b| a.trial.cost.total().total_cmp(&b.trial.cost.total()))
+        self.trial(self.best_trial()?.trial)
+    }
+
+    /// What is expected of the best trial.
+    pub fn best_trial(&self) -> Option<BestTrial> {
+        let finished: Vec<FinishedTrial> = self.trials.iter().map(|watched| watched.trial.clone()).collect();
+        Conclusion::best_of(self.conclusion.as_ref(), &finished)
     }
 
     /// Whether its trials run elsewhere: nothing of it can be simulated.
@@ -108,10 +115,11 @@ impl CampaignSnapshot {
 
     /// The compensator of the best trial, if there is one: what `tuned.yaml` holds.
     pub fn tuned(&self) -> Option<TunedFile> {
-        let (best, uncompensated) = (&self.best()?.trial, self.uncompensated_cost());
+        let (best, uncompensated) = (self.best_trial()?, self.uncompensated_cost());
+        let theta = &self.trial(best.trial)?.trial.theta;
         Some(match &*self.tune {
-            AnyTune::Six(tune) => TunedFile::of_finished(tune, best, uncompensated),
-            AnyTune::Seven(tune) => TunedFile::of_finished(tune, best, uncompensated),
+            AnyTune::Six(tune) => TunedFile::of_finished(tune, theta, &best, uncompensated),
+            AnyTune::Seven(tune) => TunedFile::of_finished(tune, theta, &best, uncompensated),
         })
     }
 

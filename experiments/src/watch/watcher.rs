@@ -97,7 +97,18 @@ impl CampaignWatch {
         }
         let (directory, tune, references) = (self.directory.clone(), Arc::clone(&self.tune), self.references);
         let early_stop =
-            self.early_stop.filter(|stop| tune.config().stop_below.is_some() && stop.trials == trials.len());
-        Ok(Some(CampaignSnapshot { directory, tune, trials, withdrawn, running, torn, references, early_stop }))
+            self.early_stop.filter(|stop| tune.config().stop_rule().is_some() && stop.trials == trials.len());
+        let conclusion = self.tail.study().conclusion;
+        Ok(Some(CampaignSnapshot {
+            directory,
+            tune,
+            trials,
+            withdrawn,
+            running,
+            torn,
+            references,
+            early_stop,
+            conclusion,
+        }))
     }
 }

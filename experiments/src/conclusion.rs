@@ -1,0 +1,47 @@
+//! What the trials of a campaign amount to.
+
+use serde::{Deserialize, Serialize};
+
+use crate::ValidTune;
+use crate::strategy::{BestTrial, FinishedTrial, LawCheck, LogSource, Strategy, StrategyError};
+
+/// The best trial so far, and whether the friction law explains the robot. What is known of the logs is worked out once, by whoever runs the
+/// campaign, and stands in its journal for all who look at it.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Conclusion {
+    /// Trials that had finished.
+    pub trials: usize,
+    /// The best of them; none before a trial was seen to its end.
+    pub best: Option<BestTrial>,
+    /// What the first log that is long enough says of the friction law; none of a strategy that identifies no law.
+    pub law_check: Option<LawCheck>,
+}
+
+impl Conclusion {
+    /// From the trials that have finished.
+    ///
+    /// # Errors
+    /// A log that cannot be read; an optimiser without an answer.
+    pub(crate) fn of<const N: usize>(
+        tune: &ValidTune<N>,
+        strategy: &dyn Strategy<N>,
+        finished: &[FinishedTrial],
+        logs: &dyn LogSource<N>,
+    ) -> Result<Self, StrategyError> {
+        let next = finished.iter().map(|trial| trial.number + 1).max().unwrap_or(0);
+        Ok(Self {
+            trials: finished.len(),
+            best: BestTrial::of(tune, strategy, finished, logs)?,
+            law_check: strategy.law_check(next, logs)?,
+        })
+    }
+
+    /// The best trial, if this is about the trials that have finished by now; else the cheapest of these.
+    pub(crate) fn best_of(recorded: Option<&Self>, finished: &[FinishedTrial]) -> Option<BestTrial> {
+        match recorded {
+            Some(conclusion) if conclusion.trials == finished.len() => conclusion.best,
+            _ => BestTrial::least(finished),
+        }
+    }
+}
