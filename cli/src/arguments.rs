@@ -135,7 +135,7 @@ pub struct Scenario {
     /// Seed of everything random.
     #[arg(long, allow_negative_numbers = true)]
     pub seed: Option<u64>,
-    /// What the simulated arm is like: coulomb_viscous, stribeck, lugre, gaz, thermal, frictionless (with the friction that
+    /// What the simulated arm is like: coulomb_viscous, stribeck, lugre, gaz, soft, thermal, frictionless (with the friction that
     /// arms of its kind have) or a model file.
     #[arg(long)]
     pub truth: Option<String>,
@@ -181,7 +181,8 @@ pub struct CampaignSettings {
     /// What is simulated.
     #[command(flatten)]
     pub scenario: Scenario,
-    /// Friction law of the compensator.
+    /// Friction law of the compensator, kept whatever the logs say [default: coulomb_viscous; grey_box goes over to stribeck where that
+    /// is expected to pay].
     #[arg(long, value_parser = PossibleValuesParser::new(["coulomb_viscous", "stribeck"]))]
     pub friction: Option<String>,
     /// Estimator whose wrench is the cost.

@@ -397,7 +397,7 @@ fn places_of_campaigns() {
                     })
                 },
                 resume,
-                &["c/campaign.yaml:12: field `trials` is 0; allowed: 1 to 10000"],
+                &["c/campaign.yaml:11: field `trials` is 0; allowed: 1 to 10000"],
             ),
             damaged(journal(swap), resume, &["c/journal.log:20: corrupt journal: not JSON"]),
             damaged(journal(without_study), resume, &["c/journal.log:1: corrupt journal: no study"]),
@@ -467,12 +467,12 @@ fn tuned_parameters() {
             damaged(
                 tuned("- coulomb_nm: 0.", "- coulomb_nm: -0."),
                 json,
-                &["c/tuned.yaml:14: field `friction.joints[0].coulomb_nm` is -0.", "allowed: 0 to 1000"],
+                &["c/tuned.yaml:15: field `friction.joints[0].coulomb_nm` is -0.", "allowed: 0 to 1000"],
             ),
             damaged(
                 tuned("law: coulomb_viscous", "law: stribeck"),
                 json,
-                &["c/tuned.yaml:14: field `friction.joints[0].", "is missing"],
+                &["c/tuned.yaml:15: field `friction.joints[0].", "is missing"],
             ),
             damaged(tuned("cost:", "price:"), json, &["c/tuned.yaml:6:1: ", "`price`"]),
             damaged(tuned("cost:", "cost: dear #"), json, &["c/tuned.yaml:6:7: field `cost`: not a number"]),

@@ -117,7 +117,7 @@ fn grey_box_survives_kills() {
 
 #[test]
 fn trials_side_by_side_survive_kills() {
-    survives_kills("--trials 9 --batch 3 --strategy grey_box --seed 14 --threads 2", 4);
+    survives_kills("--trials 9 --batch 3 --stop-below never --strategy grey_box --seed 14 --threads 2", 4);
 }
 
 #[test]
@@ -143,7 +143,7 @@ fn every_strategy_survives_many_kills() {
 /// Sends `signal` once a trial has ended, and resumes.
 fn ends_cleanly_on(signal: &str) {
     let at = scratch();
-    let arguments = "--trials 6 --strategy grey_box --seed 5 --json";
+    let arguments = "--trials 6 --strategy grey_box --stop-below never --seed 5 --json";
     let whole = run(at.path(), &format!("tune {arguments} --out whole")).ok().json();
 
     let campaign = at.path().join("stopped");

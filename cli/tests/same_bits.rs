@@ -15,7 +15,8 @@ use common::{Trial, journal, result, run, scratch};
 /// The journal of a campaign of six trials, and its result.
 fn campaign(at: &Path, strategy: &str, seed: u64, threads: usize, name: &str) -> (Vec<Trial>, String) {
     let arguments = format!("--strategy {strategy} --seed {seed} --threads {threads} --out {name}");
-    let document = run(at, &format!("tune --trials 6 --init 4 --phases random {arguments} --json")).ok().json();
+    let document =
+        run(at, &format!("tune --trials 6 --init 4 --stop-below never --phases random {arguments} --json")).ok().json();
     let trials = journal(&at.join(name));
     assert_eq!(trials.len(), 6);
     assert!(trials.iter().all(|trial| trial.end.is_some() && trial.params.len() == 14 && trial.attributes.len() == 7));

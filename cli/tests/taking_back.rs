@@ -57,7 +57,7 @@ fn a_trial_is_taken_back() {
 
     let call = ["tell", "mine", "--withdraw", "1", "--reason", "the cable was caught"];
     let told: common::Run = common::tribo(at.path(), call).output().unwrap().into();
-    assert!(told.ok().stdout.starts_with("trial 1 withdrawn: 1 of 3 count; best J 24."));
+    assert!(told.ok().stdout.starts_with("trial 1 withdrawn: 1 of 3 count; best: trial 0, expected J 24."));
     assert_eq!(tuned(at.path()).unwrap(), without, "tuned.yaml as it was before trial 1");
     let report = std::fs::read_to_string(at.path().join("mine/report.html")).unwrap();
     assert!(report.contains("Withdrawn trials (1)") && report.contains("the cable was caught"));

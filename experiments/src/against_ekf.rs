@@ -32,7 +32,7 @@ pub fn against_ekf<const N: usize>(
     if tune.config.residual == EstimatorName::Ekf {
         return Ok(None);
     }
-    let config = TuneConfig { residual: EstimatorName::Ekf, ..tune.config.clone() };
+    let config = TuneConfig { residual: EstimatorName::Ekf, ..result.config.clone() };
     let ekf = config.validate::<N>()?;
     let of_ekf = run_in_memory(&ekf)?;
     let Some(ekf_best) = of_ekf.conclusion.best else { return Ok(None) };

@@ -7,7 +7,8 @@ use crate::files::FileError;
 use crate::trial_store::read_own_trial_log;
 use crate::watch::{LoopTimes, TrialColumns, WatchedTrial, loop_times};
 use crate::{
-    AnyTune, EstimatorError, ParameterSpace, References, TuneConfig, ValidTune, references, uncompensated_trial,
+    AnyTune, EstimatorError, ParameterSpace, References, TuneConfig, TunedLaw, ValidTune, references,
+    uncompensated_trial,
 };
 
 impl AnyTune {
@@ -84,6 +85,22 @@ impl AnyTune {
         match self {
             Self::Six(tune) => read(tune, campaign, watched),
             Self::Seven(tune) => read(tune, campaign, watched),
+        }
+    }
+
+    /// [`ValidTune::true_parameters`].
+    pub fn true_parameters(&self) -> Option<Vec<f64>> {
+        match self {
+            Self::Six(tune) => tune.true_parameters(),
+            Self::Seven(tune) => tune.true_parameters(),
+        }
+    }
+
+    /// Goes over to another friction law.
+    pub(crate) fn change_law(&mut self, law: TunedLaw) {
+        match self {
+            Self::Six(tune) => tune.change_law(law),
+            Self::Seven(tune) => tune.change_law(law),
         }
     }
 

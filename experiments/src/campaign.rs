@@ -13,7 +13,8 @@ use crate::friction_limit::FrictionLimit;
 use crate::journal::{Clock, Ended, Journal, JournalTrial, finish, finished_trial, seal};
 use crate::stored_logs::StoredLogs;
 use crate::strategy::{
-    BestTrial, FinishedTrial, Identification, LawCheck, Past, Proposal, RunningTrial, Strategy, StrategyError,
+    BestTrial, FinishedTrial, Identification, LawChange, LawCheck, Past, Proposal, RunningTrial, Strategy,
+    StrategyError,
 };
 use crate::trial_store::{trial_log_path, write_trial_log};
 use crate::{
@@ -48,6 +49,8 @@ pub struct CampaignResult {
     pub config: TuneConfig,
     /// The parameters that were tuned.
     pub space: ParameterSpace,
+    /// The parameters of the simulated arm's own friction, where it has such.
+    pub truth: Option<Vec<f64>>,
     /// All trials, by number.
     pub trials: Vec<FinishedTrial>,
     /// The best trial that was seen to its end.
@@ -56,6 +59,8 @@ pub struct CampaignResult {
     pub references: References,
     /// Whether the friction law explains the first trial, where the strategy identifies one.
     pub law_check: Option<LawCheck>,
+    /// The friction law that it went over to, if it did.
+    pub law_change: Option<LawChange>,
     /// Why it ended before its last trial, if it did.
     pub early_stop: Option<EarlyStop>,
 }
@@ -130,9 +135,9 @@ impl<const N: usize> Campaign<N> {
         observer.references(&references);
         let fail = |source| CampaignError::Strategy { trial: 0, source };
         let identification = Arc::new(Identification::new(&self.tune).map_err(fail)?);
-        let strategy = self.tune.config.strategy.build(&self.tune, &identification).map_err(fail)?;
+        let mut strategy = self.tune.config.strategy.build(&self.tune, &identification).map_err(fail)?;
         let logs = StoredLogs::new(self.directory.clone(), self.seals.clone());
-        let limit = FrictionLimit::of(&self.tune, &identification);
+        let mut limit = FrictionLimit::of(&self.tune, &identification);
 
         let mut early_stop = None;
         while let Some(next) = self.trials.iter().position(Option::is_none) {
@@ -140,8 +145,19 @@ impl<const N: usize> Campaign<N> {
                 return Err(CampaignError::Stopped { finished: self.finished() });
             }
             let begins_batch = self.tune.config.batches().of(next).start == next;
+            let finished: Vec<FinishedTrial> = self.trials[..next].iter().flatten().cloned().collect();
+            if begins_batch {
+                let past = Past { finished: &finished, ..Past::default() };
+                let fail = |source| CampaignError::Strategy { trial: next, source };
+                if let Some(change) = strategy.better_law(past, &logs).map_err(fail)? {
+                    self.change_law(&change)?;
+                    let identification = Arc::new(Identification::new(&self.tune).map_err(fail)?);
+                    strategy = self.tune.config.strategy.build(&self.tune, &identification).map_err(fail)?;
+                    limit = FrictionLimit::of(&self.tune, &identification);
+                    continue;
+                }
+            }
             if let Some(rule) = self.tune.config.stop_rule().filter(|_| begins_batch) {
-                let finished: Vec<FinishedTrial> = self.trials[..next].iter().flatten().cloned().collect();
                 early_stop = EarlyStop::before(next, &rule, strategy.as_ref(), &finished, (&limit, &logs))
                     .map_err(|source| CampaignError::Strategy { trial: next, source })?;
                 if let Some(stop) = early_stop {
@@ -158,9 +174,22 @@ impl<const N: usize> Campaign<N> {
         self.journal.conclude(&conclusion)?;
         let Conclusion { best, law_check, .. } = conclusion;
         let (config, space) = (self.tune.config.clone(), self.tune.space.clone());
-        let result = CampaignResult { config, space, trials, best, references, early_stop, law_check };
+        let (law_change, truth) = (self.journal.study().law_change, self.tune.true_parameters());
+        let result =
+            CampaignResult { config, space, truth, trials, best, references, early_stop, law_check, law_change };
         write_tuned(&self.directory, &self.tune, &result.trials, best.as_ref(), Some(references.uncompensated))?;
         Ok(result)
+    }
+
+    /// Goes over to another friction law, in which the trials so far are what they were.
+    fn change_law(&mut self, change: &LawChange) -> Result<(), FileError> {
+        self.journal.set_law(change)?;
+        let before = self.tune.space.clone();
+        self.tune.change_law(change.law);
+        for trial in self.trials.iter_mut().flatten() {
+            trial.theta = self.tune.space.embedded(&before, &trial.theta);
+        }
+        Ok(())
     }
 
     /// The trials to run next: as many as depend on no other, or those of one batch that the strategy proposes.

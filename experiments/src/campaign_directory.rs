@@ -115,6 +115,9 @@ pub(crate) fn open<const N: usize>(
         Some(began) => check_unchanged(began, &document, &path)?,
         None => journal.adopt_settings(&document.parse::<Value>()?)?,
     }
+    if let Some(change) = journal.study().law_change {
+        tune.change_law(change.law);
+    }
     let known = journal.study().stop_below.or(tune.config.stop_below);
     tune.config.stop_below = stop_below.or(known);
     tune.config.check_stop_below().map_err(ConfigError::from)?;

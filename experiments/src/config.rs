@@ -57,6 +57,9 @@ pub struct TuneConfig {
     pub strategy: StrategyName,
     /// Friction law of the compensator.
     pub friction: TunedLaw,
+    /// Whether `grey_box` may go over from Coulomb-viscous friction to the Stribeck law where the logs speak for it; none is yes.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub change_law: Option<bool>,
     /// Parameter box; none is what [`Bounds::default_of`] says of the strategy.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub bounds: Option<Bounds>,
@@ -123,6 +126,7 @@ impl Default for TuneConfig {
             seed: 1,
             strategy: StrategyName::GreyBox,
             friction: TunedLaw::CoulombViscous,
+            change_law: None,
             bounds: None,
             residual: EstimatorName::Ekf,
             cost: CostName::Paper,
@@ -180,6 +184,21 @@ pub struct ValidTune<const N: usize> {
 }
 
 impl<const N: usize> ValidTune<N> {
+    /// The same with the law that `grey_box` may go over to; none where it may not, or has nowhere to go.
+    pub(crate) fn with_richer_law(&self) -> Option<Self> {
+        let may = self.config.change_law.unwrap_or(true) && self.space.law == TunedLaw::CoulombViscous;
+        may.then(|| {
+            let mut richer = self.clone();
+            richer.change_law(TunedLaw::Stribeck);
+            richer
+        })
+    }
+
+    /// Goes over to another law.
+    pub(crate) fn change_law(&mut self, law: TunedLaw) {
+        (self.config.friction, self.space.law) = (law, law);
+    }
+
     /// The parameters of the simulated arm's own friction; none where its law has others, or a user runs the trials.
     pub fn true_parameters(&self) -> Option<Vec<f64>> {
         let same = |law: &JointFriction| {

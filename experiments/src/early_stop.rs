@@ -67,6 +67,16 @@ impl EarlyStop {
         (stop.trials > 0 && sizes.iter().all(|size| size.is_finite() && *size >= 0.0)).then_some(stop)
     }
 
+    /// Leaves it in the directory of its campaign, or nothing where the campaign goes on.
+    pub(crate) fn leave(stop: Option<&Self>, campaign: &Path) -> Result<(), FileError> {
+        let path = campaign.join(NAME);
+        match (stop, std::fs::remove_file(&path)) {
+            (Some(stop), _) => stop.write(campaign),
+            (None, Err(error)) if error.kind() != std::io::ErrorKind::NotFound => Err(FileError::io(&path)(error)),
+            (None, _) => Ok(()),
+        }
+    }
+
     /// Leaves it in the directory of its campaign.
     pub(crate) fn write(&self, campaign: &Path) -> Result<(), FileError> {
         let path = campaign.join(NAME);

@@ -4,8 +4,8 @@ use std::sync::Arc;
 
 use crate::files::FileError;
 use crate::friction_limit::FrictionLimit;
-use crate::strategy::{FinishedTrial, Identification, LogSource, Past, RunningTrial};
-use crate::{CampaignError, Conclusion, EarlyStop, TrialLog, ValidTune, run_numbered};
+use crate::strategy::{FinishedTrial, Identification, LawChange, LogSource, Past, RunningTrial};
+use crate::{CampaignError, Conclusion, EarlyStop, ParameterSpace, TrialLog, ValidTune, run_numbered};
 
 /// Logs of a campaign that never touches the disk.
 struct LogsInMemory<const N: usize>(Vec<TrialLog<N>>);
@@ -23,6 +23,10 @@ pub struct InMemory {
     pub trials: Vec<FinishedTrial>,
     /// The best trial, and the check of the friction law.
     pub conclusion: Conclusion,
+    /// The space that the trials are in.
+    pub space: ParameterSpace,
+    /// The friction law that it went over to, if it did.
+    pub law_change: Option<LawChange>,
     /// Why it ended before its last trial, if it did.
     pub early_stop: Option<EarlyStop>,
 }
@@ -34,13 +38,27 @@ pub struct InMemory {
 pub fn run_in_memory<const N: usize>(tune: &ValidTune<N>) -> Result<InMemory, CampaignError> {
     let fail = |source| CampaignError::Strategy { trial: 0, source };
     let identification = Arc::new(Identification::new(tune).map_err(fail)?);
-    let strategy = tune.config.strategy.build(tune, &identification).map_err(fail)?;
-    let limit = FrictionLimit::of(tune, &identification);
+    let (mut tune, mut law_change) = (tune.clone(), None);
+    let mut strategy = tune.config.strategy.build(&tune, &identification).map_err(fail)?;
+    let mut limit = FrictionLimit::of(&tune, &identification);
     let (mut trials, mut logs): (Vec<FinishedTrial>, _) = (Vec::new(), LogsInMemory(Vec::new()));
     let mut early_stop = None;
     for number in 0..tune.config.trials {
         let fail = |source| CampaignError::Strategy { trial: number, source };
-        if let Some(rule) = tune.config.stop_rule().filter(|_| tune.config.batches().of(number).start == number) {
+        let begins_batch = tune.config.batches().of(number).start == number;
+        let past = Past { finished: &trials, ..Past::default() };
+        let better = if begins_batch { strategy.better_law(past, &logs).map_err(fail)? } else { None };
+        if let Some(change) = better {
+            let before = tune.space.clone();
+            tune.change_law(change.law);
+            for trial in &mut trials {
+                trial.theta = tune.space.embedded(&before, &trial.theta);
+            }
+            let identification = Arc::new(Identification::new(&tune).map_err(fail)?);
+            strategy = tune.config.strategy.build(&tune, &identification).map_err(fail)?;
+            limit = FrictionLimit::of(&tune, &identification);
+            law_change = Some(change);
+        } else if let Some(rule) = tune.config.stop_rule().filter(|_| begins_batch) {
             early_stop = EarlyStop::before(number, &rule, strategy.as_ref(), &trials, (&limit, &logs)).map_err(fail)?;
             if early_stop.is_some() {
                 break;
@@ -56,7 +74,7 @@ pub fn run_in_memory<const N: usize>(tune: &ValidTune<N>) -> Result<InMemory, Ca
             }
         }
         .map_err(fail)?;
-        let outcome = run_numbered(tune, number, &proposal.theta)?;
+        let outcome = run_numbered(&tune, number, &proposal.theta)?;
         trials.push(FinishedTrial {
             number,
             theta: proposal.theta,
@@ -66,6 +84,6 @@ pub fn run_in_memory<const N: usize>(tune: &ValidTune<N>) -> Result<InMemory, Ca
         });
         logs.0.push(outcome.log);
     }
-    let conclusion = Conclusion::of(tune, strategy.as_ref(), &trials, &logs).map_err(fail)?;
-    Ok(InMemory { trials, conclusion, early_stop })
+    let conclusion = Conclusion::of(&tune, strategy.as_ref(), &trials, &logs).map_err(fail)?;
+    Ok(InMemory { trials, conclusion, early_stop, law_change, space: tune.space })
 }

@@ -159,6 +159,17 @@ impl ParameterSpace {
         self.entries().into_iter().map(value).collect()
     }
 
+    /// The parameters of a vector of another law that this one has too; all others as without compensation.
+    pub fn embedded(&self, other: &Self, theta: &[f64]) -> Vec<f64> {
+        let (names, mut embedded) = (other.names(), self.zero());
+        for (value, name) in embedded.iter_mut().zip(self.names()) {
+            if let Some(k) = names.iter().position(|known| *known == name) {
+                *value = theta[k];
+            }
+        }
+        embedded
+    }
+
     /// A sentence for each torque parameter that lies at the upper end of its box: the arm may have more friction than it can say.
     pub fn at_bounds(&self, theta: &[f64]) -> Vec<String> {
         let per_joint = self.parameters_per_joint();
@@ -277,10 +288,7 @@ mod tests {
                 for (a, b) in theta.iter().zip(&back) {
                     assert!((a - b).abs() < 1e-12);
                 }
-                assert_eq!(
-                    space.friction::<7>(&space.zero()).torque(&SVector::repeat(0.3), 0.001).amax(),
-                    0.0
-                );
+                assert_eq!(space.friction::<7>(&space.zero()).torque(&SVector::repeat(0.3), 0.001).amax(), 0.0);
             }
         }
     }

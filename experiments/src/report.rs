@@ -51,6 +51,8 @@ impl CampaignResult {
                 "unexplained": check.unexplained,
                 "passed": check.passed(),
             })),
+            "law_change": self.law_change,
+            "true_params": self.truth.as_ref().map(|theta| space.nested(theta)),
             "early_stop": self.early_stop,
             "wall_s": wall_s,
         })

@@ -27,6 +27,8 @@ pub enum TruthName {
     Lugre,
     /// The sigmoid of Gaz et al. 2019.
     Gaz,
+    /// Coulomb and viscous friction as a physics engine makes it: a joint creeps where it should stick.
+    Soft,
     /// Coulomb and viscous friction that fades with operating time.
     Thermal,
     /// No friction.
@@ -42,6 +44,7 @@ impl From<String> for TruthName {
             "stribeck" => Self::Stribeck,
             "lugre" => Self::Lugre,
             "gaz" => Self::Gaz,
+            "soft" => Self::Soft,
             "thermal" => Self::Thermal,
             "frictionless" => Self::Frictionless,
             _ => Self::File(PathBuf::from(name)),
@@ -56,6 +59,7 @@ impl From<TruthName> for String {
             TruthName::Stribeck => "stribeck".to_owned(),
             TruthName::Lugre => "lugre".to_owned(),
             TruthName::Gaz => "gaz".to_owned(),
+            TruthName::Soft => "soft".to_owned(),
             TruthName::Thermal => "thermal".to_owned(),
             TruthName::Frictionless => "frictionless".to_owned(),
             TruthName::File(path) => path.display().to_string(),
@@ -107,6 +111,7 @@ impl TruthName {
             Self::Lugre => Truth::new(arm, friction()?.lugre()),
             Self::Gaz if arm.name == "panda" => Truth::new(arm, published_gaz().map_err(|_| unknown(GAZ))?),
             Self::Gaz => return Err(unknown(GAZ)),
+            Self::Soft => Truth::new(arm, friction()?.coulomb_viscous()).creeping(),
             Self::Thermal => Truth::new(arm, friction()?.coulomb_viscous()).warming_up(),
             Self::Frictionless => Truth::new(arm, FrictionModel::none()),
             Self::File(_) => return Err(unknown("a model file that has been read")),

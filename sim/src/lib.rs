@@ -56,7 +56,7 @@ pub use quasi_static::{QuasiStaticArm, Transmission};
 pub use recording::{ExtraTorque, Recorder, Recording, RecordingError, Session, record};
 pub use sensors::Sensors;
 pub use soft_friction::{SOFT_FRICTION_LEAD_S, SoftFriction};
-pub use truth::{TorqueSide, Truth, panda_gaz_joints};
+pub use truth::{DryFriction, TorqueSide, Truth, panda_gaz_joints};
 pub use typical_friction::{AnyTypicalFriction, TypicalFriction};
 pub use warm_joint::{JointWarmth, WarmJoint};
 pub use warm_up::WarmUp;

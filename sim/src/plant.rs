@@ -10,7 +10,8 @@ use crate::hidden::Hidden;
 use crate::plant_effects::{PlantEffects, travelled};
 use crate::projected_gauss_seidel::solve_friction;
 use crate::sensors::SensorState;
-use crate::{Sensors, TorqueSide, Truth, WrenchPulses};
+use crate::soft_friction::solve_soft_friction;
+use crate::{DryFriction, Sensors, TorqueSide, Truth, WrenchPulses};
 
 /// Sub-steps per control period when nothing else is asked for.
 pub const DEFAULT_SUB_STEPS: usize = 5;
@@ -23,7 +24,8 @@ pub const DEFAULT_SUB_STEPS: usize = 5;
 /// ```
 ///
 /// The dry-friction impulse p is set-valued: true stick, no regularised sign. M, bias and J are held over one control
-/// period. A joint at its hard stop gets an unbounded impulse on that side (inelastic stop).
+/// period. A truth whose dry friction creeps ([`DryFriction::Creeps`]) has the soft constraint of a physics engine in its place; joints with
+/// springs hold all the same. A joint at its hard stop gets an unbounded impulse on that side (inelastic stop).
 /// Motor torque is clipped to the arm's torque limits, as the drive would.
 ///
 /// Hidden effects of the truth, which [`Truth::validate`] checks beforehand:
@@ -296,7 +298,13 @@ impl<const N: usize> Plant<N> for BoxFrictionPlant<N> {
                 }
                 _ => {
                     momentum += (drive - offset) * h;
-                    let qd = solve_friction(&a, &momentum, &lower, &upper, &mut self.impulse);
+                    let qd = match self.truth.dry {
+                        DryFriction::Holds => solve_friction(&a, &momentum, &lower, &upper, &mut self.impulse),
+                        DryFriction::Creeps => {
+                            let free = (&momentum, &self.qd, h);
+                            solve_soft_friction(&a, free, [&lower, &upper], &mut self.impulse)
+                        }
+                    };
                     momentum -= self.impulse + viscous.component_mul(&qd) * h;
                     qd
                 }

@@ -1,7 +1,9 @@
 //! Dry friction as the soft constraint of a physics engine.
 
-use nalgebra::SVector;
-use tribo_robot::{Arm, mass_matrix};
+use nalgebra::{SMatrix, SVector};
+use tribo_robot::{Arm, SpdFactor, mass_matrix};
+
+use crate::projected_gauss_seidel::solve_friction;
 
 /// Largest impedance dmax = 0.95 times the time constant 0.02 s of the constraint (s).
 const CONSTRAINT_S: f64 = 0.95 * 0.02;
@@ -11,6 +13,32 @@ const STOPPING_PER_S: f64 = 2.0 / CONSTRAINT_S;
 pub const SOFT_FRICTION_LEAD_S: f64 = 0.5 * CONSTRAINT_S;
 /// Stiffness of the constraint over the inertia that a joint feels [-]: d/(1 − d), d = 0.9.
 const HARDNESS: f64 = 9.0;
+
+/// One sub-step with soft dry friction; v* = A b is the velocity [rad/s] without it:
+///
+/// ```text
+/// v⁺ = v* − A p,     p_j = clip(9 m_j (v⁺_j − (1 − 105 h) v_j), h [lower_j, upper_j]),     m_j = 1/A_jj
+/// ```
+///
+/// The velocity-level form of [`SoftFriction`], implicit in the acceleration `(v⁺ − v)/h`: the box of [`solve_friction`] with the compliance
+/// `A_jj/9` added to the diagonal, about the velocity that the constraint asks for. `p` (Nm s) is a warm start and leaves as the solution.
+pub(crate) fn solve_soft_friction<const N: usize>(
+    a: &SMatrix<f64, N, N>,
+    (momentum, qd, h): (&SVector<f64, N>, &SVector<f64, N>, f64),
+    [lower, upper]: [&SVector<f64, N>; 2],
+    p: &mut SVector<f64, N>,
+) -> SVector<f64, N> {
+    let free = a * momentum;
+    let mut soft = *a;
+    for j in 0..N {
+        soft[(j, j)] += a[(j, j)] / HARDNESS;
+    }
+    let wanted = qd * (1.0 - h * STOPPING_PER_S);
+    let Some(factor) = SpdFactor::of(&soft) else { return free };
+    let shifted = factor.inverse() * (free - wanted);
+    solve_friction(&soft, &shifted, lower, upper, p);
+    free - a * *p
+}
 
 /// MuJoCo's `frictionloss` with its default `solreffriction` and `solimpfriction`, along a given motion:
 ///

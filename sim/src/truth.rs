@@ -27,14 +27,26 @@ pub struct Truth<const N: usize> {
     pub friction: FrictionModel<N>,
     /// Loss of friction by warming up.
     pub warm_up: Option<WarmUp>,
+    /// What dry friction is near standstill.
+    pub dry: DryFriction,
     /// Further causes, on top of arm and friction.
     pub effects: Vec<Effect>,
+}
+
+/// What dry friction does with a joint that stands.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum DryFriction {
+    /// It holds the joint: set-valued, as Coulomb's law has it.
+    #[default]
+    Holds,
+    /// It lets the joint creep, as the soft constraint of a physics engine does: see [`crate::SoftFriction`].
+    Creeps,
 }
 
 impl<const N: usize> Truth<N> {
     /// An arm with this friction and nothing else.
     pub fn new(arm: Arm<N>, friction: FrictionModel<N>) -> Self {
-        Self { arm, friction, warm_up: None, effects: Vec::new() }
+        Self { arm, friction, warm_up: None, dry: DryFriction::Holds, effects: Vec::new() }
     }
 
     /// The same truth with a spring and damper in every joint: with [`crate::Sensors::with_motor_encoders`] a robot with
@@ -47,6 +59,11 @@ impl<const N: usize> Truth<N> {
             damping_nm_s_per_rad,
         }));
         self
+    }
+
+    /// The same truth in a physics engine: dry friction is a soft constraint.
+    pub fn creeping(self) -> Self {
+        Self { dry: DryFriction::Creeps, ..self }
     }
 
     /// The same truth warming up: it loses 28 % of its friction with a time constant of 10 min, 26 % over 50 trials.

@@ -1,9 +1,10 @@
 //! Hidden effects in the forward plant, against statics, recorded logs and the plant's own laws.
 
 use nalgebra::{SVector, Vector3};
+use tribo_friction::JointFriction;
 use tribo_robot::{Kinematics, Payload, Plant, Wrench, gravity_torque, mass_matrix, presets};
 use tribo_sim::excitation::{Envelope, Excitation, JointState, JointTrajectory};
-use tribo_sim::{BoxFrictionPlant, Effect, Recording, Sensors, Truth, record};
+use tribo_sim::{BoxFrictionPlant, Effect, Recording, Sensors, SoftFriction, Truth, record};
 
 type Vector = SVector<f64, 7>;
 
@@ -385,4 +386,54 @@ fn dissipative_effects_dissipate() {
     }
     assert!((first - kinetic(&plant) - dissipated).abs() < 0.02 * first, "{first} {} {dissipated}", kinetic(&plant));
     assert!(kinetic(&plant) < 1e-3 * first);
+}
+
+/// Closed form: under less torque than its dry friction holds, a joint of a physics engine creeps at `tau / (9 · 105 m)`, m what it weighs with
+/// all others free; one that obeys Coulomb's law stands.
+#[test]
+fn a_joint_of_a_physics_engine_creeps_where_it_should_stick() {
+    let mut arm = presets::panda();
+    arm.gravity_m_s2 = Vector3::zeros();
+    let truth = Truth { arm: arm.clone(), ..Truth::panda_coulomb_viscous() };
+    let mass = mass_matrix(&arm, &presets::panda_ready_pose());
+    let felt_kg_m2 = 1.0 / mass.try_inverse().unwrap()[(1, 1)];
+    let tau = Vector::from_fn(|j, _| if j == 1 { 0.4 } else { 0.0 });
+    assert_eq!(speed_under(truth.clone(), &tau), 0.0);
+    let creeping = speed_under(truth.clone().creeping(), &tau);
+    // The viscous friction of 1.4 Nm s/rad brakes too, by a per mille.
+    let expected = 0.4 / (9.0 * 2.0 / 0.019 * felt_kg_m2);
+    assert!((creeping / expected - 1.0).abs() < 0.02, "{creeping} {expected}");
+    // Above its dry friction it runs away either way.
+    let strong = tau * 5.0;
+    let (holds, creeps) = (speed_under(truth.clone(), &strong), speed_under(truth.creeping(), &strong));
+    assert!(holds > 0.01 && (creeps / holds - 1.0).abs() < 0.1, "{holds} {creeps}");
+}
+
+/// In motion the friction of the plant is that of [`SoftFriction`] along the same motion, which it was not made from.
+#[test]
+fn creeping_friction_is_the_soft_constraint_along_its_own_motion() {
+    let mut arm = presets::panda();
+    arm.gravity_m_s2 = Vector3::zeros();
+    let bare = Truth { arm, ..Truth::panda_coulomb_viscous() };
+    let loss = Vector::from_fn(|j, _| match bare.friction.joints[j] {
+        JointFriction::CoulombViscous(law) => law.coulomb_nm,
+        _ => panic!("another law"),
+    });
+    let viscous = Vector::from_fn(|j, _| match bare.friction.joints[j] {
+        JointFriction::CoulombViscous(law) => law.viscous_nm_s_per_rad,
+        _ => panic!("another law"),
+    });
+    let mut plant = plant(bare.clone().creeping());
+    let (mut square, mut left) = (0.0, 0.0);
+    for k in 0..4000 {
+        let before = *plant.qd();
+        let swing = 1.2 * (2.0 * std::f64::consts::PI * 0.7 * f64::from(k) * 1e-3).sin();
+        plant.actuate(&loss.map(|most| 2.0 * most * swing));
+        let engine = SoftFriction::of(&bare.arm, plant.q(), loss).unwrap();
+        let (qd, qdd) = ((plant.qd() + before) * 0.5, (plant.qd() - before) / 1e-3);
+        let wanted = engine.torque(&qd, &qdd) + viscous.component_mul(&qd);
+        square += wanted.norm_squared();
+        left += (plant.friction_torque() - wanted).norm_squared();
+    }
+    assert!((left / square).sqrt() < 0.05, "{}", (left / square).sqrt());
 }

@@ -171,7 +171,7 @@ fn turntable(law: JointFriction) -> Truth<1> {
         },
         gravity_m_s2: Vector3::new(0.0, 0.0, -9.81),
     };
-    Truth { arm, friction: FrictionModel { joints: [law] }, warm_up: None, effects: Vec::new() }
+    Truth::new(arm, FrictionModel { joints: [law] })
 }
 
 /// Closed form: `v(t) = (tau − Fc±)/Fv± (1 − exp(−Fv± t/B))` in each direction; implicit Euler errs by h Fv/(2B) < 0.1 %.

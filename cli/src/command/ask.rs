@@ -82,6 +82,10 @@ fn reopened<const N: usize>(mut campaign: UserCampaign<N>, arguments: &Ask) -> a
     arguments.settings.apply(&mut wanted)?;
     apply(arguments, wanted.user_trials.get_or_insert_default())?;
     wanted.stop_below = settings.stop_below;
+    // A campaign may have gone over to another law since.
+    if campaign.law_change().is_some() {
+        (wanted.friction, wanted.change_law) = (settings.friction, settings.change_law);
+    }
     // What files hold is compared by their names: flags name files.
     (wanted.trials, wanted.robot_content, wanted.truth_content, wanted.model_content) = (
         settings.trials,
@@ -139,6 +143,9 @@ fn ask<const N: usize>(mut campaign: UserCampaign<N>, arguments: &Ask, common: &
     }
     if !common.quiet {
         let directory = arguments.campaign.display();
+        if let Some(change) = campaign.law_change().filter(|change| change.from_trial == asked.number) {
+            message!("tribo: {change}");
+        }
         let chosen = asked.origin;
         message!(
             "trial {} of {} (chosen by {chosen}); when it has run: tribo tell {directory} LOG --trial {}",

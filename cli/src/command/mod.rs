@@ -83,6 +83,9 @@ impl CampaignSettings {
     fn apply(&self, config: &mut TuneConfig) -> anyhow::Result<()> {
         set(&mut config.strategy, self.strategy.as_ref())?;
         set(&mut config.friction, self.friction.as_ref())?;
+        if self.friction.is_some() {
+            config.change_law = Some(false);
+        }
         set(&mut config.bounds, self.bounds.as_ref())?;
         set(&mut config.residual, self.residual.as_ref())?;
         set(&mut config.cost, self.cost.as_ref())?;

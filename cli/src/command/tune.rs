@@ -91,6 +91,11 @@ fn finish<const N: usize>(
         }
         other => other?,
     };
+    if let Some(change) = &result.law_change
+        && !common.quiet
+    {
+        message!("tribo: {change}; --friction coulomb_viscous keeps the law");
+    }
     if let Some(stop) = &result.early_stop
         && !common.quiet
     {
@@ -105,7 +110,7 @@ fn finish<const N: usize>(
     if common.json {
         print_json(&result.to_json(judged, wall_s));
     } else if !common.quiet {
-        show(&result, tune.true_parameters().as_deref(), judged.as_ref(), directory, &report, wall_s);
+        show(&result, judged.as_ref(), directory, &report, wall_s);
     }
     match arguments.check {
         Some(limit) => check(&result, limit),
@@ -207,14 +212,7 @@ fn check(result: &CampaignResult, limit: f64) -> anyhow::Result<()> {
     Err(CheckFailed(format!("best J is {ratio:.3} of the oracle's; allowed: {limit}")).into())
 }
 
-fn show(
-    result: &CampaignResult,
-    truth: Option<&[f64]>,
-    judged: Option<&AgainstEkf>,
-    directory: &Path,
-    report: &Path,
-    wall_s: f64,
-) {
+fn show(result: &CampaignResult, judged: Option<&AgainstEkf>, directory: &Path, report: &Path, wall_s: f64) {
     let unit = format!("J [{}]", result.config.cost.unit());
     let peak = match result.config.cost {
         CostName::Paper => "max F+M",
@@ -248,7 +246,7 @@ fn show(
     summary.add_row(["no friction at all".to_owned(), significant(references.frictionless, 4)]);
     print(format_args!("\n{summary}"));
     if let Some(best) = best {
-        show_parameters(&result.space, &result.trials[best].theta, truth);
+        show_parameters(&result.space, &result.trials[best].theta, result.truth.as_deref());
     }
     if let Some(sentence) = law_sentence(result.law_check) {
         print(format_args!(

@@ -197,7 +197,13 @@ pub fn strangers(root: &Path) -> Vec<PathBuf> {
         number
             || matches!(
                 &*name,
-                "campaign.yaml" | "journal.log" | "references.yaml" | "tuned.yaml" | "report.html" | "trials"
+                "campaign.yaml"
+                    | "journal.log"
+                    | "references.yaml"
+                    | "early_stop.yaml"
+                    | "tuned.yaml"
+                    | "report.html"
+                    | "trials"
             )
     };
     snapshot(root).into_keys().filter(|path| !known(path)).collect()

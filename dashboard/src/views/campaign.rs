@@ -70,8 +70,12 @@ impl CampaignView {
         ui.label(RichText::new(headline(campaign)).heading());
         let facts = campaign.facts().into_iter().map(|(what, value)| format!("{what}: {value}"));
         ui.add(egui::Label::new(RichText::new(facts.collect::<Vec<_>>().join(" · ")).small().weak()).truncate());
+        for remark in campaign.remarks() {
+            ui.label(RichText::new(remark).small());
+        }
         ui.horizontal(|ui| {
-            let (done, total) = (campaign.trials.len(), campaign.total());
+            let done = campaign.trials.len();
+            let total = if campaign.is_complete() { done } else { campaign.total() };
             let failed = campaign.failed().count();
             let text = if failed > 0 {
                 format!("{done} of {total} trials, {failed} failed")

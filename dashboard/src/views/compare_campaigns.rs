@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use egui::{Grid, RichText, ScrollArea, Ui};
-use tribo_experiments::watch::{CampaignSnapshot, campaign_figures};
+use tribo_experiments::watch::{CampaignSnapshot, campaign_figures, expected};
 use tribo_figure::number::{quantity_and_unit, significant};
 
 use super::memo::{Memo, address};
@@ -86,13 +86,13 @@ fn name(campaign: &CampaignSnapshot) -> String {
 
 fn facts(ui: &mut Ui, campaign: &CampaignSnapshot) {
     Grid::new("facts").num_columns(2).striped(true).spacing([18.0, 4.0]).show(ui, |ui| {
-        let best = campaign.best().map_or("–".to_owned(), |best| {
-            format!("J = {} in trial {}", significant(best.trial.cost.total(), 4), best.trial.number)
-        });
+        let best = campaign
+            .best_trial()
+            .map_or("–".to_owned(), |best| format!("J = {} (trial {})", expected(&best), best.trial));
         let oracle = campaign
             .references
-            .zip(campaign.best())
-            .map_or("–".to_owned(), |(references, best)| significant(best.trial.cost.total() / references.oracle, 3));
+            .zip(campaign.best_trial())
+            .map_or("–".to_owned(), |(references, best)| significant(best.cost / references.oracle, 3));
         let trials = format!("{} of {}, {} failed", campaign.trials.len(), campaign.total(), campaign.failed().count());
         for (what, value) in [("best", best), ("J / J with the true friction", oracle), ("trials", trials)]
             .into_iter()

@@ -35,6 +35,7 @@ const TRUTHS: Choices = &[
     ("coulomb_viscous", "Coulomb and viscous friction"),
     ("stribeck", "more friction at low speed"),
     ("lugre", "bristles with presliding"),
+    ("soft", "a physics engine: joints creep where they should stick"),
     ("gaz", "the sigmoid of Gaz et al. 2019"),
     ("thermal", "friction that fades as the robot warms up"),
     ("frictionless", "no friction"),

@@ -67,7 +67,7 @@ impl<const N: usize> Arrangement<'_, N> {
         effects.push(self.pair.effect.clone());
         let lasting = self.others.iter().filter(|effect| !matches!(effect, Effect::ExternalContact { .. }));
         effects.extend(lasting.map(|effect| (*effect).clone()));
-        let truth = Truth { arm: nominal.arm.clone(), friction: nominal.friction, warm_up: None, effects };
+        let truth = Truth { effects, ..Truth::new(nominal.arm.clone(), nominal.friction) };
         let dual_encoder = self.scene.deflection_rad.is_some();
         let recording = Recording { rate_hz, torque_side: nominal.torque_side, dual_encoder, ..Recording::default() };
         let recorder = Recorder {

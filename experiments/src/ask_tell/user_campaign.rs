@@ -12,11 +12,11 @@ use crate::campaign::write_tuned;
 use crate::campaign_directory::{Changes, RunBy, check_trials, create, open};
 use crate::files::{FileError, TunedFile};
 use crate::friction_limit::FrictionLimit;
-use crate::journal::{Clock, Ended, Journal, JournalTrial, TrialState, finish, finished_trial, seal};
+use crate::journal::{Clock, Ended, Journal, JournalTrial, TrialState, finish, finished_trial, seal, theta};
 use crate::stored_logs::StoredLogs;
 use crate::strategy::{
-    BestTrial, FinishedTrial, Identification, LawCheck, LogSource, Origin, Past, Proposal, RunningTrial, Strategy,
-    StrategyError,
+    BestTrial, FinishedTrial, Identification, LawChange, LawCheck, LogSource, Origin, Past, Proposal, RunningTrial,
+    Strategy, StrategyError,
 };
 use crate::watch::refresh_report;
 use crate::{
@@ -128,6 +128,9 @@ impl<const N: usize> UserCampaign<N> {
         if let Some(known) = self.journal.study().conclusion.filter(|known| known.trials == finished.len()) {
             return Ok(known);
         }
+        if finished.is_empty() {
+            return Ok(Conclusion { trials: 0, best: None, law_check: None });
+        }
         let choice = Choice::of(&self.tune).map_err(|source| self.no_answer(source))?;
         let conclusion = Conclusion::of(&self.tune, choice.strategy.as_ref(), finished, &self.logs());
         let conclusion = conclusion.map_err(|source| self.no_answer(source))?;
@@ -148,9 +151,40 @@ impl<const N: usize> UserCampaign<N> {
         self.ends_before(&choice).map_err(|source| self.no_answer(source))
     }
 
+    /// Another friction law, if the last logs speak for it.
+    fn better_law(&self, choice: &Choice<N>) -> Result<Option<LawChange>, StrategyError> {
+        let finished: Vec<FinishedTrial> = self.finished().cloned().collect();
+        let running: Vec<RunningTrial> = self.in_flight().cloned().collect();
+        let past = Past { finished: &finished, running: &running, allowed: None };
+        choice.strategy.better_law(past, &self.logs())
+    }
+
+    /// Goes over to another friction law, in which the trials so far are what they were.
+    fn change_law(&mut self, change: &LawChange) -> Result<(), FileError> {
+        self.journal.set_law(change)?;
+        let before = self.tune.space.clone();
+        self.tune.change_law(change.law);
+        for entry in &mut self.trials {
+            if let Entry::Finished(FinishedTrial { theta, .. }) | Entry::Running(RunningTrial { theta, .. }, _) = entry
+            {
+                *theta = self.tune.space.embedded(&before, theta);
+            }
+        }
+        Ok(())
+    }
+
+    /// The friction law that the campaign went over to, if it did.
+    pub fn law_change(&self) -> Option<LawChange> {
+        self.journal.study().law_change
+    }
+
     fn ends_before(&self, choice: &Choice<N>) -> Result<Option<EarlyStop>, StrategyError> {
         let rule = self.tune.config.stop_rule().filter(|_| self.in_flight().next().is_none());
         let Some(rule) = rule else { return Ok(None) };
+        // A better law is worth a trial.
+        if self.better_law(choice)?.is_some() {
+            return Ok(None);
+        }
         let finished: Vec<FinishedTrial> = self.finished().cloned().collect();
         let (strategy, logs) = (choice.strategy.as_ref(), self.logs());
         EarlyStop::before(self.trials.len(), &rule, strategy, &finished, (&choice.limit, &logs))
@@ -215,7 +249,7 @@ impl<const N: usize> UserCampaign<N> {
     /// # Errors
     /// All trials are told or running; nothing is left to gain; a strategy without an answer; a journal that cannot be written.
     pub fn ask(&mut self, anyway: bool) -> Result<Asked, CampaignError> {
-        let (finished, running): (Vec<_>, Vec<_>) =
+        let (mut finished, running): (Vec<_>, Vec<_>) =
             (self.finished().cloned().collect(), self.in_flight().cloned().collect());
         let total = self.tune.config.trials;
         if finished.len() + running.len() >= total {
@@ -226,8 +260,12 @@ impl<const N: usize> UserCampaign<N> {
         }
         let number = self.trials.iter().position(|entry| matches!(entry, Entry::Torn)).unwrap_or(self.trials.len());
         let fail = |source| CampaignError::Strategy { trial: number, source };
-        let choice = Choice::of(&self.tune).map_err(fail)?;
-        if let Some(stop) = self.ends_before(&choice).map_err(fail)?.filter(|_| !anyway) {
+        let mut choice = Choice::of(&self.tune).map_err(fail)?;
+        if let Some(change) = self.better_law(&choice).map_err(fail)? {
+            self.change_law(&change)?;
+            choice = Choice::of(&self.tune).map_err(fail)?;
+            finished = self.finished().cloned().collect();
+        } else if let Some(stop) = self.ends_before(&choice).map_err(fail)?.filter(|_| !anyway) {
             return Err(CampaignError::NothingToGain { campaign: self.directory.clone(), stop });
         }
         let (Choice { strategy, limit }, logs) = (choice, self.logs());
@@ -306,6 +344,7 @@ impl<const N: usize> UserCampaign<N> {
             Some(Entry::Finished(_)) if !reason.trim().is_empty() => {
                 self.journal.withdraw(number, reason)?;
                 self.trials[number] = Entry::Withdrawn;
+                EarlyStop::leave(None, &self.directory)?;
                 return self.refresh();
             }
             Some(Entry::Finished(_)) => "say why: --reason \"...\"".to_owned(),
@@ -336,6 +375,8 @@ impl<const N: usize> UserCampaign<N> {
         let finished: Vec<FinishedTrial> = self.finished().cloned().collect();
         let Conclusion { best, law_check, .. } = self.conclude(&finished)?;
         let (aborted_at_s, early_stop) = (ended.aborted_at_s, self.early_stop()?);
+        EarlyStop::leave(early_stop.as_ref(), &self.directory)?;
+        refresh_report(&self.directory)?;
         Ok(Told { trial, aborted_at_s, best, law_check, finished: finished.len(), early_stop })
     }
 
@@ -405,12 +446,11 @@ impl Entry {
                 Ok(Self::Finished(finished_trial(&tune.space, path, number, trial)?))
             }
             TrialState::Running | TrialState::Waiting => {
-                let theta: Option<Vec<f64>> =
-                    tune.space.names().iter().map(|name| trial.params.get(name).copied()).collect();
+                let theta = theta(&tune.space, trial);
                 let origin =
                     trial.attributes.get("origin").and_then(|value| serde_json::from_value(value.clone()).ok());
                 Ok(match (theta, origin) {
-                    (Some(theta), Some(origin)) => Self::Running(RunningTrial { number, theta }, origin),
+                    (Ok(theta), Some(origin)) => Self::Running(RunningTrial { number, theta }, origin),
                     _ => Self::Torn,
                 })
             }

@@ -62,7 +62,7 @@ impl<const N: usize> Model<N> {
         if arm.rotor_inertia_kg_m2.amax() == 0.0 {
             arm.rotor_inertia_kg_m2 = self.robot.arm.rotor_inertia_kg_m2;
         }
-        Truth { arm, friction: self.friction, warm_up: None, effects: self.effects.clone() }
+        Truth { effects: self.effects.clone(), ..Truth::new(arm, self.friction) }
     }
 
     /// The plant to the letter of the file: a motor-side model whose rotors weigh nothing has none to turn. (A controller does not

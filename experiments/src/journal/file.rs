@@ -8,6 +8,7 @@ use serde_json::{Value, json};
 
 use super::{JournalTrial, Replay, StudyRecord, TrialState};
 use crate::files::FileError;
+use crate::strategy::LawChange;
 use crate::{Conclusion, StopBelow};
 
 /// What tells the time for the time stamps of the journal: RFC 3339 with microseconds and offset.
@@ -91,6 +92,13 @@ impl Journal {
     pub(crate) fn set_stop_below(&mut self, stop_below: StopBelow) -> Result<(), FileError> {
         self.append(&[study_attribute(StudyRecord::STOP_BELOW, &json!(stop_below))])?;
         self.study.stop_below = Some(stop_below);
+        Ok(())
+    }
+
+    /// Records the friction law that the campaign goes over to.
+    pub(crate) fn set_law(&mut self, change: &LawChange) -> Result<(), FileError> {
+        self.append(&[study_attribute(StudyRecord::LAW, &json!(change))])?;
+        self.study.law_change = Some(*change);
         Ok(())
     }
 

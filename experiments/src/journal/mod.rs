@@ -14,4 +14,4 @@ pub use file::{Clock, Journal};
 pub use replay::{JournalTrial, Replay, TrialState, replay};
 pub use study_record::StudyRecord;
 pub use tail::{JournalTail, News};
-pub(crate) use trial_record::{Ended, finish, finished_trial, reported, seal};
+pub(crate) use trial_record::{Ended, finish, finished_trial, reported, seal, theta};

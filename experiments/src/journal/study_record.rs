@@ -4,6 +4,7 @@ use serde_json::Value;
 
 use super::JournalTrial;
 use crate::config::TRIALS;
+use crate::strategy::LawChange;
 use crate::{Conclusion, StopBelow};
 
 /// Attributes of the study (op_code 2), the last of each name counting:
@@ -12,6 +13,7 @@ use crate::{Conclusion, StopBelow};
 /// settings       what campaign.yaml held when the campaign began, so that a change of the file is found and its field named
 /// trials         how many trials the campaign is to have, once that was changed
 /// stop_below     when it ends before its last trial, once that was changed
+/// friction_law   the law that the campaign went over to, from which trial on, and why
 /// conclusion     the best trial and the check of the friction law, of the trials that had finished
 /// withdrawn_N    {reason, datetime}: trial N, which has ended, counts for nothing
 /// ```
@@ -25,6 +27,8 @@ pub struct StudyRecord {
     pub trials: Option<usize>,
     /// When it ends early, where that was changed after the beginning.
     pub stop_below: Option<StopBelow>,
+    /// The friction law that it went over to, if it did.
+    pub law_change: Option<LawChange>,
     /// What the trials amounted to; none where one has been taken back since.
     pub conclusion: Option<Conclusion>,
 }
@@ -36,6 +40,8 @@ impl StudyRecord {
     pub(super) const TRIALS: &str = "trials";
     /// Name of the rule that ends a campaign early.
     pub(super) const STOP_BELOW: &str = "stop_below";
+    /// Name of the law that the campaign went over to.
+    pub(super) const LAW: &str = "friction_law";
     /// Name of what the trials amount to.
     pub(super) const CONCLUSION: &str = "conclusion";
     /// What stands before the number of a trial that was taken back.
@@ -54,6 +60,10 @@ impl StudyRecord {
             } else if name == Self::STOP_BELOW {
                 let stop = serde_json::from_value(value.clone()).map_err(|error| format!("`stop_below`: {error}"))?;
                 self.stop_below = Some(stop);
+            } else if name == Self::LAW {
+                let change =
+                    serde_json::from_value(value.clone()).map_err(|error| format!("`friction_law`: {error}"))?;
+                self.law_change = Some(change);
             } else if name == Self::CONCLUSION {
                 let conclusion: Conclusion =
                     serde_json::from_value(value.clone()).map_err(|error| format!("`conclusion`: {error}"))?;

@@ -7,7 +7,7 @@ use serde_json::json;
 use super::{Journal, JournalTrial, TrialState};
 use crate::files::FileError;
 use crate::strategy::{FinishedTrial, Origin};
-use crate::{AbortReason, Cost, ParameterSpace};
+use crate::{AbortReason, Cost, ParameterSpace, TunedLaw};
 
 /// What there is to say of a trial that has ended, besides its parameters and cost.
 #[derive(Clone, Debug, Default)]
@@ -60,6 +60,21 @@ pub(crate) fn reported(trial: &JournalTrial) -> Option<String> {
     Some(trial.attributes.get(REPORTED)?.as_str()?.to_owned())
 }
 
+/// The parameters of a trial; those of one from before its campaign went over to another law are [`ParameterSpace::embedded`].
+///
+/// # Errors
+/// The name of the first parameter that is missing.
+pub(crate) fn theta(space: &ParameterSpace, trial: &JournalTrial) -> Result<Vec<f64>, String> {
+    let of = |space: &ParameterSpace| -> Result<Vec<f64>, String> {
+        space.names().into_iter().map(|name| trial.params.get(&name).copied().ok_or(name)).collect()
+    };
+    let simple = ParameterSpace { law: TunedLaw::CoulombViscous, ..space.clone() };
+    match of(space) {
+        Err(_) if space.law == TunedLaw::Stribeck => Ok(space.embedded(&simple, &of(&simple)?)),
+        theta => theta,
+    }
+}
+
 /// The inverse of [`finish`].
 pub(crate) fn finished_trial(
     space: &ParameterSpace,
@@ -74,11 +89,7 @@ pub(crate) fn finished_trial(
     fn attribute<T: serde::de::DeserializeOwned>(trial: &JournalTrial, key: &str) -> Option<T> {
         serde_json::from_value(trial.attributes.get(key)?.clone()).ok()
     }
-    let names = space.names();
-    let theta = names
-        .iter()
-        .map(|name| trial.params.get(name).copied().ok_or_else(|| broken(name)))
-        .collect::<Result<Vec<f64>, _>>()?;
+    let theta = theta(space, trial).map_err(|name| broken(&name))?;
     let cost = Cost {
         max: attribute(trial, "max").ok_or_else(|| broken("max"))?,
         mean: attribute(trial, "mean").ok_or_else(|| broken("mean"))?,

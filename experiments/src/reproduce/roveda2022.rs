@@ -166,6 +166,7 @@ impl Roveda2022 {
             velocity: self.velocity,
             trials: strategy.trials,
             stop_below: Some(StopBelow::Never),
+            change_law: Some(false),
             pose,
             phases: Phases::Random,
             // The paper's search tries whatever it draws.

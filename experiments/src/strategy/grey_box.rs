@@ -3,26 +3,33 @@
 use std::sync::Arc;
 
 use tribo_bayesopt::{Domain, ExpectedGain, Settings, suggest};
+use tribo_friction::FrictionModel;
 use tribo_friction::identify::GlsFit;
 
 use super::bayes::observations;
 use super::completion::Completion;
 use super::identification::{Identification, basis_column};
 use super::{
-    BestTrial, FinishedTrial, LawCheck, LogSource, Origin, Past, Proposal, RunningTrial, Strategy, StrategyError,
+    BestTrial, FinishedTrial, LawChange, LawCheck, LogSource, Origin, Past, Proposal, RunningTrial, Strategy,
+    StrategyError,
 };
 use crate::{AbortReason, CostMeasure, ParameterSpace, ValidTune};
 
 /// Trials whose parameters come straight from least squares, after the first without compensation.
 const REFITS: usize = 3;
-/// Logs that decide which trial is the best: the last ones, as a robot warms up.
+/// Logs that decide which trial is the best: the last ones, as a robot warms up, of trials whose J is at most so many times the least. Where more
+/// friction was left the arm moved differently, and its log says little of better parameters.
 const DECIDING: usize = 4;
+const NEAR: f64 = 1.1;
 /// Deviation of J between trials of the same parameters, as a part of J: 2 to 3 % on simulated arms of every friction law. It counts as
 /// much as [`TRIALS_WORTH`] trials that show it.
 const REPEATABILITY: f64 = 0.025;
 const TRIALS_WORTH: f64 = 2.0;
-/// Trials with parameters of least squares without which nobody knows whether another one gains.
+/// Trials near the best without which nobody knows whether another one gains: J has come down and stays there.
 const FEWEST: usize = 2;
+/// Part of the repeatability by which another law must lower J. Both laws are judged on the same noise: where the law is right the other one
+/// gains less than a hundredth of that.
+const LAW_PAYS: f64 = 0.3;
 /// Largest correction where the law does not explain the first log, as a part of the parameter and of its prior deviation [-].
 const WIDE: [f64; 2] = [0.5, 0.2];
 
@@ -46,7 +53,8 @@ const WIDE: [f64; 2] = [0.5, 0.2];
 /// corrections by Bayesian optimisation gain nothing but luck: run again, their winners are up to 3 % worse.
 ///
 /// Least squares is as good as its law. [`LawCheck`] asks the first log whether the law holds on parts of it that were not fitted;
-/// where it does not, S grows to half of each parameter.
+/// where it does not, S grows to half of each parameter. Where the Stribeck law promises to lower J by about 1 % or more, the campaign
+/// goes over to it ([`LawChange`]), unless it was told to keep its law.
 ///
 /// A trial that somebody stopped delays the end of least squares by one. Where trials run elsewhere, several at once, least squares takes the last logs that have come back, and a trial that would
 /// repeat one still running gets a correction instead. Before the first log there is nothing but to try without
@@ -55,6 +63,8 @@ pub struct GreyBox<const N: usize> {
     space: ParameterSpace,
     domain: Domain,
     identification: Arc<Identification<N>>,
+    /// The space and identification of the law to go over to, where that is allowed.
+    other_law: Option<(ParameterSpace, Identification<N>)>,
     completion: Completion,
     measure: CostMeasure,
     seed: u64,
@@ -66,7 +76,11 @@ impl<const N: usize> GreyBox<N> {
         let space = tune.space.clone();
         let completion = Completion::new(tune.trial.measure);
         let (measure, seed) = (tune.trial.measure, tune.config.seed);
-        Ok(Self { domain: space.domain()?, space, identification, completion, measure, seed })
+        let other_law = match tune.with_richer_law() {
+            Some(richer) => Some((richer.space.clone(), Identification::new(&richer)?)),
+            None => None,
+        };
+        Ok(Self { domain: space.domain()?, space, identification, other_law, completion, measure, seed })
     }
 
     /// Scale S of the correction: the standard deviation of each parameter in the first fit, or [`WIDE`] where the law is
@@ -102,25 +116,31 @@ impl<const N: usize> GreyBox<N> {
     /// a trial with compensation that was seen to its end.
     fn replayed(
         &self,
-        thetas: &[&[f64]],
+        frictions: &[FrictionModel<N>],
         finished: &[FinishedTrial],
         logs: &dyn LogSource<N>,
     ) -> Result<Vec<Vec<f64>>, StrategyError> {
-        let zero = self.space.zero();
-        let mut costs = vec![Vec::new(); thetas.len()];
-        let telling = finished.iter().rev().filter(|trial| trial.aborted.is_none() && trial.theta != zero);
-        for trial in telling.take(DECIDING) {
+        let mut costs = vec![Vec::new(); frictions.len()];
+        for trial in self.deciding(finished) {
             let Some(samples) = self.identification.samples(trial.number, logs)? else { continue };
             let own = self.space.friction(&trial.theta);
             let replay = samples.replay(own, self.measure, self.identification.stuck_rad_s());
             let scale = trial.cost.total() / replay.cost(&own);
             if scale.is_finite() {
-                for (costs, theta) in costs.iter_mut().zip(thetas) {
-                    costs.push(scale * replay.cost(&self.space.friction(theta)));
+                for (costs, friction) in costs.iter_mut().zip(frictions) {
+                    costs.push(scale * replay.cost(friction));
                 }
             }
         }
         Ok(costs)
+    }
+
+    /// The last trials with compensation that were seen to their end and cost little more than the cheapest of them.
+    fn deciding<'a>(&self, finished: &'a [FinishedTrial]) -> Vec<&'a FinishedTrial> {
+        let zero = self.space.zero();
+        let compensated = || finished.iter().filter(|trial| trial.aborted.is_none() && trial.theta != zero);
+        let least = compensated().map(|trial| trial.cost.total()).fold(f64::INFINITY, f64::min);
+        compensated().rev().filter(|trial| trial.cost.total() <= NEAR * least).take(DECIDING).collect()
     }
 
     /// `θ + S δ`, inside the domain.
@@ -146,10 +166,32 @@ impl<const N: usize> Strategy<N> for GreyBox<N> {
         self.identification.law_check(number, logs)
     }
 
+    fn better_law(&self, past: Past<'_>, logs: &dyn LogSource<N>) -> Result<Option<LawChange>, StrategyError> {
+        let Some((space, identification)) = &self.other_law else { return Ok(None) };
+        let next = next(past);
+        if self.deciding(past.finished).is_empty() || !past.running.is_empty() {
+            return Ok(None);
+        }
+        let (Some(own), Some(other)) = (self.identification.before(next, logs)?, identification.before(next, logs)?)
+        else {
+            return Ok(None);
+        };
+        let frictions =
+            [self.space.friction(&self.space.theta(&own.friction)), space.friction(&space.theta(&other.friction))];
+        let costs = self.replayed(&frictions, past.finished, logs)?;
+        if costs[0].is_empty() {
+            return Ok(None);
+        }
+        let [cost, other_cost] = [&costs[0], &costs[1]].map(|costs| mean(costs));
+        let expected_gain = cost - other_cost;
+        let change = LawChange { law: space.law, from_trial: next, cost, expected_gain };
+        Ok((expected_gain > LAW_PAYS * repeatability(&costs[0])).then_some(change))
+    }
+
     fn best(&self, past: Past<'_>, logs: &dyn LogSource<N>) -> Result<Option<BestTrial>, StrategyError> {
         let complete: Vec<&FinishedTrial> = past.finished.iter().filter(|trial| trial.aborted.is_none()).collect();
-        let thetas: Vec<&[f64]> = complete.iter().map(|trial| trial.theta.as_slice()).collect();
-        let costs = self.replayed(&thetas, past.finished, logs)?;
+        let frictions: Vec<FrictionModel<N>> = complete.iter().map(|trial| self.space.friction(&trial.theta)).collect();
+        let costs = self.replayed(&frictions, past.finished, logs)?;
         let expected = complete.iter().zip(&costs).filter(|(_, costs)| !costs.is_empty());
         let expected = expected.map(|(trial, costs)| (trial, mean(costs), costs));
         // Of equals the last, which knows most.
@@ -163,12 +205,10 @@ impl<const N: usize> Strategy<N> for GreyBox<N> {
     }
 
     fn expected_gain(&self, past: Past<'_>, logs: &dyn LogSource<N>) -> Result<Option<ExpectedGain>, StrategyError> {
-        let zero = self.space.zero();
-        let compensated = |trial: &&FinishedTrial| trial.aborted.is_none() && trial.theta != zero;
-        if past.finished.iter().filter(compensated).count() < FEWEST || !past.running.is_empty() {
+        if self.deciding(past.finished).len() < FEWEST || !past.running.is_empty() {
             return Ok(None);
         }
-        let next = past.finished.iter().map(|trial| trial.number + 1).max().unwrap_or(0);
+        let next = next(past);
         let (Some(best), Some(fit)) = (self.best(past, logs)?, self.identification.before(next, logs)?) else {
             return Ok(None);
         };
@@ -177,7 +217,8 @@ impl<const N: usize> Strategy<N> for GreyBox<N> {
             allowed.hold_back(&mut theta);
         }
         let Some(incumbent) = past.finished.iter().find(|trial| trial.number == best.trial) else { return Ok(None) };
-        let costs = self.replayed(&[&incumbent.theta, &theta], past.finished, logs)?;
+        let costs =
+            self.replayed(&[&incumbent.theta, &theta].map(|theta| self.space.friction(theta)), past.finished, logs)?;
         let gain = (mean(&costs[0]) - mean(&costs[1])).max(0.0);
         Ok(Some(ExpectedGain { gain, repeatability: repeatability(&costs[0]), best: best.cost }))
     }
@@ -216,6 +257,11 @@ impl<const N: usize> Strategy<N> for GreyBox<N> {
         let delta = suggest(&settings, &box_of_corrections, &observations(&tried, &running), self.seed)?.point;
         Ok(Proposal { theta: self.corrected(&theta, &scales, &delta), origin: Origin::Model })
     }
+}
+
+/// The trial after those that have finished.
+fn next(past: Past<'_>) -> usize {
+    past.finished.iter().map(|trial| trial.number + 1).max().unwrap_or(0)
 }
 
 fn mean(values: &[f64]) -> f64 {

@@ -8,6 +8,7 @@ mod completion;
 mod grey_box;
 mod identification;
 mod iterative_learning;
+mod law_change;
 mod law_check;
 mod replay;
 
@@ -24,6 +25,7 @@ pub use best::BestTrial;
 pub use grey_box::GreyBox;
 pub(crate) use identification::basis_column;
 pub use identification::{Identification, identification_samples};
+pub use law_change::LawChange;
 pub use law_check::LawCheck;
 
 use crate::files::FileError;
@@ -180,6 +182,12 @@ pub trait Strategy<const N: usize>: Send + Sync {
     /// identifies no law.
     fn law_check(&self, number: usize, logs: &dyn LogSource<N>) -> Result<Option<LawCheck>, StrategyError> {
         let _ = (number, logs);
+        Ok(None)
+    }
+
+    /// Another friction law, if the last logs speak for it; none of a strategy that identifies no law.
+    fn better_law(&self, past: Past<'_>, logs: &dyn LogSource<N>) -> Result<Option<LawChange>, StrategyError> {
+        let _ = (past, logs);
         Ok(None)
     }
 

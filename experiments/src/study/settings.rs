@@ -213,7 +213,9 @@ impl Study {
                 let Budget { strategy, trials } = self.strategies[strategy];
                 // Campaigns of equal length, unless the settings say otherwise of strategies that can end early.
                 let stop_below = config.stop_below.filter(|_| strategy.expects_gain()).unwrap_or(StopBelow::Never);
-                TuneConfig { strategy, trials, stop_below: Some(stop_below), ..config }
+                // The law is the case's.
+                let change_law = Some(config.change_law.unwrap_or(false));
+                TuneConfig { strategy, trials, stop_below: Some(stop_below), change_law, ..config }
             }
         }
     }

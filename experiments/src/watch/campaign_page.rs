@@ -16,6 +16,7 @@ use super::{
     surrogate_figures, trial_figures,
 };
 use crate::files::FileError;
+use crate::strategy::BestTrial;
 use crate::{CampaignError, References};
 
 /// Slices of the belief in the report: the most relevant parameters.
@@ -91,7 +92,8 @@ fn report_state(path: &Path) -> Option<String> {
 /// The trials that a report tells of.
 fn state(campaign: &CampaignSnapshot) -> String {
     let (ended, back, of) = (campaign.trials.len(), campaign.withdrawn.len(), campaign.tune.config().trials);
-    format!("{ended} ended, {back} withdrawn, of {of}, tribo {}", env!("CARGO_PKG_VERSION"))
+    let early = if campaign.early_stop.is_some() { ", ended early" } else { "" };
+    format!("{ended} ended, {back} withdrawn, of {of}{early}, tribo {}", env!("CARGO_PKG_VERSION"))
 }
 
 /// The whole file, from what is known.
@@ -117,13 +119,12 @@ pub fn campaign_page(
 /// What came of it, in one sentence.
 pub fn headline(campaign: &CampaignSnapshot) -> String {
     let (done, total) = (campaign.trials.len(), campaign.total());
-    let Some(best) = campaign.best() else {
+    let Some(best) = campaign.best_trial() else {
         return match done {
             0 => "No trial has finished yet.".to_owned(),
             _ => format!("All {done} trials so far have failed: none has a cost to compare."),
         };
     };
-    let cost = best.trial.cost.total();
     let without = campaign.uncompensated_cost().map_or(String::new(), |uncompensated| {
         format!(", from {} without compensation", significant(uncompensated, 3))
     });
@@ -131,7 +132,13 @@ pub fn headline(campaign: &CampaignSnapshot) -> String {
         format!("; with the true friction it would be {}", significant(references.oracle, 3))
     });
     let progress = if campaign.is_complete() { format!("of {done}") } else { format!("({done} of {total} done)") };
-    format!("J = {} in trial {} {progress}{without}{oracle}.", significant(cost, 3), best.trial.number)
+    format!("J = {} with the parameters of trial {} {progress}{without}{oracle}.", expected(&best), best.trial)
+}
+
+/// `2.98 ± 0.05`: J expected of another trial with the best parameters.
+pub fn expected(best: &BestTrial) -> String {
+    let cost = significant(best.cost, 3);
+    best.sd.map_or(cost.clone(), |sd| format!("{cost} ± {}", significant(sd, 2)))
 }
 
 fn head(campaign: &CampaignSnapshot) -> String {
@@ -167,8 +174,8 @@ fn result(campaign: &CampaignSnapshot) -> String {
     if let Some(uncompensated) = campaign.uncompensated_cost() {
         row("none".to_owned(), uncompensated);
     }
-    if let Some(best) = campaign.best() {
-        row(format!("tuned (trial {})", best.trial.number), best.trial.cost.total());
+    if let Some(best) = campaign.best_trial() {
+        row(format!("tuned (trial {}), expected of another trial", best.trial), best.cost);
     }
     if let Some(references) = campaign.references {
         row("true friction".to_owned(), references.oracle);
@@ -186,6 +193,9 @@ fn result(campaign: &CampaignSnapshot) -> String {
         body +=
             &format!("<h3>Tuned parameters (trial {})</h3>\n{}", best.trial.number, parameter_table(campaign, best));
     }
+    for sentence in campaign.remarks() {
+        body += &format!("<p>{}</p>\n", escape_sentence(&sentence));
+    }
     section("Result", &body)
 }
 
@@ -195,11 +205,17 @@ fn parameter_table(campaign: &CampaignSnapshot, best: &WatchedTrial) -> String {
         let (quantity, unit) = quantity_and_unit(name);
         if unit.is_empty() { quantity } else { format!("{quantity} [{unit}]") }
     });
+    let truth = campaign.tune.true_parameters();
+    let named = named.flat_map(|name| std::iter::once(name).chain(truth.as_ref().map(|_| "true".to_owned())));
     let header: Vec<String> = std::iter::once("joint".to_owned()).chain(named).collect();
     let header: Vec<&str> = header.iter().map(String::as_str).collect();
     let joints = best.trial.theta.chunks(space.parameters_per_joint()).enumerate();
     let rows = joints.map(|(joint, values)| {
-        std::iter::once(joint.to_string()).chain(values.iter().map(|value| significant(*value, 4))).collect::<Vec<_>>()
+        let cells = values.iter().enumerate().flat_map(|(k, value)| {
+            let of_truth = truth.as_ref().map(|truth| significant(truth[joint * space.parameters_per_joint() + k], 4));
+            std::iter::once(significant(*value, 4)).chain(of_truth)
+        });
+        std::iter::once(joint.to_string()).chain(cells).collect::<Vec<_>>()
     });
     table(&header, &[0], rows)
 }

@@ -7,7 +7,7 @@ use tribo_figure::number::fixed;
 
 use super::TrialColumns;
 use crate::files::{TunedFile, file_name};
-use crate::strategy::{BestTrial, FinishedTrial};
+use crate::strategy::{BestTrial, FinishedTrial, LawChange};
 use crate::{AnyTune, CampaignError, Conclusion, CostName, EarlyStop, References};
 
 /// A finished trial as the journal tells it.
@@ -62,6 +62,8 @@ pub struct CampaignSnapshot {
     pub references: Option<References>,
     /// Why it ended before its last trial, if it did.
     pub early_stop: Option<EarlyStop>,
+    /// The friction law that it went over to, if it did.
+    pub law_change: Option<LawChange>,
     /// What its journal says of the trials that had finished when it was written.
     pub conclusion: Option<Conclusion>,
 }
@@ -121,6 +123,20 @@ impl CampaignSnapshot {
             AnyTune::Six(tune) => TunedFile::of_finished(tune, theta, &best, uncompensated),
             AnyTune::Seven(tune) => TunedFile::of_finished(tune, theta, &best, uncompensated),
         })
+    }
+
+    /// What there is to say beside the costs: whether the friction law explains the robot, another law, bounds that were reached, and why
+    /// the campaign ended.
+    pub fn remarks(&self) -> Vec<String> {
+        let mut remarks = Vec::new();
+        remarks.extend(self.law_change.map(|change| change.to_string()));
+        let check = self.conclusion.and_then(|conclusion| conclusion.law_check);
+        remarks.extend(check.filter(|check| !check.passed()).map(|check| check.to_string()));
+        if let Some(best) = self.best() {
+            remarks.extend(self.tune.space().at_bounds(&best.trial.theta));
+        }
+        remarks.extend(self.early_stop.map(|stop| format!("nothing left to gain: {stop}")));
+        remarks
     }
 
     /// Trials that were stopped.

@@ -23,7 +23,7 @@ mod trial_snapshot;
 mod watcher;
 
 pub(crate) use campaign_page::refresh_report;
-pub use campaign_page::{campaign_page, headline, write_report};
+pub use campaign_page::{campaign_page, expected, headline, write_report};
 pub use campaign_snapshot::{CampaignSnapshot, WatchedTrial};
 pub use loop_time::{LoopTimes, loop_times};
 pub use surrogate::Surrogate;

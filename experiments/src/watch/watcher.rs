@@ -77,6 +77,9 @@ impl CampaignWatch {
             check_unchanged(began, document, &journal)?;
             self.unchecked = None;
         }
+        if let Some(change) = self.tail.study().law_change.filter(|change| change.law != self.tune.config().friction) {
+            Arc::make_mut(&mut self.tune).change_law(change.law);
+        }
         if let Some(trials) = self.tail.study().trials.filter(|trials| *trials != self.tune.config().trials) {
             Arc::make_mut(&mut self.tune).set_trials(trials);
         }
@@ -98,7 +101,7 @@ impl CampaignWatch {
         let (directory, tune, references) = (self.directory.clone(), Arc::clone(&self.tune), self.references);
         let early_stop =
             self.early_stop.filter(|stop| tune.config().stop_rule().is_some() && stop.trials == trials.len());
-        let conclusion = self.tail.study().conclusion;
+        let (conclusion, law_change) = (self.tail.study().conclusion, self.tail.study().law_change);
         Ok(Some(CampaignSnapshot {
             directory,
             tune,
@@ -109,6 +112,7 @@ impl CampaignWatch {
             references,
             early_stop,
             conclusion,
+            law_change,
         }))
     }
 }

@@ -53,6 +53,7 @@ pub fn laws<const N: usize>() -> Vec<FrictionModel<N>> {
 pub fn tuned<const N: usize>(robot: &str, friction: FrictionModel<N>, source: VelocitySource) -> TunedFile {
     let compensator = Compensator::new(friction, source);
     TunedFile {
+        cost_sd: None,
         schema: "tribo.tuned/1".to_owned(),
         tribo_version: "0.1.0".to_owned(),
         robot: robot.to_owned(),
