@@ -370,7 +370,8 @@ fn places_of_campaigns() {
     };
     let without_study = |lines: Vec<String>| lines[1..].to_vec();
     let ended_twice = |mut lines: Vec<String>| {
-        lines.push(lines[lines.len() - 1].clone());
+        let end = lines.iter().rposition(|line| line.contains("\"op_code\":6")).unwrap();
+        lines.push(lines[end].clone());
         lines
     };
     let without_parameter = |lines: Vec<String>| {

@@ -54,6 +54,7 @@ fn along<const N: usize>(log: &RobotLog, model: &Model<N>, estimator: EstimatorN
     let (friction, settings) = (believed.friction, WrenchEkfSettings::default());
     let band = believed_band(&friction);
     let mut running = AnyEstimator::with_confidence(estimator, settings, &believed.arm, &friction, &band, 1.0)
+        .and_then(|running| running.on_gears(&believed.arm, believed.joint_stiffness_nm_per_rad(), 1.0))
         .map_err(|error| error.to_string())?;
     Ok(wrench_on_log(log, &believed, model.smoothing_rad_s, &mut running))
 }

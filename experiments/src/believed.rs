@@ -5,6 +5,7 @@ use std::fmt;
 use tribo_friction::{BristlePart, Curve, FrictionModel, JointEffects, Ripple};
 use tribo_logs::recognise::joints_named;
 use tribo_robot::Arm;
+use tribo_robot::presets::joint_stiffness_nm_per_rad;
 use tribo_sim::{Effect, Truth};
 
 use crate::files::Model;
@@ -48,6 +49,19 @@ impl<const N: usize> Believed<N> {
     /// For reading a log: the arm stays on the model's side of the gears.
     pub fn on_log(model: &Model<N>) -> Self {
         Self::of(Truth { arm: model.arm.clone(), ..model.to_truth() })
+    }
+
+    /// Stiffness of the gears (Nm/rad): of the model's `joint_elasticity` where it has one, else what is assumed of the arm.
+    pub fn joint_stiffness_nm_per_rad(&self) -> [f64; N] {
+        let mut stiffness = joint_stiffness_nm_per_rad(&self.arm);
+        for left in &self.not_cancelled {
+            if let Effect::JointElasticity { joint, stiffness_nm_per_rad, .. } = left.effect
+                && let Some(of_joint) = stiffness.get_mut(joint)
+            {
+                *of_joint = stiffness_nm_per_rad;
+            }
+        }
+        stiffness
     }
 
     /// All there is to know of a truth; cold, where it warms up.
@@ -277,5 +291,16 @@ mod tests {
         assert_eq!(Believed::by_controller(&model).arm.rotor_inertia_kg_m2[0], preset[0]);
         assert_eq!(Believed::on_log(&model).arm.rotor_inertia_kg_m2[2], 0.1);
         assert_eq!(Believed::on_log(&model).arm.rotor_inertia_kg_m2[0], 0.0);
+    }
+
+    /// Springs that the model names are those of the two encoders; the others are what is assumed of the arm.
+    #[test]
+    fn the_gears_are_as_stiff_as_the_model_says() {
+        let spring = Effect::JointElasticity { joint: 2, stiffness_nm_per_rad: 4321.0, damping_nm_s_per_rad: 1.0 };
+        let plain = Believed::of(Truth::panda_coulomb_viscous()).joint_stiffness_nm_per_rad();
+        let known = Believed::of(Truth { effects: vec![spring], ..Truth::panda_coulomb_viscous() });
+        let stiffness = known.joint_stiffness_nm_per_rad();
+        assert_eq!((stiffness[2], &stiffness[3..]), (4321.0, &plain[3..]));
+        assert!(plain[2] != 4321.0);
     }
 }

@@ -128,7 +128,10 @@ impl<const N: usize> AnyEstimator<N> {
             EstimatorName::Thermal => Self::thermal(friction, 1.0)?,
             EstimatorName::DoubleEncoder => {
                 let motors = momentum(band, BandOf::Remainder);
-                Self::FrictionLeft(Box::new(FrictionLeft::new(motors, double_encoder(arm, 1.0)?)))
+                Self::FrictionLeft(Box::new(FrictionLeft::new(
+                    motors,
+                    double_encoder(arm, joint_stiffness_nm_per_rad(arm), 1.0)?,
+                )))
             }
         })
     }
@@ -156,7 +159,27 @@ impl<const N: usize> AnyEstimator<N> {
                 Self::Qp(Box::new(QpEstimator::new(QpSettings { prior, ..QpSettings::new(band) })))
             }
             EstimatorName::Thermal => Self::thermal(friction, noise_factor)?,
-            EstimatorName::DoubleEncoder => Self::DoubleEncoder(Box::new(double_encoder(arm, noise_factor)?)),
+            EstimatorName::DoubleEncoder => {
+                Self::DoubleEncoder(Box::new(double_encoder(arm, joint_stiffness_nm_per_rad(arm), noise_factor)?))
+            }
+        })
+    }
+
+    /// The same on gears of this stiffness (Nm/rad), which two encoders read as torque; all but `double_encoder` know none.
+    ///
+    /// # Errors
+    /// Springs that cannot be.
+    pub fn on_gears(
+        self,
+        arm: &Arm<N>,
+        stiffness_nm_per_rad: [f64; N],
+        noise_factor: f64,
+    ) -> Result<Self, EstimatorError> {
+        Ok(match self {
+            Self::DoubleEncoder(_) => {
+                Self::DoubleEncoder(Box::new(double_encoder(arm, stiffness_nm_per_rad, noise_factor)?))
+            }
+            other => other,
         })
     }
 
@@ -209,13 +232,14 @@ fn momentum<const N: usize>(band: FrictionBand<N>, band_of: BandOf) -> MomentumE
 /// Two encoders on springs that nobody has calibrated: the assumed stiffness, to 2 %; all noise multiplied.
 fn double_encoder<const N: usize>(
     arm: &Arm<N>,
+    stiffness_nm_per_rad: [f64; N],
     noise_factor: f64,
 ) -> Result<DoubleEncoderEstimator<N>, CalibrationError> {
     let mut settings = DoubleEncoderSettings::default();
     settings.encoder_sd_rad *= noise_factor;
     settings.velocity_sd_rad_s *= noise_factor;
     let stiffness_part = STIFFNESS_PART * noise_factor;
-    let model = DoubleEncoderModel::nominal(arm, joint_stiffness_nm_per_rad(arm), stiffness_part, settings.validate()?);
+    let model = DoubleEncoderModel::nominal(arm, stiffness_nm_per_rad, stiffness_part, settings.validate()?);
     Ok(DoubleEncoderEstimator::new(Arc::new(model)))
 }
 

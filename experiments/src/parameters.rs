@@ -178,9 +178,8 @@ impl ParameterSpace {
             entries.filter(|(_, ((name, _, high), value))| is_torque(name) && **value >= *high * (1.0 - 1e-9));
         let sentence = |(k, ((name, _, high), _)): (usize, (Entry, &f64))| {
             let joint = k / per_joint;
-            format!(
-                "joint {joint}: {name} is at its bound of {high:.3}, so the friction may be larger (--bounds torque_limits widens it)"
-            )
+            let widen = if self.bounds == Bounds::TorqueLimits { "" } else { " (--bounds torque_limits widens it)" };
+            format!("joint {joint}: {name} is at its bound of {high:.3}, so the friction may be larger{widen}")
         };
         reached.map(sentence).collect()
     }

@@ -6,7 +6,7 @@ use tribo_friction::{Compensator, FrictionModel, JointEffects, VelocitySource};
 use tribo_robot::presets::joint_stiffness_nm_per_rad;
 use tribo_robot::{Arm, WrenchEstimator};
 use tribo_runtime::{ControlLoop, LoopSettings, TickRecord};
-use tribo_sim::{BoxFrictionPlant, Sensors, Truth, WrenchPulses};
+use tribo_sim::{BoxFrictionPlant, Effect, Sensors, Truth, WrenchPulses};
 
 use crate::{AbortReason, Believed, Cost, CostAccumulator, CostMeasure, PenaltyLimits, TrialLog, TrialMonitor};
 
@@ -72,8 +72,17 @@ impl<const N: usize> Trial<N> {
 
     /// The same trial with springs in the joints of the arm and an encoder on either side of them.
     pub fn with_two_encoders(mut self) -> Self {
+        // Springs of the truth's own stay what they are.
+        let own: Vec<Effect> = self
+            .truth
+            .effects
+            .iter()
+            .filter(|effect| matches!(effect, Effect::JointElasticity { .. }))
+            .cloned()
+            .collect();
         let stiffness = joint_stiffness_nm_per_rad(&self.truth.arm);
         self.truth = self.truth.with_elastic_joints(stiffness, JOINT_DAMPING_NM_S_PER_RAD);
+        self.truth.effects.extend(own);
         self.sensors = self.sensors.with_motor_encoders();
         self
     }

@@ -134,7 +134,8 @@ fn estimate<const N: usize>(
     let watch = |name: EstimatorName, noise_factor: f64, log: &RobotLog| {
         let settings = WrenchEkfSettings::default();
         let mut estimator =
-            AnyEstimator::with_confidence(name, settings, &believed.arm, &believed.friction, &band, noise_factor)?;
+            AnyEstimator::with_confidence(name, settings, &believed.arm, &believed.friction, &band, noise_factor)?
+                .on_gears(&believed.arm, believed.joint_stiffness_nm_per_rad(), noise_factor)?;
         Ok::<LogWrench, EstimatorError>(wrench_on_log(log, &believed, model.smoothing_rad_s, &mut estimator))
     };
     let wrenches = EstimatorName::ALL

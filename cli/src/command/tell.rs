@@ -166,7 +166,7 @@ fn show<const N: usize>(campaign: &UserCampaign<N>, told: &Told, judged: Option<
             message!("tribo: the estimator could not use {} of the judged samples", judged.faults);
         }
         if !judged.logged_compensation {
-            message!("tribo: no tau_friction in the log; what the compensator added is worked out from q and dq");
+            message!("tribo: no tau_friction in the log; what the compensator added is worked out from dq");
         }
     }
     let best = best_so_far(told.best);

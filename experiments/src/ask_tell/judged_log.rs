@@ -2,7 +2,6 @@
 
 use nalgebra::{SVector, Translation3, UnitQuaternion, Vector6};
 use tribo_control::{TaskState, TorqueTerms};
-use tribo_friction::identify::SavitzkyGolay;
 use tribo_friction::{Bristles, Compensator, CompensatorInput, VelocitySource};
 use tribo_logs::{GAP_TOLERANCE, Quantity, RobotLog, bursts, median_period_s};
 use tribo_robot::{ControlTerms, EstimatorInput, Pose, SensorFrame, WrenchEstimate, WrenchEstimator};
@@ -92,8 +91,8 @@ const LOG_PERIOD_S: f64 = 0.01;
 /// Judges the log of a trial that ran with parameters θ on the user's robot, by the estimator of the campaign.
 ///
 /// What acted between two samples is what was commanded at the first (of measured torque, the mean of both). The compensator's part of it is
-/// `tau_friction`, or else the compensator at θ at the velocities of the log, with the slope of q over 0.1 s in the place of the reference
-/// velocity, which logs do not hold. Stamps count to the nanosecond, so that the log of a simulated
+/// `tau_friction`, or else the compensator at θ at the velocities of the log: of one that believes the measured velocity. Near rest the others
+/// believe the reference velocity, which logs do not hold; theirs have to say what was added. Stamps count to the nanosecond, so that the log of a simulated
 /// trial gives the bits of that trial. The last sample of a trial that `failed` is the one at which it failed.
 ///
 /// # Errors
@@ -107,11 +106,12 @@ pub fn judge_log<const N: usize>(
 ) -> Result<JudgedLog<N>, JudgeError> {
     check::<N>(log, user_trials, tune.config.residual, failed)?;
     let (arm, friction) = (&tune.trial.model, tune.space.friction(theta));
+    let told = log.tau_friction_nm.is_some() || tune.config.velocity == VelocitySource::Measured;
+    if !told && theta != tune.space.zero() {
+        return Err(JudgeError::Missing { column: Quantity::FrictionCompensation, why: NOT_TOLD });
+    }
     let mut estimator = AnyEstimator::for_tuning(tune.config.residual, tune.config.ekf, arm, &friction)?;
-    // Near rest the compensator of a trial believes a velocity without the noise of the log's.
-    let smooth_qd = log.tau_friction_nm.is_none().then(|| smooth_velocity::<N>(log));
-    let source = if smooth_qd.is_some() { tune.config.velocity } else { VelocitySource::Measured };
-    let compensator = Compensator::new(friction, source).with_effects(tune.trial.effects);
+    let compensator = Compensator::new(friction, VelocitySource::Measured).with_effects(tune.trial.effects);
     let mut bristles = Bristles::default();
     let (mut accumulator, mut samples, mut faults) = (CostAccumulator::new(tune.trial.measure), 0, 0);
     let period_s = nanoseconds(median_period_s(&log.time_s).unwrap_or_default());
@@ -155,8 +155,7 @@ pub fn judge_log<const N: usize>(
         }
 
         // What acts until the next sample.
-        let qd_reference = smooth_qd.as_ref().map_or(frame.qd, |smooth| SVector::from_fn(|j, _| smooth[j][k]));
-        let (q, qd_measured, load_nm) = (frame.q, frame.qd, terms.bias_nm());
+        let (q, qd_measured, qd_reference, load_nm) = (frame.q, frame.qd, frame.qd, terms.bias_nm());
         let input = CompensatorInput { q, qd_measured, qd_reference, load_nm, dt_s };
         let believed = compensator.tick(&mut bristles, &input);
         let law_nm = log.tau_friction_nm.as_ref().map_or(believed.law_nm, |all| at(all, k) - believed.effects_nm);
@@ -211,15 +210,9 @@ pub fn judge_log<const N: usize>(
     })
 }
 
-/// Velocity of every joint [rad/s], zero-phase: the slope of q over 0.1 s.
-fn smooth_velocity<const N: usize>(log: &RobotLog) -> [Vec<f64>; N] {
-    let period_s = median_period_s(&log.time_s).unwrap_or_default();
-    let filter = SavitzkyGolay { half_width: ((SMOOTHING_S / period_s).round() as usize).max(1) };
-    std::array::from_fn(|j| filter.derivative(&log.q_rad[j], period_s))
-}
-
-/// Half of the window of a smooth velocity (s).
-const SMOOTHING_S: f64 = 0.05;
+/// Why the torque of the compensator cannot be worked out.
+const NOT_TOLD: &str = "what the compensator added: near rest it believes the reference velocity, which logs do not hold; log it, or begin a \
+     campaign with --velocity measured";
 
 /// Whether the log holds what it takes to judge it.
 fn check<const N: usize>(

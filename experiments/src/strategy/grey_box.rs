@@ -176,8 +176,12 @@ impl<const N: usize> Strategy<N> for GreyBox<N> {
         else {
             return Ok(None);
         };
-        let frictions =
-            [self.space.friction(&self.space.theta(&own.friction)), space.friction(&space.theta(&other.friction))];
+        // A law that its box cuts off is not the wrong law.
+        let theta = self.space.theta(&own.friction);
+        if !self.space.at_bounds(&theta).is_empty() {
+            return Ok(None);
+        }
+        let frictions = [self.space.friction(&theta), space.friction(&space.theta(&other.friction))];
         let costs = self.replayed(&frictions, past.finished, logs)?;
         if costs[0].is_empty() {
             return Ok(None);

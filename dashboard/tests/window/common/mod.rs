@@ -1,6 +1,6 @@
 //! Campaigns, windows and clicks of the stories.
 
-#![allow(clippy::unwrap_used, clippy::panic, dead_code, reason = "test helpers; not every binary uses all")]
+#![allow(clippy::unwrap_used, clippy::panic, reason = "test helpers")]
 
 use std::path::{Path, PathBuf};
 use std::time::Duration;

@@ -1,13 +1,9 @@
 //! The stories of the window: labels are clicked, time passes by frames.
 
-#![allow(clippy::unwrap_used, clippy::panic, reason = "tests")]
-
-mod common;
-
 use std::io::Write;
 use std::path::Path;
 
-use common::{FRAME_S, Window, campaign, options, settings, strict};
+use crate::common::{FRAME_S, Window, campaign, options, settings, strict};
 use egui_kittest::kittest::{NodeT, Queryable};
 use tribo_dashboard::{Options, View};
 use tribo_ekf::{WrenchEkf, WrenchEkfSettings};

@@ -4,9 +4,7 @@
 
 #![allow(clippy::expect_used, clippy::panic, reason = "a test fails by panicking, in its helpers too")]
 
-mod common;
-
-use common::{EFFECTS, SOURCES, exported, largest_nm, laws, model, output, python, tuned};
+use crate::common::{EFFECTS, SOURCES, exported, largest_nm, laws, model, output, python, tuned};
 use serde_json::{Value, json};
 use tribo_experiments::export::{ExportError, Format, TunedCompensator, export};
 use tribo_experiments::files::TunedFile;

@@ -1,7 +1,5 @@
 //! Campaigns whose trials are chosen several at a time.
 
-#![allow(clippy::unwrap_used, clippy::panic, reason = "tests")]
-
 use tribo_experiments::strategy::{FinishedTrial, Origin, StrategyName};
 use tribo_experiments::{Campaign, StopBelow, TuneConfig, UserTrials, run_in_memory};
 

@@ -1,7 +1,5 @@
 //! Campaigns that end when there is nothing left to gain.
 
-#![allow(clippy::unwrap_used, clippy::panic, reason = "tests")]
-
 use std::path::Path;
 
 use tribo_experiments::strategy::{FinishedTrial, StrategyName};

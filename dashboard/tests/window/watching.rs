@@ -1,10 +1,6 @@
 //! Watching changes nothing, and pictures need nothing.
 
-#![allow(clippy::unwrap_used, clippy::panic, reason = "tests")]
-
-mod common;
-
-use common::{Window, campaign, clock, options, settings};
+use crate::common::{Window, campaign, clock, options, settings};
 use tribo_dashboard::{View, screenshot};
 use tribo_experiments::Campaign;
 use tribo_experiments::strategy::StrategyName;

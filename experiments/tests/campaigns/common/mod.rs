@@ -1,8 +1,9 @@
 //! What the stories about exports share: tuned files of any law, and programs that may be missing.
 
-#![allow(clippy::expect_used, dead_code, unused_imports, reason = "test helpers; not every binary uses all")]
+#![allow(clippy::expect_used, reason = "test helpers")]
 
-#[path = "../../../tests/python_witness.rs"]
+#[path = "../../../../tests/python_witness.rs"]
+#[allow(dead_code, reason = "other tests use the rest")]
 mod python_witness;
 
 use std::path::Path;

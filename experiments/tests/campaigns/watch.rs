@@ -1,7 +1,5 @@
 //! What is shown of a campaign against the campaign itself, and the page that stands alone.
 
-#![allow(clippy::unwrap_used, clippy::panic, reason = "tests")]
-
 use std::path::Path;
 use std::sync::Arc;
 

@@ -1,12 +1,8 @@
 //! What a reader does with figures: points at them, zooms, hides a curve, compares, leaves and comes back.
 
-#![allow(clippy::unwrap_used, clippy::panic, reason = "tests")]
-
-mod common;
-
 use std::path::{Path, PathBuf};
 
-use common::{Window, campaign, options, settings};
+use crate::common::{Window, campaign, options, settings};
 use egui::{Event, Shape, pos2};
 use egui_kittest::kittest::Queryable;
 use tribo_dashboard::{Options, View};

@@ -4,11 +4,9 @@
 
 #![allow(clippy::expect_used, clippy::panic, reason = "a test fails by panicking, in its helpers too")]
 
-mod common;
-
 use std::path::Path;
 
-use common::{Draws, exported, largest_nm, laws, model, output, python, tuned};
+use crate::common::{Draws, exported, largest_nm, laws, model, output, python, tuned};
 use nalgebra::{Matrix3, Rotation3, SVector, Vector3};
 use serde_json::{Value, json};
 use tribo_experiments::export::{ExportError, Format, TunedCompensator, export};
@@ -300,7 +298,7 @@ fn losses_say_how_much_torque_they_are_worth() {
     // All of it at speeds far below the narrow curve's width, where friction of the description has its step.
     close(largest_nm(&urdf, "curve over speed")[0], 0.3);
 
-    file.model = Some(model(&format!("robot: panda\n{}", common::EFFECTS)));
+    file.model = Some(model(&format!("robot: panda\n{}", crate::common::EFFECTS)));
     let lost = |format| exported(&file, format, None);
     let urdf = lost(Format::Urdf);
     close(largest_nm(&urdf, "torque offset")[0], 0.5);

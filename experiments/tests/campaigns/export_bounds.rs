@@ -6,11 +6,9 @@
 
 #![allow(clippy::expect_used, clippy::panic, reason = "a test fails by panicking, in its helpers too")]
 
-mod common;
-
 use std::path::Path;
 
-use common::{Draws, EFFECTS, SOURCES, exported, laws, model, output, tuned};
+use crate::common::{Draws, EFFECTS, SOURCES, exported, laws, model, output, tuned};
 use tribo_experiments::export::Format;
 use tribo_experiments::files::TunedFile;
 
