@@ -1,6 +1,6 @@
 //! Whole campaigns as a user runs them: `cargo bench -p tribo-cli --bench campaign`.
 //!
-//! `tribo tune --trials 50` of the built binary, disk and report included, on at most two threads: time on the wall and peak memory
+//! `tribo tune --trials 50 --stop-below never` of the built binary, disk and report included, on at most two threads: time on the wall and peak memory
 //! of the process (`VmHWM` of Linux, read while it runs), medians of `REPEATS` (5) runs. `STRATEGIES="grey_box paper"` in the
 //! environment chooses others.
 
@@ -52,7 +52,19 @@ fn run(strategy: &str) -> std::io::Result<(f64, f64)> {
 
 fn start(strategy: &str, out: &Path) -> std::io::Result<Child> {
     Command::new(env!("CARGO_BIN_EXE_tribo"))
-        .args(["tune", "--trials", "50", "--strategy", strategy, "--threads", "2", "--quiet", "--out"])
+        .args([
+            "tune",
+            "--trials",
+            "50",
+            "--stop-below",
+            "never",
+            "--strategy",
+            strategy,
+            "--threads",
+            "2",
+            "--quiet",
+            "--out",
+        ])
         .arg(out)
         .stdin(Stdio::null())
         .stdout(Stdio::null())

@@ -27,6 +27,8 @@ const REPEATABILITY: f64 = 0.025;
 const TRIALS_WORTH: f64 = 2.0;
 /// Trials near the best without which nobody knows whether another one gains: J has come down and stays there.
 const FEWEST: usize = 2;
+/// Part of the largest possible change of J by the next fit that counts as its gain.
+const SETTLING: f64 = 0.5;
 /// Part of the repeatability by which another law must lower J. Both laws are judged on the same noise: where the law is right the other one
 /// gains less than a hundredth of that.
 const LAW_PAYS: f64 = 0.3;
@@ -37,7 +39,7 @@ const WIDE: [f64; 2] = [0.5, 0.2];
 ///
 /// ```text
 /// trial 0      no compensation
-/// trials 1–3   θ_k = generalised least squares on the last two logs (`tribo_friction::identify::fit_from_wrench`)
+/// trials 1 …   θ_k = generalised least squares on the last two logs (`tribo_friction::identify::fit_from_wrench`)
 /// then         θ_k + S δ,  δ in [−1, 1]^d by Bayesian optimisation of J over all δ tried so far
 /// ```
 ///
@@ -135,6 +137,24 @@ impl<const N: usize> GreyBox<N> {
         Ok(costs)
     }
 
+    /// The most by which J can differ between two compensators, in the mean over the last logs.
+    fn largest_change(
+        &self,
+        [one, other]: &[FrictionModel<N>; 2],
+        finished: &[FinishedTrial],
+        logs: &dyn LogSource<N>,
+    ) -> Result<f64, StrategyError> {
+        let mut changes = Vec::new();
+        for trial in self.deciding(finished) {
+            if let Some(samples) = self.identification.samples(trial.number, logs)? {
+                let own = self.space.friction(&trial.theta);
+                let replay = samples.replay(own, self.measure, self.identification.stuck_rad_s());
+                changes.push(replay.largest_change(one, other));
+            }
+        }
+        Ok(if changes.is_empty() { 0.0 } else { mean(&changes) })
+    }
+
     /// The last trials with compensation that were seen to their end and cost little more than the cheapest of them.
     fn deciding<'a>(&self, finished: &'a [FinishedTrial]) -> Vec<&'a FinishedTrial> {
         let zero = self.space.zero();
@@ -221,9 +241,11 @@ impl<const N: usize> Strategy<N> for GreyBox<N> {
             allowed.hold_back(&mut theta);
         }
         let Some(incumbent) = past.finished.iter().find(|trial| trial.number == best.trial) else { return Ok(None) };
-        let costs =
-            self.replayed(&[&incumbent.theta, &theta].map(|theta| self.space.friction(theta)), past.finished, logs)?;
-        let gain = (mean(&costs[0]) - mean(&costs[1])).max(0.0);
+        let frictions = [&incumbent.theta, &theta].map(|theta| self.space.friction(theta));
+        let costs = self.replayed(&frictions, past.finished, logs)?;
+        // Fits that still move have not settled, even where the replay of an estimator that bends the wrench sees no gain in it.
+        let unsettled = SETTLING * self.largest_change(&frictions, past.finished, logs)?;
+        let gain = (mean(&costs[0]) - mean(&costs[1])).max(unsettled);
         Ok(Some(ExpectedGain { gain, repeatability: repeatability(&costs[0]), best: best.cost }))
     }
 
@@ -237,8 +259,14 @@ impl<const N: usize> Strategy<N> for GreyBox<N> {
         let law_holds = self.identification.law_check(known, logs)?.is_none_or(|check| check.passed());
         let theta = self.space.theta(&fit.friction);
         // A fit that was never seen to its end is not tried yet.
+        let settled = match self.expected_gain(past, logs)? {
+            Some(at) => at.gain < at.repeatability,
+            None => false,
+        };
         let stopped = past.finished.iter().filter(|trial| trial.aborted == Some(AbortReason::Stopped)).count();
-        if number <= REFITS + stopped && past.running.iter().all(|trial| trial.theta != theta) {
+        if (!settled && past.running.is_empty() || number <= REFITS + stopped)
+            && past.running.iter().all(|trial| trial.theta != theta)
+        {
             return Ok(Proposal { theta, origin: Origin::LeastSquares });
         }
         let scales = self.scales(&first, law_holds);

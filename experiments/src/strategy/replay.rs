@@ -38,6 +38,17 @@ impl<const N: usize> Replay<'_, N> {
         accumulator.finish(None, 1.0).total()
     }
 
+    /// The most by which J can differ between two compensators along this motion: J of the difference of their wrenches, whatever the
+    /// estimator makes of the rest (triangle inequality).
+    pub fn largest_change(&self, one: &FrictionModel<N>, other: &FrictionModel<N>) -> f64 {
+        let mut accumulator = CostAccumulator::new(self.measure);
+        for sample in self.samples {
+            let change = self.wrench(sample, one) - self.wrench(sample, other);
+            accumulator.add(&Wrench::from_vector(&change));
+        }
+        accumulator.finish(None, 1.0).total()
+    }
+
     fn wrench(&self, sample: &GlsSample<N>, friction: &FrictionModel<N>) -> Vector6<f64> {
         let mut wrench = sample.wrench;
         for (j, qd) in sample.qd.iter().enumerate() {
@@ -78,6 +89,7 @@ mod tests {
         assert!((replay.cost(&friction(0.2)) - 0.6).abs() < 1e-12, "as it was");
         // A joint that stands in a third of the samples keeps what it had in these.
         assert!((replay.cost(&friction(0.5)) - (0.3 + 0.1)).abs() < 1e-12);
+        assert!((replay.largest_change(&friction(0.2), &friction(0.5)) - (0.3 + 0.2)).abs() < 1e-12);
         assert!((replay.cost(&friction(0.9)) - (0.4 + (2.0 * 0.4 + 0.3) / 3.0)).abs() < 1e-12);
     }
 }
