@@ -62,7 +62,9 @@ fn a_trial_is_taken_back() {
     let report = std::fs::read_to_string(at.path().join("mine/report.html")).unwrap();
     assert!(report.contains("Withdrawn trials (1)") && report.contains("the cable was caught"));
     let lines = journal_lines(&at.path().join("mine"));
-    let last = lines.last().unwrap();
+    // Then what the trials left amount to.
+    let (last, concluded) = (&lines[lines.len() - 2], &lines[lines.len() - 1]);
+    assert_eq!(concluded["user_attr"]["conclusion"]["best"]["trial"], 0);
     assert_eq!(
         (&last["op_code"], &last["user_attr"]["withdrawn_1"]["reason"]),
         (&json!(2), &json!("the cable was caught"))
@@ -104,7 +106,7 @@ fn the_campaign_goes_on_after(change: impl Fn(Vec<String>) -> Vec<String>, faile
         run(at.path(), "tell mine --give-up").ok();
     }
     for number in 1..4 {
-        ask_and_run(at.path(), number, "");
+        ask_and_run(at.path(), number, "--anyway");
         run(at.path(), "tell mine trial.csv -q").ok();
     }
     let best = run(at.path(), "export mine --format json -q").ok().json();
