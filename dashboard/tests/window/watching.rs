@@ -2,14 +2,14 @@
 
 use crate::common::{Window, campaign, clock, options, settings};
 use tribo_dashboard::{View, screenshot};
-use tribo_experiments::Campaign;
 use tribo_experiments::strategy::StrategyName;
+use tribo_experiments::{Campaign, StopBelow, TuneConfig};
 
 /// The journal of a campaign that a window watches is that of one that nobody watches, to the last byte.
 #[test]
 fn a_watched_campaign_writes_the_same_journal() {
     let dir = tempfile::tempdir().unwrap();
-    let config = || tribo_experiments::TuneConfig { strategy: StrategyName::GreyBox, ..settings(6) };
+    let config = || TuneConfig { strategy: StrategyName::GreyBox, stop_below: Some(StopBelow::Never), ..settings(6) };
     // One thread: with more, designs that run side by side end in any order, watched or not.
     let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build().unwrap();
     let alone = pool.install(|| campaign(&dir.path().join("alone"), config()));
