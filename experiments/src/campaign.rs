@@ -109,7 +109,7 @@ impl<const N: usize> Campaign<N> {
         let done: Vec<FinishedTrial> = finished.iter().flatten().cloned().collect();
         // One that is there may be stale; where there is none, a run that is refused later on leaves none.
         if directory.join("tuned.yaml").exists() {
-            let best = Conclusion::best_of(journal.study().conclusion.as_ref(), &done);
+            let best = Conclusion::best_of(journal.study().conclusion.as_ref(), done.iter());
             let uncompensated = References::read(directory).map(|known| known.uncompensated);
             write_tuned(directory, &tune, &done, best.as_ref(), uncompensated)?;
         }

@@ -38,9 +38,12 @@ impl Conclusion {
     }
 
     /// The best trial, if this is about the trials that have finished by now; else the cheapest of these.
-    pub(crate) fn best_of(recorded: Option<&Self>, finished: &[FinishedTrial]) -> Option<BestTrial> {
+    pub(crate) fn best_of<'a>(
+        recorded: Option<&Self>,
+        finished: impl Iterator<Item = &'a FinishedTrial> + Clone,
+    ) -> Option<BestTrial> {
         match recorded {
-            Some(conclusion) if conclusion.trials == finished.len() => conclusion.best,
+            Some(conclusion) if conclusion.trials == finished.clone().count() => conclusion.best,
             _ => BestTrial::least(finished),
         }
     }

@@ -237,7 +237,7 @@ impl<const N: usize> UserCampaign<N> {
     }
 
     /// The trials that have been told.
-    pub fn finished(&self) -> impl Iterator<Item = &FinishedTrial> {
+    pub fn finished(&self) -> impl Iterator<Item = &FinishedTrial> + Clone {
         self.trials.iter().filter_map(|entry| match entry {
             Entry::Finished(trial) => Some(trial),
             _ => None,
@@ -382,8 +382,7 @@ impl<const N: usize> UserCampaign<N> {
 
     /// The best trial so far.
     pub fn best(&self) -> Option<BestTrial> {
-        let finished: Vec<FinishedTrial> = self.finished().cloned().collect();
-        Conclusion::best_of(self.journal.study().conclusion.as_ref(), &finished)
+        Conclusion::best_of(self.journal.study().conclusion.as_ref(), self.finished())
     }
 
     /// What least squares on the last logs says of the friction, parameter by parameter; nothing before a log tells enough, or of a law

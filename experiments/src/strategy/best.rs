@@ -41,8 +41,8 @@ impl BestTrial {
     }
 
     /// The trial with the least J among those that were seen to their end; the earliest of equals.
-    pub fn least(finished: &[FinishedTrial]) -> Option<Self> {
-        let complete = finished.iter().filter(|trial| trial.aborted.is_none());
+    pub fn least<'a>(finished: impl IntoIterator<Item = &'a FinishedTrial>) -> Option<Self> {
+        let complete = finished.into_iter().filter(|trial| trial.aborted.is_none());
         let least = complete.min_by(|a, b| a.cost.total().total_cmp(&b.cost.total()))?;
         let seen = least.cost.total();
         Some(Self { trial: least.number, cost: seen, sd: None, seen })

@@ -9,6 +9,7 @@ use tribo_friction::identify::GlsFit;
 use super::bayes::observations;
 use super::completion::Completion;
 use super::identification::{Identification, basis_column};
+use super::replay::Replay;
 use super::{
     BestTrial, FinishedTrial, LawChange, LawCheck, LogSource, Origin, Past, Proposal, RunningTrial, Strategy,
     StrategyError,
@@ -123,17 +124,14 @@ impl<const N: usize> GreyBox<N> {
         logs: &dyn LogSource<N>,
     ) -> Result<Vec<Vec<f64>>, StrategyError> {
         let mut costs = vec![Vec::new(); frictions.len()];
-        for trial in self.deciding(finished) {
-            let Some(samples) = self.identification.samples(trial.number, logs)? else { continue };
-            let own = self.space.friction(&trial.theta);
-            let replay = samples.replay(own, self.measure, self.identification.stuck_rad_s());
-            let scale = trial.cost.total() / replay.cost(&own);
+        self.each_replay(finished, logs, |trial, replay| {
+            let scale = trial.cost.total() / replay.cost(&replay.compensated);
             if scale.is_finite() {
                 for (costs, friction) in costs.iter_mut().zip(frictions) {
                     costs.push(scale * replay.cost(friction));
                 }
             }
-        }
+        })?;
         Ok(costs)
     }
 
@@ -145,14 +143,24 @@ impl<const N: usize> GreyBox<N> {
         logs: &dyn LogSource<N>,
     ) -> Result<f64, StrategyError> {
         let mut changes = Vec::new();
+        self.each_replay(finished, logs, |_, replay| changes.push(replay.largest_change(one, other)))?;
+        Ok(if changes.is_empty() { 0.0 } else { mean(&changes) })
+    }
+
+    /// Shows each of the last logs, with its trial, to `look`.
+    fn each_replay(
+        &self,
+        finished: &[FinishedTrial],
+        logs: &dyn LogSource<N>,
+        mut look: impl FnMut(&FinishedTrial, &Replay<'_, N>),
+    ) -> Result<(), StrategyError> {
         for trial in self.deciding(finished) {
             if let Some(samples) = self.identification.samples(trial.number, logs)? {
                 let own = self.space.friction(&trial.theta);
-                let replay = samples.replay(own, self.measure, self.identification.stuck_rad_s());
-                changes.push(replay.largest_change(one, other));
+                look(trial, &samples.replay(own, self.measure, self.identification.stuck_rad_s()));
             }
         }
-        Ok(if changes.is_empty() { 0.0 } else { mean(&changes) })
+        Ok(())
     }
 
     /// The last trials with compensation that were seen to their end and cost little more than the cheapest of them.

@@ -81,8 +81,7 @@ impl CampaignSnapshot {
 
     /// What is expected of the best trial.
     pub fn best_trial(&self) -> Option<BestTrial> {
-        let finished: Vec<FinishedTrial> = self.trials.iter().map(|watched| watched.trial.clone()).collect();
-        Conclusion::best_of(self.conclusion.as_ref(), &finished)
+        Conclusion::best_of(self.conclusion.as_ref(), self.trials.iter().map(|watched| &watched.trial))
     }
 
     /// Whether its trials run elsewhere: nothing of it can be simulated.
