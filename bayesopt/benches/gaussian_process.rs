@@ -3,10 +3,10 @@
 //! The joint-deformation regression of the peers (960 samples, six inputs, six outputs), and how a fit of its second output
 //! and a hundred predictions grow with the number of samples. What the fits are worth, the example `gp_fit` tells.
 
-#[path = "../tests/common/deformation.rs"]
+#[path = "../tests/optimiser/common/deformation.rs"]
 mod deformation;
 #[allow(dead_code, reason = "shared with tests")]
-#[path = "../tests/common/random_source.rs"]
+#[path = "../tests/optimiser/common/random_source.rs"]
 mod random_source;
 
 use deformation::{circle, data};

@@ -3,10 +3,10 @@
 //! On the friction-like functions of the peers after so many trials: ten given points, then random ones.
 
 #[allow(dead_code, reason = "shared with tests")]
-#[path = "../tests/common/friction.rs"]
+#[path = "../tests/optimiser/common/friction.rs"]
 mod friction;
 #[allow(dead_code, reason = "shared with tests")]
-#[path = "../tests/common/random_source.rs"]
+#[path = "../tests/optimiser/common/random_source.rs"]
 mod random_source;
 
 use divan::Bencher;

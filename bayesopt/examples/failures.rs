@@ -7,7 +7,7 @@
 //! where the coordinates lie more than 0.12 √d above the optimum in all (Σ max(0, u − u*)), at `ξ/T = bound/excess`; from zero
 //! compensation as on a robot, since none of the ten given points of the protocol would be finished.
 
-#[path = "../tests/common/mod.rs"]
+#[path = "../tests/optimiser/common/mod.rs"]
 mod common;
 
 use std::ops::Range;

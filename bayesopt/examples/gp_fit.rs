@@ -5,9 +5,9 @@
 //! Compare processor times of one thread, measured side by side: another process on the core doubles a wall time.
 //! scikit-learn finds ln p = −990.992 1526.298 1062.246 −27.419 −29.272 −1107.746 from σ_f² = ℓ = 1, σ_n² = 0.1 in the same box.
 
-#[path = "../tests/common/deformation.rs"]
+#[path = "../tests/optimiser/common/deformation.rs"]
 mod deformation;
-#[path = "../tests/common/random_source.rs"]
+#[path = "../tests/optimiser/common/random_source.rs"]
 mod random_source;
 
 use std::time::Instant;

@@ -6,7 +6,7 @@
 //! Milliseconds are processor time of a thread per suggestion, fit and search together. Seeds 20 to 39 served to choose
 //! the settings of `bo`; seeds 0 to 19, the default, are the ones to report.
 
-#[path = "../tests/common/mod.rs"]
+#[path = "../tests/optimiser/common/mod.rs"]
 mod common;
 
 use std::ops::Range;

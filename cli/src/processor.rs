@@ -2,7 +2,7 @@
 //!
 //! What asks must run where the answer is no: this module is arithmetic on words and calls of the standard library, which comes
 //! compiled for every processor. A table, a vector or a formatted message would be moved by the very instructions in question
-//! (`cli/tests/old_processor.rs` looks at the machine code).
+//! (`cli/tests/command_line/old_processor.rs` looks at the machine code).
 
 #[cfg(target_arch = "x86_64")]
 use std::arch::x86_64::{__cpuid, __cpuid_count};

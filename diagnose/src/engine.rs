@@ -21,7 +21,7 @@ use crate::scene::{Column, Scene, subtracted};
 use crate::search::Search;
 use crate::significance::Chance;
 use crate::system::{EvaluatedColumns, System};
-use crate::{DiagnoseError, Nominal};
+use crate::{Diagnosable, DiagnoseError, Nominal};
 
 /// What the caller chooses.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -53,9 +53,9 @@ const INFLATED: f64 = 1.15;
 ///
 /// # Errors
 /// [`DiagnoseError`].
-pub fn diagnose<const N: usize>(
+pub fn diagnose(
     logs: &[RobotLog],
-    nominal: &Nominal<N>,
+    nominal: &impl Diagnosable,
     validate: &[(String, RobotLog)],
     settings: &DiagnoseSettings,
     progress: &(dyn Fn(&str, f64) -> bool + Sync),
@@ -67,7 +67,19 @@ pub fn diagnose<const N: usize>(
 ///
 /// # Errors
 /// [`DiagnoseError`].
-pub fn diagnose_with_reference<const N: usize>(
+pub fn diagnose_with_reference(
+    logs: &[RobotLog],
+    unloaded: &[RobotLog],
+    nominal: &impl Diagnosable,
+    validate: &[(String, RobotLog)],
+    settings: &DiagnoseSettings,
+    progress: &(dyn Fn(&str, f64) -> bool + Sync),
+) -> Result<Diagnosis, DiagnoseError> {
+    nominal.diagnosed(logs, unloaded, validate, settings, progress)
+}
+
+/// The search of [`diagnose_with_reference`].
+pub(crate) fn explained<const N: usize>(
     logs: &[RobotLog],
     unloaded: &[RobotLog],
     nominal: &Nominal<N>,

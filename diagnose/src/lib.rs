@@ -34,6 +34,7 @@ mod conclusion;
 mod confusable;
 mod contact_window;
 mod deflection;
+mod diagnosable;
 mod diagnosis;
 mod engine;
 mod error;
@@ -67,6 +68,7 @@ mod validation;
 mod whitening;
 
 pub use blocks::{BlockSettings, Blocks, BlocksError, Split};
+pub use diagnosable::Diagnosable;
 pub use diagnosis::{
     Alternative, CauseLabel, CrossJointPattern, Diagnosis, Finding, JointMisfit, Location, Parameter, Plot, Rejected,
     Series, Unseen, Validation, Verdict,

@@ -1,7 +1,7 @@
 //! One step of the wrench filter on an arm that sways: `cargo bench -p tribo-ekf --bench filter_step`.
 
 #[allow(dead_code, reason = "of the prescribed arm only its samples are needed")]
-#[path = "../../residual/tests/common/prescribed.rs"]
+#[path = "../../residual/tests/estimators/common/prescribed.rs"]
 mod prescribed;
 
 use divan::Bencher;

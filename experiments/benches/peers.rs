@@ -7,9 +7,9 @@
 //! of `.cargo/config.toml`; `RUSTFLAGS="-C target-cpu=native"` sets those that the peers get, `-C target-cpu=x86-64` those of any
 //! processor. A peer that cannot be had is SKIPPED.
 
-#[path = "../../residual/tests/common/published_instances.rs"]
+#[path = "../../residual/tests/estimators/common/published_instances.rs"]
 mod published_instances;
-#[path = "../../residual/tests/common/reference_stream.rs"]
+#[path = "../../residual/tests/estimators/common/reference_stream.rs"]
 mod reference_stream;
 #[path = "../../robot/benches/common/states.rs"]
 mod states;

@@ -10,7 +10,7 @@ use std::collections::BTreeSet;
 use std::path::PathBuf;
 
 use serde_json::{Value, json};
-use tribo_diagnose::{DiagnoseSettings, Diagnosis, diagnose};
+use tribo_diagnose::{Diagnosable, DiagnoseSettings, Diagnosis, Nominal, diagnose};
 use tribo_experiments::files::{AnyModel, Model, ModelFile};
 use tribo_logs::{RobotLog, read_log};
 use tribo_sim::TorqueSide;
@@ -140,7 +140,10 @@ fn figures(values: &[f64]) -> String {
     values.iter().map(|value| format!("{value:.3}")).collect::<Vec<_>>().join(" ")
 }
 
-fn of_arm<const N: usize>(arm: &Arm, model: &Model<N>, ratios: &mut Vec<f64>) -> Value {
+fn of_arm<const N: usize>(arm: &Arm, model: &Model<N>, ratios: &mut Vec<f64>) -> Value
+where
+    Nominal<N>: Diagnosable,
+{
     let nominal = model.to_nominal();
     let settings = DiagnoseSettings::default();
     let asked = |logs: &[RobotLog], validate: &[(String, RobotLog)]| {

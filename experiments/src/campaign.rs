@@ -8,14 +8,11 @@ use rayon::prelude::*;
 use tribo_logs::{seal_of, write_atomic};
 
 use crate::campaign_directory::{Changes, RunBy, create, open};
+use crate::chooser::Chooser;
 use crate::files::{FileError, TunedFile, read_text, to_yaml};
-use crate::friction_limit::FrictionLimit;
 use crate::journal::{Clock, Ended, Journal, JournalTrial, finish, finished_trial, seal};
 use crate::stored_logs::StoredLogs;
-use crate::strategy::{
-    BestTrial, FinishedTrial, Identification, LawChange, LawCheck, Past, Proposal, RunningTrial, Strategy,
-    StrategyError,
-};
+use crate::strategy::{BestTrial, FinishedTrial, LawChange, LawCheck, Past, Proposal, RunningTrial, StrategyError};
 use crate::trial_store::{trial_log_path, write_trial_log};
 use crate::{
     CampaignError, Conclusion, EarlyStop, ParameterSpace, References, TuneConfig, ValidTune, references, run_numbered,
@@ -134,10 +131,8 @@ impl<const N: usize> Campaign<N> {
         references.write(&self.directory)?;
         observer.references(&references);
         let fail = |source| CampaignError::Strategy { trial: 0, source };
-        let identification = Arc::new(Identification::new(&self.tune).map_err(fail)?);
-        let mut strategy = self.tune.config.strategy.build(&self.tune, &identification).map_err(fail)?;
+        let mut chooser = Chooser::of(&self.tune).map_err(fail)?;
         let logs = StoredLogs::new(self.directory.clone(), self.seals.clone());
-        let mut limit = FrictionLimit::of(&self.tune, &identification);
 
         let mut early_stop = None;
         while let Some(next) = self.trials.iter().position(Option::is_none) {
@@ -145,32 +140,27 @@ impl<const N: usize> Campaign<N> {
                 return Err(CampaignError::Stopped { finished: self.finished() });
             }
             let begins_batch = self.tune.config.batches().of(next).start == next;
-            let finished: Vec<FinishedTrial> = self.trials[..next].iter().flatten().cloned().collect();
             if begins_batch {
+                let finished: Vec<FinishedTrial> = self.trials[..next].iter().flatten().cloned().collect();
                 let past = Past { finished: &finished, ..Past::default() };
                 let fail = |source| CampaignError::Strategy { trial: next, source };
-                if let Some(change) = strategy.better_law(past, &logs).map_err(fail)? {
+                if let Some(change) = chooser.strategy.better_law(past, &logs).map_err(fail)? {
                     self.change_law(&change)?;
-                    let identification = Arc::new(Identification::new(&self.tune).map_err(fail)?);
-                    strategy = self.tune.config.strategy.build(&self.tune, &identification).map_err(fail)?;
-                    limit = FrictionLimit::of(&self.tune, &identification);
+                    chooser = Chooser::of(&self.tune).map_err(fail)?;
                     continue;
                 }
-            }
-            if let Some(rule) = self.tune.config.stop_rule().filter(|_| begins_batch) {
-                early_stop = EarlyStop::before(next, &rule, strategy.as_ref(), &finished, (&limit, &logs))
-                    .map_err(|source| CampaignError::Strategy { trial: next, source })?;
+                early_stop = chooser.ends_before(next, &self.tune, &finished, &logs).map_err(fail)?;
                 if let Some(stop) = early_stop {
                     stop.write(&self.directory)?;
                     break;
                 }
             }
-            let batch = self.next_batch(next, strategy.as_ref(), &limit, &logs)?;
-            self.run_batch(&batch, &limit, &logs, observer)?;
+            let batch = self.next_batch(next, &chooser, &logs)?;
+            self.run_batch(&batch, &chooser, &logs, observer)?;
         }
 
         let trials: Vec<FinishedTrial> = self.trials.into_iter().flatten().collect();
-        let conclusion = Conclusion::of(&self.tune, strategy.as_ref(), &trials, &logs).map_err(fail)?;
+        let conclusion = Conclusion::of(&self.tune, chooser.strategy.as_ref(), &trials, &logs).map_err(fail)?;
         self.journal.conclude(&conclusion)?;
         let Conclusion { best, law_check, .. } = conclusion;
         let (config, space) = (self.tune.config.clone(), self.tune.space.clone());
@@ -196,8 +186,7 @@ impl<const N: usize> Campaign<N> {
     fn next_batch(
         &self,
         next: usize,
-        strategy: &dyn Strategy<N>,
-        limit: &FrictionLimit<N>,
+        Chooser { strategy, limit, .. }: &Chooser<N>,
         logs: &StoredLogs<N>,
     ) -> Result<Vec<(usize, Proposal)>, CampaignError> {
         let fail = |trial: usize| move |source: StrategyError| CampaignError::Strategy { trial, source };
@@ -224,7 +213,7 @@ impl<const N: usize> Campaign<N> {
                     continue;
                 }
                 let past = Past { finished: &finished, running: &running, ..Past::default() };
-                let proposal = limit.proposal(strategy, number, past, logs).map_err(fail(number))?;
+                let proposal = limit.proposal(strategy.as_ref(), number, past, logs).map_err(fail(number))?;
                 running.push(RunningTrial { number, theta: proposal.theta.clone() });
                 batch.push((number, proposal));
             }
@@ -235,7 +224,7 @@ impl<const N: usize> Campaign<N> {
     fn run_batch(
         &mut self,
         batch: &[(usize, Proposal)],
-        limit: &FrictionLimit<N>,
+        Chooser { limit, .. }: &Chooser<N>,
         logs: &StoredLogs<N>,
         observer: &mut dyn CampaignObserver,
     ) -> Result<(), CampaignError> {

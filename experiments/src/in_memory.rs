@@ -1,10 +1,8 @@
 //! A campaign that never touches the disk.
 
-use std::sync::Arc;
-
+use crate::chooser::Chooser;
 use crate::files::FileError;
-use crate::friction_limit::FrictionLimit;
-use crate::strategy::{FinishedTrial, Identification, LawChange, LogSource, Past, RunningTrial};
+use crate::strategy::{FinishedTrial, LawChange, LogSource, Past, RunningTrial};
 use crate::{CampaignError, Conclusion, EarlyStop, ParameterSpace, TrialLog, ValidTune, run_numbered};
 
 /// Logs of a campaign that never touches the disk.
@@ -37,33 +35,30 @@ pub struct InMemory {
 /// A strategy without an answer, parameters that the estimator cannot work with.
 pub fn run_in_memory<const N: usize>(tune: &ValidTune<N>) -> Result<InMemory, CampaignError> {
     let fail = |source| CampaignError::Strategy { trial: 0, source };
-    let identification = Arc::new(Identification::new(tune).map_err(fail)?);
     let (mut tune, mut law_change) = (tune.clone(), None);
-    let mut strategy = tune.config.strategy.build(&tune, &identification).map_err(fail)?;
-    let mut limit = FrictionLimit::of(&tune, &identification);
+    let mut chooser = Chooser::of(&tune).map_err(fail)?;
     let (mut trials, mut logs): (Vec<FinishedTrial>, _) = (Vec::new(), LogsInMemory(Vec::new()));
     let mut early_stop = None;
     for number in 0..tune.config.trials {
         let fail = |source| CampaignError::Strategy { trial: number, source };
         let begins_batch = tune.config.batches().of(number).start == number;
         let past = Past { finished: &trials, ..Past::default() };
-        let better = if begins_batch { strategy.better_law(past, &logs).map_err(fail)? } else { None };
+        let better = if begins_batch { chooser.strategy.better_law(past, &logs).map_err(fail)? } else { None };
         if let Some(change) = better {
             let before = tune.space.clone();
             tune.change_law(change.law);
             for trial in &mut trials {
                 trial.theta = tune.space.embedded(&before, &trial.theta);
             }
-            let identification = Arc::new(Identification::new(&tune).map_err(fail)?);
-            strategy = tune.config.strategy.build(&tune, &identification).map_err(fail)?;
-            limit = FrictionLimit::of(&tune, &identification);
+            chooser = Chooser::of(&tune).map_err(fail)?;
             law_change = Some(change);
-        } else if let Some(rule) = tune.config.stop_rule().filter(|_| begins_batch) {
-            early_stop = EarlyStop::before(number, &rule, strategy.as_ref(), &trials, (&limit, &logs)).map_err(fail)?;
+        } else if begins_batch {
+            early_stop = chooser.ends_before(number, &tune, &trials, &logs).map_err(fail)?;
             if early_stop.is_some() {
                 break;
             }
         }
+        let Chooser { strategy, limit, .. } = &chooser;
         let proposal = match strategy.design(number).map_err(fail)? {
             Some(proposal) => limit.hold_back_design(proposal, number, &logs),
             None => {
@@ -84,6 +79,6 @@ pub fn run_in_memory<const N: usize>(tune: &ValidTune<N>) -> Result<InMemory, Ca
         });
         logs.0.push(outcome.log);
     }
-    let conclusion = Conclusion::of(&tune, strategy.as_ref(), &trials, &logs).map_err(fail)?;
+    let conclusion = Conclusion::of(&tune, chooser.strategy.as_ref(), &trials, &logs).map_err(fail)?;
     Ok(InMemory { trials, conclusion, early_stop, law_change, space: tune.space })
 }

@@ -29,6 +29,7 @@ mod calibration;
 mod campaign;
 mod campaign_directory;
 mod campaign_error;
+mod chooser;
 mod closed_loop_gain;
 mod conclusion;
 mod config;

@@ -5,7 +5,7 @@
 //! all instances of the least of five runs, so that what the computer does besides does not count; at the end, of whole
 //! ticks of the estimators on an arm that sways and stops, one run.
 
-#[path = "../tests/common/mod.rs"]
+#[path = "../tests/estimators/common/mod.rs"]
 mod common;
 
 use std::time::Instant;

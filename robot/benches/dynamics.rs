@@ -7,7 +7,7 @@ mod common {
     pub mod states;
 }
 #[allow(dead_code, reason = "of the stream only uniform numbers are needed")]
-#[path = "../../residual/tests/common/reference_stream.rs"]
+#[path = "../../residual/tests/estimators/common/reference_stream.rs"]
 mod reference_stream;
 
 use std::cell::Cell;

@@ -16,22 +16,22 @@
 //! | model of another arm | the trial ends or is stopped, nothing is unsafe | `robot` |
 //! | a hand pushes with 50 N | compliant: the trial ends or is stopped, within its limits | `robot` |
 //! | power fails in a trial | stopped while the arm has hardly begun to fall | `robot` |
-//! | a log in degrees, ms, ns, mNm; signs turned, joints swapped, encoder frozen, `dq` wrong, gravity left out, another robot or side of the gears | refused, or warned of, in one sentence with the column to mend | `diagnose/tests/recognise`, `cli/tests/wrong_logs.rs` |
-//! | a trial in which most joints stood still; an estimator that could use no sample | refused: what costs nothing is no trial | `cli/tests/wrong_logs.rs` |
+//! | a log in degrees, ms, ns, mNm; signs turned, joints swapped, encoder frozen, `dq` wrong, gravity left out, another robot or side of the gears | refused, or warned of, in one sentence with the column to mend | `diagnose/tests/recognise`, `cli/tests/command_line/wrong_logs.rs` |
+//! | a trial in which most joints stood still; an estimator that could use no sample | refused: what costs nothing is no trial | `cli/tests/command_line/wrong_logs.rs` |
 //! | an exported compensator is given NaN, infinity, a negative period, garbage as memory | a torque within half of the joint's largest, also with `-O3 -ffast-math`; garbage is forgotten | `experiments/tests/export_bounds.rs` |
-//! | a file that claims more than it holds, or unpacks without end | refused before the memory is gone | `fuzz_inputs/bombs.rs`, `logs/tests/bad_parquet.rs`, `logs/tests/convert.rs` |
-//! | names in files with control characters | shown, not obeyed | `cli/tests/control_characters.rs` |
-//! | a processor from before 2013 | a sentence, exit code 2 | `cli/tests/old_processor.rs` |
+//! | a file that claims more than it holds, or unpacks without end | refused before the memory is gone | `fuzz_inputs/bombs.rs`, `logs/tests/formats/bad_parquet.rs`, `logs/tests/formats/convert.rs` |
+//! | names in files with control characters | shown, not obeyed | `cli/tests/command_line/control_characters.rs` |
+//! | a processor from before 2013 | a sentence, exit code 2 | `cli/tests/command_line/old_processor.rs` |
 //! | deadline missed, loop stalled | held, then stopped with the safe torque | `runtime/tests/overruns.rs` |
-//! | disk full, directory read-only | exit code 2, file and reason named, nothing lost | `cli/tests/storage_faults.rs` |
-//! | system clock jumps | a campaign's result does not change | `cli/tests/storage_faults.rs` |
-//! | SIGKILL, SIGTERM, SIGINT | no finished trial is lost; the resumed result is the undisturbed one | `cli/tests/kill_and_resume.rs` |
-//! | standard output or error full | exit code 2 and why; messages are lost, the work is not | `cli/tests/streams_and_signals.rs` |
-//! | two processes begin one campaign, or study | one does, the other is refused and changes no byte | `cli/tests/campaign_directories.rs` |
-//! | SIGKILL while a trial is told | told or not told; `tuned.yaml` and the report are made true by the next opening | `cli/tests/campaign_directories.rs` |
-//! | campaign.yaml edited, cut, emptied; a trial's log replaced | refused, the field or the trial named | `cli/tests/campaign_directories.rs` |
-//! | a log that teaches nothing; a trial told by mistake | the campaign goes on; the trial is taken back | `cli/tests/taking_back.rs` |
-//! | two processes on one campaign | the second is told, the first does not notice | `cli/tests/bad_input.rs`, `ask_and_tell.rs` |
+//! | disk full, directory read-only | exit code 2, file and reason named, nothing lost | `cli/tests/command_line/storage_faults.rs` |
+//! | system clock jumps | a campaign's result does not change | `cli/tests/command_line/storage_faults.rs` |
+//! | SIGKILL, SIGTERM, SIGINT | no finished trial is lost; the resumed result is the undisturbed one | `cli/tests/command_line/kill_and_resume.rs` |
+//! | standard output or error full | exit code 2 and why; messages are lost, the work is not | `cli/tests/command_line/streams_and_signals.rs` |
+//! | two processes begin one campaign, or study | one does, the other is refused and changes no byte | `cli/tests/command_line/campaign_directories.rs` |
+//! | SIGKILL while a trial is told | told or not told; `tuned.yaml` and the report are made true by the next opening | `cli/tests/command_line/campaign_directories.rs` |
+//! | campaign.yaml edited, cut, emptied; a trial's log replaced | refused, the field or the trial named | `cli/tests/command_line/campaign_directories.rs` |
+//! | a log that teaches nothing; a trial told by mistake | the campaign goes on; the trial is taken back | `cli/tests/command_line/taking_back.rs` |
+//! | two processes on one campaign | the second is told, the first does not notice | `cli/tests/command_line/bad_input.rs`, `ask_and_tell.rs` |
 //!
 //! At every tick of every story the command is finite, within the torque limits and within the rate limit of the last one; and
 //! once it is stopped, the arm comes to rest, wherever sensors or motors still allow that.

@@ -11,7 +11,7 @@
 #![allow(clippy::panic, reason = "a broken promise is a panic: that is what the fuzzer looks for")]
 
 mod document;
-#[path = "../../logs/tests/common/ros2.rs"]
+#[path = "../../logs/tests/formats/common/ros2.rs"]
 #[allow(
     missing_docs,
     dead_code,

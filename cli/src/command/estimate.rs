@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use serde_json::{Map, Value, json};
-use tribo_diagnose::{BlockSettings, FrictionReport, FrictionSettings, JointReport};
+use tribo_diagnose::{BlockSettings, Diagnosable, FrictionReport, FrictionSettings, JointReport, Nominal};
 use tribo_ekf::WrenchEkfSettings;
 use tribo_experiments::files::{AnyModel, Model, ModelChoice, SIGN_SMOOTHING_RAD_S};
 use tribo_experiments::{
@@ -87,7 +87,10 @@ fn estimate<const N: usize>(
     common: &Common,
     Measured { log, summary, gears }: &Measured,
     model: &Model<N>,
-) -> anyhow::Result<()> {
+) -> anyhow::Result<()>
+where
+    Nominal<N>: Diagnosable,
+{
     let (wanted, refused) = judgement(arguments);
     believe(
         &arguments.log,
@@ -197,7 +200,10 @@ struct FreeLog<const N: usize> {
 }
 
 impl<const N: usize> FreeLog<N> {
-    fn read(path: &Path, model: &Model<N>, believed: &Believed<N>, common: &Common) -> anyhow::Result<Self> {
+    fn read(path: &Path, model: &Model<N>, believed: &Believed<N>, common: &Common) -> anyhow::Result<Self>
+    where
+        Nominal<N>: Diagnosable,
+    {
         let (log, _) = read_log(path, common)?;
         believe(path, &recognise::recognise(&log), Use::Wrench, Refused::IsAnError, common.quiet)?;
         let remarks = tribo_diagnose::recognise::recognise(&log, &model.to_nominal());

@@ -3,6 +3,7 @@
 use std::path::Path;
 
 use serde_json::{Map, Value, json};
+use tribo_diagnose::{Diagnosable, Nominal};
 use tribo_experiments::strategy::BestTrial;
 use tribo_experiments::{AbortReason, JudgedLog, Told, TuneConfig, UserCampaign, judge_log, trial_remarks};
 use tribo_logs::recognise::{Fault, Use, recognise};
@@ -33,7 +34,10 @@ fn tell<const N: usize>(
     log: Option<(&Path, RobotLog)>,
     arguments: &Tell,
     common: &Common,
-) -> anyhow::Result<()> {
+) -> anyhow::Result<()>
+where
+    Nominal<N>: Diagnosable,
+{
     if let (Some(number), Some(reason)) = (arguments.withdraw, &arguments.reason) {
         campaign.withdraw(number, reason)?;
         show_withdrawn(&campaign, number, reason, common);
@@ -114,7 +118,10 @@ fn judged<const N: usize>(
     (path, log): (&Path, &RobotLog),
     failed: bool,
     common: &Common,
-) -> anyhow::Result<JudgedLog<N>> {
+) -> anyhow::Result<JudgedLog<N>>
+where
+    Nominal<N>: Diagnosable,
+{
     let theta = campaign.asked(number)?.theta;
     // Somebody may have stopped a trial before the arm moved.
     let mut remarks = recognise(log);

@@ -8,6 +8,9 @@ mkdir -p "$at/state" "$at/spool" "$at/munge"
 chmod 700 "$at/munge"
 host=$(hostname -s)
 export SLURM_CONF="$at/slurm.conf"
+# One cluster at a time: its ports are fixed.
+exec 9> "${TMPDIR:-/tmp}/tribo-slurm.lock"
+flock 9
 
 dd if=/dev/urandom of="$at/munge/key" bs=128 count=1 2>/dev/null
 chmod 600 "$at/munge/key"

@@ -21,7 +21,7 @@ use tribo_logs::recognise::Remark;
 use self::fit::{Columns, Fit, fit};
 use self::hypothesis::{Change, Hypothesis};
 use self::samples::Samples;
-use crate::Nominal;
+use crate::{Diagnosable, Nominal};
 
 /// Gain (nats) from which a hypothesis is named.
 ///
@@ -53,7 +53,12 @@ const NO_WORSE: f64 = 1.1;
 /// The remarks of the rigid model on a log, of which `tau_j_nm` is the torque that acted; none on a good one, or on one too
 /// short to be judged.
 #[must_use]
-pub fn recognise<const N: usize>(log: &RobotLog, nominal: &Nominal<N>) -> Vec<Remark> {
+pub fn recognise(log: &RobotLog, nominal: &impl Diagnosable) -> Vec<Remark> {
+    nominal.recognised(log)
+}
+
+/// The remarks of [`recognise`].
+pub(crate) fn by_the_arm<const N: usize>(log: &RobotLog, nominal: &Nominal<N>) -> Vec<Remark> {
     if log.joints() != N {
         return Vec::new();
     }

@@ -10,12 +10,12 @@ mod real;
 mod wrong;
 
 use good::good;
-use tribo_diagnose::{Nominal, recognise::recognise};
+use tribo_diagnose::{Diagnosable, recognise::recognise};
 use tribo_logs::RobotLog;
 use tribo_logs::recognise::Remark;
 
 /// Everything that is said of a log.
-fn remarks<const N: usize>(log: &RobotLog, nominal: &Nominal<N>) -> Vec<Remark> {
+fn remarks(log: &RobotLog, nominal: &impl Diagnosable) -> Vec<Remark> {
     let mut all = tribo_logs::recognise::recognise(log);
     if all.is_empty() {
         all = recognise(log, nominal);

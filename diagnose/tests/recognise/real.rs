@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use tribo_diagnose::Nominal;
+use tribo_diagnose::{Diagnosable, Nominal};
 use tribo_friction::FrictionModel;
 use tribo_logs::read_log;
 use tribo_robot::urdf::UrdfChain;
@@ -25,7 +25,7 @@ fn urdf<const N: usize>(path: &Path) -> Arm<N> {
     chain.arm::<N>().unwrap().arm
 }
 
-fn said<const N: usize>(path: &Path, nominal: &Nominal<N>) -> Vec<String> {
+fn said(path: &Path, nominal: &impl Diagnosable) -> Vec<String> {
     let log = read_log(path).unwrap().0;
     remarks(&log, nominal).iter().map(|remark| format!("{}: {remark}", path.display())).collect()
 }

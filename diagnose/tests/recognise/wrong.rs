@@ -1,5 +1,6 @@
 //! Good logs, each mutilated in one way.
 
+use tribo_diagnose::{Diagnosable, Nominal};
 use tribo_logs::recognise::{Fault, Severity};
 use tribo_logs::{LogColumns, RobotLog};
 use tribo_robot::presets;
@@ -154,7 +155,10 @@ fn spoiled(log: &RobotLog, way: &Way, joint: usize) -> RobotLog {
 }
 
 /// What is wrong with the judgement of one mutilation; nothing if it is right.
-fn judged<const N: usize>(good: &Good<N>, way: &Way, joint: usize) -> Option<String> {
+fn judged<const N: usize>(good: &Good<N>, way: &Way, joint: usize) -> Option<String>
+where
+    Nominal<N>: Diagnosable,
+{
     let found = remarks(&spoiled(&good.log, way, joint), &good.nominal);
     let right =
         found.first().is_some_and(|first| way.expected.contains(&first.fault) && first.severity == way.severity)

@@ -1,7 +1,7 @@
 //! Whether the log of a trial can be what it says.
 
 use nalgebra::SVector;
-use tribo_diagnose::{Nominal, recognise::recognise};
+use tribo_diagnose::{Diagnosable, Nominal, recognise::recognise};
 use tribo_friction::FrictionModel;
 use tribo_logs::recognise::{Fault, Remark, travel};
 use tribo_logs::{LogColumns, RobotLog};
@@ -25,7 +25,10 @@ pub fn trial_remarks<const N: usize>(
     user_trials: &UserTrials,
     log: &RobotLog,
     failed: bool,
-) -> Vec<Remark> {
+) -> Vec<Remark>
+where
+    Nominal<N>: Diagnosable,
+{
     let arm = &tune.trial.model;
     let mut remarks = Vec::new();
     if log.joints() != N {

@@ -1,8 +1,8 @@
 //! A campaign whose trials the user runs.
 
+use std::cell::OnceCell;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
-use std::sync::Arc;
 
 use serde_json::{Value, json};
 use tribo_logs::seal_of;
@@ -10,13 +10,12 @@ use tribo_logs::seal_of;
 use super::{JudgedLog, Learnt, UserTrials};
 use crate::campaign::write_tuned;
 use crate::campaign_directory::{Changes, RunBy, check_trials, create, open};
+use crate::chooser::Chooser;
 use crate::files::{FileError, TunedFile};
-use crate::friction_limit::FrictionLimit;
 use crate::journal::{Clock, Ended, Journal, JournalTrial, TrialState, finish, finished_trial, seal, theta};
 use crate::stored_logs::StoredLogs;
 use crate::strategy::{
-    BestTrial, FinishedTrial, Identification, LawChange, LawCheck, LogSource, Origin, Past, Proposal, RunningTrial,
-    Strategy, StrategyError,
+    BestTrial, FinishedTrial, LawChange, LawCheck, LogSource, Origin, Past, Proposal, RunningTrial, StrategyError,
 };
 use crate::watch::refresh_report;
 use crate::{
@@ -66,6 +65,8 @@ pub struct UserCampaign<const N: usize> {
     trials: Vec<Entry>,
     /// Seals of the logs that came back, as the journal knows them.
     seals: BTreeMap<usize, String>,
+    /// What chooses the next trial, as long as no trial comes or goes.
+    chooser: OnceCell<Chooser<N>>,
 }
 
 /// A trial as its campaign knows it.
@@ -88,8 +89,8 @@ impl<const N: usize> UserCampaign<N> {
     pub fn create(directory: &Path, mut tune: ValidTune<N>, clock: Clock) -> Result<Self, CampaignError> {
         let user_trials = *tune.config.user_trials.get_or_insert_default();
         let journal = create(directory, &tune.config, RunBy::User, clock)?;
-        let (trials, seals) = (Vec::new(), BTreeMap::new());
-        Ok(Self { directory: directory.to_owned(), tune, user_trials, journal, trials, seals })
+        let (trials, seals, chooser) = (Vec::new(), BTreeMap::new(), OnceCell::new());
+        Ok(Self { directory: directory.to_owned(), tune, user_trials, journal, trials, seals, chooser })
     }
 
     /// Opens the campaign of a directory; waits while another process holds it. What follows from the journal, `tuned.yaml` and a report
@@ -107,7 +108,8 @@ impl<const N: usize> UserCampaign<N> {
             .map(|(number, trial)| Entry::of(&tune, &path, number, trial))
             .collect::<Result<_, _>>()?;
         let seals = recorded.iter().enumerate().filter_map(|(number, trial)| Some((number, seal(trial)?))).collect();
-        let mut campaign = Self { directory: directory.to_owned(), tune, user_trials, journal, trials, seals };
+        let (directory, chooser) = (directory.to_owned(), OnceCell::new());
+        let mut campaign = Self { directory, tune, user_trials, journal, trials, seals, chooser };
         campaign.refresh()?;
         Ok(campaign)
     }
@@ -131,11 +133,29 @@ impl<const N: usize> UserCampaign<N> {
         if finished.is_empty() {
             return Ok(Conclusion { trials: 0, best: None, law_check: None });
         }
-        let choice = Choice::of(&self.tune).map_err(|source| self.no_answer(source))?;
-        let conclusion = Conclusion::of(&self.tune, choice.strategy.as_ref(), finished, &self.logs());
+        let strategy = self.chooser()?.strategy.as_ref();
+        let conclusion = Conclusion::of(&self.tune, strategy, finished, &self.logs());
         let conclusion = conclusion.map_err(|source| self.no_answer(source))?;
         self.journal.conclude(&conclusion)?;
         Ok(conclusion)
+    }
+
+    /// What chooses the next trial after those that are known now.
+    fn chooser(&self) -> Result<&Chooser<N>, CampaignError> {
+        if let Some(chooser) = self.chooser.get() {
+            return Ok(chooser);
+        }
+        let chooser = Chooser::of(&self.tune).map_err(|source| self.no_answer(source))?;
+        Ok(self.chooser.get_or_init(|| chooser))
+    }
+
+    /// Puts a trial in its place.
+    fn set(&mut self, number: usize, entry: Entry) {
+        match self.trials.get_mut(number) {
+            Some(there) => *there = entry,
+            None => self.trials.push(entry),
+        }
+        self.chooser.take();
     }
 
     fn no_answer(&self, source: StrategyError) -> CampaignError {
@@ -147,16 +167,26 @@ impl<const N: usize> UserCampaign<N> {
     /// # Errors
     /// A strategy without an answer, a log that cannot be read.
     pub fn early_stop(&self) -> Result<Option<EarlyStop>, CampaignError> {
-        let choice = Choice::of(&self.tune).map_err(|source| self.no_answer(source))?;
-        self.ends_before(&choice).map_err(|source| self.no_answer(source))
+        if self.tune.config.stop_rule().is_none() || self.in_flight().next().is_some() {
+            return Ok(None);
+        }
+        // A better law is worth a trial.
+        if self.better_law()?.is_some() {
+            return Ok(None);
+        }
+        let finished: Vec<FinishedTrial> = self.finished().cloned().collect();
+        self.chooser()?
+            .ends_before(self.trials.len(), &self.tune, &finished, &self.logs())
+            .map_err(|source| self.no_answer(source))
     }
 
     /// Another friction law, if the last logs speak for it.
-    fn better_law(&self, choice: &Choice<N>) -> Result<Option<LawChange>, StrategyError> {
+    fn better_law(&self) -> Result<Option<LawChange>, CampaignError> {
         let finished: Vec<FinishedTrial> = self.finished().cloned().collect();
         let running: Vec<RunningTrial> = self.in_flight().cloned().collect();
         let past = Past { finished: &finished, running: &running, allowed: None };
-        choice.strategy.better_law(past, &self.logs())
+        let better = self.chooser()?.strategy.better_law(past, &self.logs());
+        better.map_err(|source| self.no_answer(source))
     }
 
     /// Goes over to another friction law, in which the trials so far are what they were.
@@ -170,24 +200,13 @@ impl<const N: usize> UserCampaign<N> {
                 *theta = self.tune.space.embedded(&before, theta);
             }
         }
+        self.chooser.take();
         Ok(())
     }
 
     /// The friction law that the campaign went over to, if it did.
     pub fn law_change(&self) -> Option<LawChange> {
         self.journal.study().law_change
-    }
-
-    fn ends_before(&self, choice: &Choice<N>) -> Result<Option<EarlyStop>, StrategyError> {
-        let rule = self.tune.config.stop_rule().filter(|_| self.in_flight().next().is_none());
-        let Some(rule) = rule else { return Ok(None) };
-        // A better law is worth a trial.
-        if self.better_law(choice)?.is_some() {
-            return Ok(None);
-        }
-        let finished: Vec<FinishedTrial> = self.finished().cloned().collect();
-        let (strategy, logs) = (choice.strategy.as_ref(), self.logs());
-        EarlyStop::before(self.trials.len(), &rule, strategy, &finished, (&choice.limit, &logs))
     }
 
     /// The validated settings.
@@ -208,6 +227,7 @@ impl<const N: usize> UserCampaign<N> {
         check_trials(trials)?;
         self.journal.set_trials(trials)?;
         self.tune.config.trials = trials;
+        self.chooser.take();
         Ok(())
     }
 
@@ -221,6 +241,7 @@ impl<const N: usize> UserCampaign<N> {
         config.check_stop_below().map_err(ConfigError::from)?;
         self.journal.set_stop_below(stop_below)?;
         self.tune.config.stop_below = Some(stop_below);
+        self.chooser.take();
         Ok(())
     }
 
@@ -249,26 +270,23 @@ impl<const N: usize> UserCampaign<N> {
     /// # Errors
     /// All trials are told or running; nothing is left to gain; a strategy without an answer; a journal that cannot be written.
     pub fn ask(&mut self, anyway: bool) -> Result<Asked, CampaignError> {
-        let (mut finished, running): (Vec<_>, Vec<_>) =
-            (self.finished().cloned().collect(), self.in_flight().cloned().collect());
         let total = self.tune.config.trials;
-        if finished.len() + running.len() >= total {
-            let (told, in_flight) = (finished.len(), running.len());
+        let (told, in_flight) = (self.finished().count(), self.in_flight().count());
+        if told + in_flight >= total {
             let message =
                 format!("all {total} trials are told ({told}) or running ({in_flight}); --trials N makes it longer");
             return Err(FileError::Campaign { path: self.directory.clone(), message }.into());
         }
         let number = self.trials.iter().position(|entry| matches!(entry, Entry::Torn)).unwrap_or(self.trials.len());
         let fail = |source| CampaignError::Strategy { trial: number, source };
-        let mut choice = Choice::of(&self.tune).map_err(fail)?;
-        if let Some(change) = self.better_law(&choice).map_err(fail)? {
+        if let Some(change) = self.better_law()? {
             self.change_law(&change)?;
-            choice = Choice::of(&self.tune).map_err(fail)?;
-            finished = self.finished().cloned().collect();
-        } else if let Some(stop) = self.ends_before(&choice).map_err(fail)?.filter(|_| !anyway) {
+        } else if let Some(stop) = self.early_stop()?.filter(|_| !anyway) {
             return Err(CampaignError::NothingToGain { campaign: self.directory.clone(), stop });
         }
-        let (Choice { strategy, limit }, logs) = (choice, self.logs());
+        let (finished, running): (Vec<_>, Vec<_>) =
+            (self.finished().cloned().collect(), self.in_flight().cloned().collect());
+        let (Chooser { strategy, limit, .. }, logs) = (self.chooser()?, self.logs());
         let past = Past { finished: &finished, running: &running, allowed: None };
         let proposal = match strategy.design(number).map_err(fail)? {
             Some(proposal) => limit.hold_back(proposal, number, &logs),
@@ -284,11 +302,7 @@ impl<const N: usize> UserCampaign<N> {
         let params = names.iter().zip(&theta).zip(&entries);
         self.journal
             .set_params(number, params.map(|((name, value), (_, low, high))| (name.as_str(), *value, *low, *high)))?;
-        let entry = Entry::Running(RunningTrial { number, theta: theta.clone() }, origin);
-        match self.trials.get_mut(number) {
-            Some(torn) => *torn = entry,
-            None => self.trials.push(entry),
-        }
+        self.set(number, Entry::Running(RunningTrial { number, theta: theta.clone() }, origin));
         Ok(Asked { number, file: TunedFile::of_trial(&self.tune, number, &theta), theta, origin })
     }
 
@@ -330,7 +344,7 @@ impl<const N: usize> UserCampaign<N> {
     pub fn give_up(&mut self, number: usize) -> Result<(), CampaignError> {
         self.at(number)?;
         self.journal.finish(number, &[("given_up", Value::Bool(true))], TrialState::Fail, None)?;
-        self.trials[number] = Entry::GivenUp;
+        self.set(number, Entry::GivenUp);
         Ok(())
     }
 
@@ -343,7 +357,7 @@ impl<const N: usize> UserCampaign<N> {
         let message = match self.trials.get(number) {
             Some(Entry::Finished(_)) if !reason.trim().is_empty() => {
                 self.journal.withdraw(number, reason)?;
-                self.trials[number] = Entry::Withdrawn;
+                self.set(number, Entry::Withdrawn);
                 EarlyStop::leave(None, &self.directory)?;
                 return self.refresh();
             }
@@ -369,8 +383,8 @@ impl<const N: usize> UserCampaign<N> {
         let reported = failed.filter(|_| aborted == Some(AbortReason::Reported));
         let ended = Ended { reported, ..ended };
         finish(&mut self.journal, &trial, &ended)?;
-        self.trials[number] = Entry::Finished(trial.clone());
         self.seals.extend(ended.seal.map(|seal| (number, seal)));
+        self.set(number, Entry::Finished(trial.clone()));
         self.refresh()?;
         let finished: Vec<FinishedTrial> = self.finished().cloned().collect();
         let Conclusion { best, law_check, .. } = self.conclude(&finished)?;
@@ -391,10 +405,8 @@ impl<const N: usize> UserCampaign<N> {
     /// # Errors
     /// An estimator that cannot be had, a log that cannot be read.
     pub fn learnt(&self) -> Result<Vec<Learnt>, CampaignError> {
-        let number = self.trials.len();
-        let fail = |source| CampaignError::Strategy { trial: number, source };
-        let identification = Identification::new(&self.tune).map_err(fail)?;
-        let fit = identification.before(number, &self.logs()).map_err(fail)?;
+        let fit = self.chooser()?.identification.before(self.trials.len(), &self.logs());
+        let fit = fit.map_err(|source| self.no_answer(source))?;
         Ok(fit.map_or_else(Vec::new, |fit| Learnt::of(&self.tune.space, &fit)))
     }
 
@@ -414,20 +426,6 @@ impl<const N: usize> UserCampaign<N> {
 
     fn logs(&self) -> LogsThatCame<'_, N> {
         LogsThatCame { campaign: self, stored: StoredLogs::new(self.directory.clone(), self.seals.clone()) }
-    }
-}
-
-/// What chooses the next trial, and what holds it back.
-struct Choice<const N: usize> {
-    strategy: Box<dyn Strategy<N>>,
-    limit: FrictionLimit<N>,
-}
-
-impl<const N: usize> Choice<N> {
-    fn of(tune: &ValidTune<N>) -> Result<Self, StrategyError> {
-        let identification = Arc::new(Identification::new(tune)?);
-        let strategy = tune.config.strategy.build(tune, &identification)?;
-        Ok(Self { strategy, limit: FrictionLimit::of(tune, &identification) })
     }
 }
 

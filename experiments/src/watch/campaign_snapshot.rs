@@ -148,9 +148,10 @@ impl CampaignSnapshot {
         self.early_stop.is_some() || self.trials.len() >= self.tune.config().trials
     }
 
-    /// Trials to be run in all.
+    /// Trials to be run in all; of a campaign that ended early those that were.
     pub fn total(&self) -> usize {
-        self.tune.config().trials.max(self.trials.len() + self.running.len())
+        let known = self.trials.len() + self.running.len();
+        if self.early_stop.is_some() { known } else { known.max(self.tune.config().trials) }
     }
 
     /// What J is.

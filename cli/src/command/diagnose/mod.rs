@@ -9,7 +9,9 @@ use std::path::Path;
 
 use tribo_diagnose::recognise::recognise;
 use tribo_diagnose::report::{ClosedLoop, ReportContext, html};
-use tribo_diagnose::{CauseLabel, DiagnoseError, DiagnoseSettings, Diagnosis, Verdict, diagnose_with_reference};
+use tribo_diagnose::{
+    CauseLabel, Diagnosable, DiagnoseError, DiagnoseSettings, Diagnosis, Nominal, Verdict, diagnose_with_reference,
+};
 use tribo_experiments::files::{AnyModel, Model, ModelFile};
 use tribo_experiments::{Believed, ClosedLoopGain, closed_loop_gain, not_cancelled_sentences};
 use tribo_logs::RobotLog;
@@ -93,7 +95,10 @@ fn run_with<const N: usize>(
     outputs: &Outputs,
     held: &Held,
     model: &Model<N>,
-) -> anyhow::Result<()> {
+) -> anyhow::Result<()>
+where
+    Nominal<N>: Diagnosable,
+{
     // The diagnosis, until it is done or somebody stops it.
     stop_on_signal();
     let progress = StageProgress::new(common.quiet);

@@ -1,0 +1,235 @@
+//! Story: arms that are no Panda — six joints, seven, from a preset or from a URDF — go the whole way.
+
+#![allow(clippy::unwrap_used, clippy::panic, reason = "a test fails by panicking, in its helpers too")]
+
+use std::path::Path;
+
+use crate::common::{journal, result, run, scratch};
+use serde_json::Value;
+use tribo_robot::presets;
+use tribo_robot::urdf::to_urdf;
+
+/// J of the best trial over that without compensation, and over that of the true friction.
+fn ratios(document: &Value) -> [f64; 2] {
+    let best = document["best"]["cost"].as_f64().unwrap_or(f64::INFINITY);
+    ["uncompensated_cost", "oracle_cost"].map(|cost| best / document[cost].as_f64().unwrap())
+}
+
+/// A campaign of the six-joint arm: tuned as well as by an oracle, resumed to the same bits, told and drawn.
+#[test]
+fn a_campaign_of_the_ur10e_goes_the_whole_way() {
+    let at = scratch();
+    let whole = run(at.path(), "tune --robot ur10e --trials 5 --out whole --json --quiet").ok().json();
+    let [against_nothing, against_oracle] = ratios(&whole);
+    println!("J / J uncompensated = {against_nothing:.3}, J / J oracle = {against_oracle:.3}");
+    assert!(against_nothing < 0.15 && against_oracle < 1.1, "{against_nothing} {against_oracle}");
+    assert_eq!(whole["robot"], "ur10e");
+    let params = whole["params"].as_object().unwrap();
+    assert_eq!(params.len(), 6);
+    // The friction of the preset is found where the joint slides: 6.6 Nm in joint 1 of the truth.
+    let coulomb = params["joint_1"]["coulomb_nm"].as_f64().unwrap();
+    assert!((coulomb - 6.6).abs() < 0.4, "{coulomb} Nm");
+    let trials = journal(&at.path().join("whole"));
+    assert!(
+        trials[0].params.contains_key("joint_5.coulomb_nm") && !trials[0].params.contains_key("joint_6.coulomb_nm")
+    );
+    let settings = std::fs::read_to_string(at.path().join("whole/campaign.yaml")).unwrap();
+    assert!(settings.contains("robot: ur10e\n"), "{settings}");
+
+    // Stopped after three trials and resumed, it ends with the same bits.
+    run(at.path(), "tune --robot ur10e --trials 3 --out parts --json --quiet").ok();
+    let resumed = run(at.path(), "tune --resume --trials 5 --out parts --json --quiet").ok().json();
+    assert_eq!(result(&whole), result(&resumed));
+    let refused = run(at.path(), "tune --resume --robot panda --out parts");
+    assert!(refused.code == Some(2) && refused.stderr.contains("--robot"), "{refused:?}");
+
+    // Report, export, window.
+    run(at.path(), "report whole").ok();
+    let page = std::fs::read_to_string(at.path().join("whole/report.html")).unwrap();
+    assert!(page.contains("robot: ur10e") && page.contains("Torque by term, joint 5"));
+    assert!(!page.contains("Torque by term, joint 6"));
+    let tuned = run(at.path(), "export whole --format json").ok().json();
+    assert_eq!(
+        (tuned["robot"].as_str(), tuned["friction"]["joints"].as_array().map(Vec::len)),
+        (Some("ur10e"), Some(6))
+    );
+    for view in ["campaign", "trial", "arm"] {
+        run(at.path(), &format!("dashboard whole --view {view} --screenshot {view}.png")).ok();
+    }
+
+    // The tuned parameters drive the arm.
+    let cost = |call: &str| run(at.path(), call).ok().json()["cost"].as_f64().unwrap();
+    let tuned = cost("simulate --robot ur10e --compensation whole/tuned.yaml --seed 3 --json");
+    let none = cost("simulate --robot ur10e --compensation none --seed 3 --json");
+    assert!(tuned < 0.15 * none, "{tuned} {none}");
+}
+
+/// A log of the six-joint arm is read by estimators, diagnosis and window; nobody takes it for a Panda's.
+#[test]
+fn a_log_of_the_ur10e_is_read() {
+    let at = scratch();
+    let call = "simulate --robot ur10e --compensation oracle --pulse-force 15 --log pushed.csv --seed 2 --json";
+    run(at.path(), call).ok();
+    run(at.path(), "simulate --robot ur10e --compensation oracle --log free.csv --seed 3 --json").ok();
+    for call in ["estimate pushed.csv", "diagnose pushed.csv"] {
+        let refused = run(at.path(), call);
+        assert_eq!(refused.code, Some(2), "{refused:?}");
+        for part in ["pushed.csv", "6 joints", "--robot", "--model"] {
+            assert!(refused.stderr.contains(part), "{refused:?}");
+        }
+    }
+    let refused = run(at.path(), "estimate pushed.csv --robot iiwa14");
+    assert!(refused.code == Some(2) && refused.stderr.contains("6 joints; the model has 7"), "{refused:?}");
+
+    // The model with the true friction sees the push of 15 N to a few newtons with a robot that stands still or slides.
+    std::fs::write(at.path().join("ur10e.yaml"), UR10E).unwrap();
+    let seen = run(at.path(), "estimate pushed.csv --model ur10e.yaml --free free.csv --json").ok().json();
+    for name in ["ekf", "momentum", "qp", "thermal"] {
+        let error = seen["estimators"][name]["rmse_force_n"].as_f64().unwrap();
+        assert!(error < 5.0, "{name}: {error} N");
+    }
+
+    // Held against the bare arm, a motion of all joints shows the friction that was put into them, and nothing else.
+    std::fs::write(at.path().join("move.yaml"), MOVE).unwrap();
+    run(at.path(), "simulate --robot ur10e --trajectory move.yaml --compensation oracle --log move.csv --seed 3").ok();
+    let found = run(at.path(), "diagnose move.csv --robot ur10e --extend found.yaml --json --quiet").ok().json();
+    assert_eq!(found["verdict"], "named", "{found}");
+    let parameter = |label: &str, joint: usize, name: &str| {
+        let mut findings = found["findings"].as_array().unwrap().iter();
+        let finding = findings.find(|finding| finding["label"] == label && finding["joint"] == joint);
+        finding
+            .and_then(|finding| finding["params"][name].as_f64())
+            .unwrap_or_else(|| panic!("{label} {joint}: {found}"))
+    };
+    for (joint, truth) in [6.6, 6.6, 3.0, 1.1, 1.1, 1.1].into_iter().enumerate() {
+        let coulomb = parameter("coulomb", joint, "delta_coulomb_nm");
+        let viscous = parameter("viscous", joint, "delta_viscous_nm_s_per_rad");
+        assert!((coulomb - truth).abs() < 0.02 * truth, "joint {joint}: {coulomb} Nm, truth {truth} Nm");
+        assert!((viscous - truth).abs() < 0.05 * truth, "joint {joint}: {viscous} Nm s/rad, truth {truth}");
+    }
+    let extended = run(at.path(), "simulate --robot ur10e --compensation found.yaml --seed 4 --json").ok().json();
+    assert!(extended["cost"].as_f64().unwrap() < 7.0, "the oracle has 6.2: {extended}");
+    run(at.path(), "dashboard free.csv --robot ur10e --view log --screenshot log.png").ok();
+    run(at.path(), "dashboard free.csv --robot ur10e --view arm --screenshot arm.png").ok();
+}
+
+/// Every joint both ways, at several speeds.
+const MOVE: &str = "\
+schema: tribo.trajectory/1
+robot: ur10e
+via_points:
+- {time_s: 0, q_rad: [0, -1.8, 2.0, -1.77, -1.57, 0]}
+- {time_s: 2, q_rad: [0.8, -1.2, 1.4, -1.2, -0.9, 0.7]}
+- {time_s: 5, q_rad: [-0.6, -2.0, 2.2, -2.2, -2.0, -0.8]}
+- {time_s: 6.5, q_rad: [0.4, -1.4, 1.5, -1.4, -1.2, 0.5]}
+- {time_s: 11, q_rad: [-0.3, -1.9, 2.1, -1.9, -1.8, -0.4]}
+- {time_s: 13, q_rad: [0.7, -1.3, 1.2, -2.3, -1.0, 0.9]}
+- {time_s: 15, q_rad: [-0.5, -1.8, 2.1, -1.3, -2.1, -0.6]}
+- {time_s: 18, q_rad: [0.5, -1.1, 1.6, -2.0, -1.3, 0.4]}
+- {time_s: 20, q_rad: [0, -1.8, 2.0, -1.77, -1.57, 0]}
+";
+
+/// The UR10e as the named truth `coulomb_viscous` has it.
+const UR10E: &str = "\
+schema: tribo.model/1
+robot: ur10e
+friction:
+  law: coulomb_viscous
+  joints:
+  - {coulomb_nm: 6.6, viscous_nm_s_per_rad: 6.6}
+  - {coulomb_nm: 6.6, viscous_nm_s_per_rad: 6.6}
+  - {coulomb_nm: 3.0, viscous_nm_s_per_rad: 3.0}
+  - {coulomb_nm: 1.1, viscous_nm_s_per_rad: 1.1}
+  - {coulomb_nm: 1.1, viscous_nm_s_per_rad: 1.1}
+  - {coulomb_nm: 1.1, viscous_nm_s_per_rad: 1.1}
+";
+
+#[test]
+fn every_other_arm_with_seven_joints_is_tuned() {
+    let at = scratch();
+    for robot in ["fr3", "kinova_gen3", "iiwa14"] {
+        let call = format!("tune --robot {robot} --trials 4 --out {robot} --json --quiet");
+        let [against_nothing, against_oracle] = ratios(&run(at.path(), &call).ok().json());
+        println!("{robot}: J / J uncompensated = {against_nothing:.3}, J / J oracle = {against_oracle:.3}");
+        assert!(against_nothing < 0.15 && against_oracle < 1.3, "{robot}: {against_nothing} {against_oracle}");
+    }
+}
+
+/// Writes the UR10e as `arms/arm.urdf`, friction included, and a model file beside it that puts in what a URDF cannot say.
+fn urdf(at: &Path) {
+    let mut text = to_urdf(&presets::ur10e()).replace("name=\"ur10e\"", "name=\"my_arm\"");
+    for (friction, effort) in [(6.0, "330"), (3.0, "150"), (1.2, "56")] {
+        let limit = format!("effort=\"{effort}\"/>");
+        text = text.replace(&limit, &format!("{limit}<dynamics damping=\"{friction}\" friction=\"{friction}\"/>"));
+    }
+    std::fs::create_dir_all(at.join("arms")).unwrap();
+    std::fs::write(at.join("arms/arm.urdf"), text).unwrap();
+    let model = "schema: tribo.model/1\nrobot: arm.urdf\nrotor_inertia_kg_m2: [0.1, 0.1, 0.1, 0.1, 0.1, 0.1]\n\
+                 poses_rad: [[0, -1.8, 2.0, -1.77, -1.57, 0]]\nlimits:\n  tau_rate_max_nm_s: [2000, 2000, 2000, 1000, 1000, 1000]\n";
+    std::fs::write(at.join("arms/arm.yaml"), model).unwrap();
+}
+
+/// An arm from a URDF is a robot like any other, and a campaign does not need the file any more.
+#[test]
+fn an_arm_from_a_urdf_is_tuned_and_its_file_may_go() {
+    let at = scratch();
+    urdf(at.path());
+    run(at.path(), "tune --model arms/arm.yaml --trials 2 --out mine --json --quiet").ok();
+    run(at.path(), "tune --robot arms/arm.urdf --trials 1 --strategy zero --out bare --json --quiet").ok();
+    run(at.path(), "simulate --robot arms/arm.urdf --log log.csv --quiet").ok();
+    run(at.path(), "estimate log.csv --robot arms/arm.urdf --residual ekf --quiet").ok();
+    std::fs::rename(at.path().join("arms"), at.path().join("moved")).unwrap();
+    let tuned = run(at.path(), "tune --resume --trials 4 --out mine --json --quiet").ok().json();
+    let [against_nothing, against_oracle] = ratios(&tuned);
+    println!("J / J uncompensated = {against_nothing:.3}, J / J oracle = {against_oracle:.3}");
+    assert!(against_nothing < 0.2 && against_oracle < 1.2, "{against_nothing} {against_oracle}");
+    run(at.path(), "report mine").ok();
+    let cost = |call: &str| run(at.path(), call).ok().json()["cost"].as_f64().unwrap();
+    let call = "simulate --model moved/arm.yaml --compensation";
+    assert!(
+        cost(&format!("{call} none --json"))
+            > 3.0 * cost("simulate --robot moved/arm.urdf --compensation oracle --json")
+    );
+}
+
+#[test]
+fn robots_that_cannot_be_are_refused() {
+    let at = scratch();
+    urdf(at.path());
+    let write = |name: &str, text: &str| std::fs::write(at.path().join(name), text).unwrap();
+    let good = std::fs::read_to_string(at.path().join("arms/arm.urdf")).unwrap();
+    write("prismatic.urdf", &good.replacen("type=\"revolute\"", "type=\"prismatic\"", 1));
+    write("torn.urdf", &good[..good.len() / 2]);
+    write("bare.urdf", &to_urdf(&presets::ur10e()));
+    write("prismatic.yaml", "schema: tribo.model/1\nrobot: prismatic.urdf\n");
+    write("lost.yaml", "schema: tribo.model/1\nrobot: lost.urdf\n");
+    write("tip.yaml", "schema: tribo.model/1\nrobot: arms/arm.urdf\ntip_link: nowhere\n");
+    write("ends.yaml", "schema: tribo.model/1\nrobot: panda\ntip_link: flange\n");
+    write("rotors.yaml", "schema: tribo.model/1\nrobot: ur10e\nrotor_inertia_kg_m2: [1, 1, 1, 1, 1, 1, 1]\n");
+    write("limits.yaml", "schema: tribo.model/1\nrobot: ur10e\nlimits:\n  q_min_rad: [9, 0, 0, 0, 0, 0]\n");
+    write("poses.yaml", "schema: tribo.model/1\nrobot: ur10e\nposes_rad:\n- [0, 0, 4, 0, 0, 0]\n");
+    for (call, parts) in [
+        ("tune --robot ur5", &["`robot` is ur5", "panda, fr3, ur10e, kinova_gen3, iiwa14", "URDF"][..]),
+        ("tune --robot prismatic.urdf", &["prismatic.urdf: joint `joint_1` is prismatic"]),
+        ("tune --robot torn.urdf", &["torn.urdf: not a URDF"]),
+        ("tune --robot bare.urdf", &["`truth` is coulomb_viscous", "nobody says what friction this robot has"]),
+        ("tune --robot ur10e --truth gaz", &["`truth` is gaz", "the friction of a Panda"]),
+        ("tune --robot iiwa14 --strategy gaz", &["`strategy` is gaz", "one Panda"]),
+        ("tune --model prismatic.yaml", &["prismatic.urdf: joint `joint_1` is prismatic"]),
+        ("tune --model lost.yaml", &["lost.yaml:2: field `robot` is lost.urdf"]),
+        ("tune --model tip.yaml", &["arm.urdf: tip_link `nowhere` is not among the links"]),
+        ("tune --model ends.yaml", &["ends.yaml:3: field `tip_link` is flange", "URDF"]),
+        ("tune --model rotors.yaml", &["rotors.yaml:3: field `rotor_inertia_kg_m2` is 7 entries; allowed: 6 entries"]),
+        ("tune --model limits.yaml", &["limits.yaml:4: field `limits.q_min_rad` is 9"]),
+        ("tune --model poses.yaml", &["poses.yaml:4: field `poses_rad[0]` is 4", "joint 2"]),
+        ("tune --robot panda --model poses.yaml", &["poses.yaml"]),
+        ("tune --robot panda --truth arms/arm.yaml", &["`truth` is about a robot with 6 joints", "7 joints"]),
+    ] {
+        let refused = run(at.path(), &format!("{call} --out never --trials 1 --quiet"));
+        assert_eq!(refused.code, Some(2), "{call}: {refused:?}");
+        for part in parts {
+            assert!(refused.stderr.contains(part), "{call}: {refused:?} lacks {part}");
+        }
+        assert!(!at.path().join("never").exists(), "{call} left something");
+    }
+}

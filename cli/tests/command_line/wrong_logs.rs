@@ -1,0 +1,131 @@
+//! Story: logs that cannot be right are refused before anything is made of them, in one sentence and quickly.
+//!
+//! One good trial, one good motion; each mutilation of the file is told, diagnosed or estimated. A refused log leaves the campaign as it was.
+
+#![allow(clippy::unwrap_used, clippy::panic, reason = "a test fails by panicking, in its helpers too")]
+
+use std::path::Path;
+use std::time::Instant;
+
+use crate::common::{run, scratch};
+
+/// Longest that a refusal takes (s): reading a CSV of 33 s at 1 kHz and judging it, beside other tests on a slow computer.
+const QUICK_S: f64 = 20.0;
+
+/// Writes a copy of a CSV log, every cell changed by `change(column, value)`.
+fn mutilated(at: &Path, from: &str, to: &str, change: impl Fn(&str, f64) -> f64) {
+    let text = std::fs::read_to_string(at.join(from)).unwrap();
+    let mut lines = text.lines();
+    let header = lines.next().unwrap();
+    let names: Vec<&str> = header.split(',').collect();
+    let rows = lines.map(|line| {
+        let cells = line.split(',').zip(&names).map(|(cell, name)| change(name, cell.parse().unwrap()).to_string());
+        cells.collect::<Vec<_>>().join(",")
+    });
+    std::fs::write(at.join(to), format!("{header}\n{}\n", rows.collect::<Vec<_>>().join("\n"))).unwrap();
+}
+
+/// Exit code 2 with these words, quickly.
+#[track_caller]
+fn refused(at: &Path, command: &str, words: &[&str]) {
+    let start = Instant::now();
+    let refused = run(at, command);
+    assert_eq!(refused.code, Some(2), "{command}: {refused:?}");
+    assert!(words.iter().all(|word| refused.stderr.contains(word)), "{command}: {words:?} in {}", refused.stderr);
+    assert!(start.elapsed().as_secs_f64() < QUICK_S, "{command} took {:?}", start.elapsed());
+}
+
+const DEGREES: f64 = 180.0 / std::f64::consts::PI;
+
+#[test]
+fn a_wrong_log_is_no_trial() {
+    let scratch = scratch();
+    let at = scratch.path();
+    run(at, "ask mine --truth coulomb_viscous --trials 3 --out zero.yaml -q").ok();
+    run(at, "simulate mine/campaign.yaml --trial 0 --compensation zero.yaml --log good.csv -q").ok();
+    let journal = std::fs::read(at.join("mine/journal.log")).unwrap();
+    let angle = |name: &str| name.starts_with("q_") || name.starts_with("dq_");
+    let torque = |name: &str| name.starts_with("tau_J");
+    let first = std::fs::read_to_string(at.join("good.csv")).unwrap();
+    let header: Vec<String> = first.lines().next().unwrap().split(',').map(str::to_owned).collect();
+    let start: Vec<f64> = first.lines().nth(1).unwrap().split(',').map(|cell| cell.parse().unwrap()).collect();
+    let at_start = |name: &str| start[header.iter().position(|column| column == name).unwrap()];
+
+    mutilated(at, "good.csv", "degrees.csv", |name, x| if angle(name) { x * DEGREES } else { x });
+    refused(at, "tell mine degrees.csv", &["degrees.csv: degrees:", "as radians", "pi/180"]);
+    mutilated(at, "good.csv", "ms.csv", |name, x| if name == "time" { x * 1e3 } else { x });
+    refused(at, "tell mine ms.csv", &["milliseconds", "divide column time by 1e3"]);
+    mutilated(at, "good.csv", "ns.csv", |name, x| if name == "time" { x * 1e9 } else { x });
+    refused(at, "tell mine ns.csv", &["nanoseconds"]);
+    mutilated(at, "good.csv", "mnm.csv", |name, x| if torque(name) { x * 1e3 } else { x });
+    refused(at, "tell mine mnm.csv", &["torque_unit", "mNm"]);
+    mutilated(at, "good.csv", "turned.csv", |name, x| if torque(name) { -x } else { x });
+    refused(at, "tell mine turned.csv", &["torque_sign", "all joints", "multiply the torques by -1"]);
+    mutilated(at, "good.csv", "standing.csv", |name, x| match angle(name) {
+        true if name.starts_with("dq") => 0.0,
+        true => at_start(name),
+        false => x,
+    });
+    refused(at, "tell mine standing.csv", &["standing.csv: standstill: no joint moves"]);
+    mutilated(at, "good.csv", "frozen.csv", |name, x| if name == "q_1" { at_start(name) } else { x });
+    refused(at, "tell mine frozen.csv", &["frozen_encoder", "the position of joint 1 keeps one value"]);
+    mutilated(at, "good.csv", "speeds.csv", |name, x| if name.starts_with("dq") { -x } else { x });
+    refused(at, "tell mine speeds.csv", &["velocity_sign"]);
+
+    assert_eq!(std::fs::read(at.join("mine/journal.log")).unwrap(), journal, "a refused log left traces");
+    let told = run(at, "tell mine good.csv --json").ok();
+    assert!(told.stderr.is_empty(), "{told:?}");
+    assert!(told.json()["cost"].as_f64().unwrap() > 1.0);
+}
+
+#[test]
+fn a_wrong_log_is_neither_diagnosed_nor_estimated_and_is_converted_with_a_warning() {
+    let scratch = scratch();
+    let at = scratch.path();
+    run(at, "simulate --compensation oracle --log good.csv -q").ok();
+    mutilated(at, "good.csv", "turned.csv", |name, x| if name == "tau_J_1" { -x } else { x });
+    mutilated(at, "good.csv", "ms.csv", |name, x| if name == "time" { x * 1e3 } else { x });
+    mutilated(at, "good.csv", "speeds.csv", |name, x| if name.starts_with("dq") { 1.05 * x } else { x });
+    for command in ["diagnose", "estimate --residual torque", "estimate --residual ekf"] {
+        refused(at, &format!("{command} turned.csv"), &["the torque of joint 1", "multiply column tau_J_1 by -1"]);
+        refused(at, &format!("{command} ms.csv"), &["milliseconds"]);
+    }
+    // Somebody may know better.
+    let taken = run(at, "estimate --residual torque --anyway turned.csv --json").ok();
+    assert!(taken.stderr.contains("multiply column tau_J_1 by -1"), "{taken:?}");
+    let converted = run(at, "convert ms.csv out.parquet").ok();
+    assert!(converted.stdout.contains("divide column time by 1e3"), "{converted:?}");
+    let warned = run(at, "estimate --residual ekf speeds.csv --json").ok();
+    assert!(warned.stderr.contains("1.05") && warned.stderr.contains("time stamps"), "{warned:?}");
+    let good = run(at, "estimate --residual ekf good.csv").ok();
+    assert!(!good.stdout.contains("warning"), "{good:?}");
+}
+
+/// A log without `dq` says the same as one with it, and says that it had none.
+#[test]
+fn velocities_are_worked_out_where_a_log_has_none() {
+    let scratch = scratch();
+    let at = scratch.path();
+    run(at, "simulate --compensation oracle --log good.csv -q").ok();
+    let text = std::fs::read_to_string(at.join("good.csv")).unwrap();
+    let kept: Vec<usize> = text
+        .lines()
+        .next()
+        .unwrap()
+        .split(',')
+        .enumerate()
+        .filter(|(_, name)| !name.starts_with("dq_"))
+        .map(|(k, _)| k)
+        .collect();
+    let row = |line: &str| {
+        let cells: Vec<&str> = line.split(',').collect();
+        kept.iter().map(|k| cells[*k]).collect::<Vec<_>>().join(",")
+    };
+    std::fs::write(at.join("without.csv"), text.lines().map(row).collect::<Vec<_>>().join("\n") + "\n").unwrap();
+    let converted = run(at, "convert without.csv with.csv").ok();
+    assert!(converted.stdout.contains("no dq_i: worked out from q_i, slopes over 21 rows"), "{converted:?}");
+    let force = |log: &str| run(at, &format!("estimate --residual momentum {log} --json")).ok().json();
+    let [with, without] =
+        ["good.csv", "without.csv"].map(|log| force(log)["estimators"]["momentum"]["rms"][2].as_f64().unwrap());
+    assert!((with / without - 1.0).abs() < 0.1, "{with} {without}");
+}

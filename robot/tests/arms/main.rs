@@ -1,0 +1,4 @@
+//! Arms from URDF and by name.
+
+mod presets;
+mod urdf;
