@@ -28,7 +28,7 @@ pub fn against_ekf<const N: usize>(
     tune: &ValidTune<N>,
     result: &CampaignResult,
 ) -> Result<Option<AgainstEkf>, CampaignError> {
-    let Some(best) = result.best else { return Ok(None) };
+    let Some(best) = result.conclusion.best else { return Ok(None) };
     if tune.config.residual == EstimatorName::Ekf {
         return Ok(None);
     }

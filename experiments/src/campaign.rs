@@ -12,7 +12,7 @@ use crate::chooser::Chooser;
 use crate::files::{FileError, TunedFile, read_text, to_yaml};
 use crate::journal::{Clock, Ended, Journal, JournalTrial, finish, finished_trial, seal};
 use crate::stored_logs::StoredLogs;
-use crate::strategy::{BestTrial, FinishedTrial, LawChange, LawCheck, Past, Proposal, RunningTrial, StrategyError};
+use crate::strategy::{BestTrial, FinishedTrial, LawChange, Past, Proposal, RunningTrial, StrategyError};
 use crate::trial_store::{trial_log_path, write_trial_log};
 use crate::{
     CampaignError, Conclusion, EarlyStop, ParameterSpace, References, TuneConfig, ValidTune, references, run_numbered,
@@ -50,12 +50,10 @@ pub struct CampaignResult {
     pub truth: Option<Vec<f64>>,
     /// All trials, by number.
     pub trials: Vec<FinishedTrial>,
-    /// The best trial that was seen to its end.
-    pub best: Option<BestTrial>,
+    /// The best trial that was seen to its end, and what the logs say of the friction law and of joints that stand.
+    pub conclusion: Conclusion,
     /// Reference costs.
     pub references: References,
-    /// Whether the friction law explains the first trial, where the strategy identifies one.
-    pub law_check: Option<LawCheck>,
     /// The friction law that it went over to, if it did.
     pub law_change: Option<LawChange>,
     /// Why it ended before its last trial, if it did.
@@ -162,11 +160,10 @@ impl<const N: usize> Campaign<N> {
         let trials: Vec<FinishedTrial> = self.trials.into_iter().flatten().collect();
         let conclusion = Conclusion::of(&self.tune, chooser.strategy.as_ref(), &trials, &logs).map_err(fail)?;
         self.journal.conclude(&conclusion)?;
-        let Conclusion { best, law_check, .. } = conclusion;
+        let best = conclusion.best;
         let (config, space) = (self.tune.config.clone(), self.tune.space.clone());
         let (law_change, truth) = (self.journal.study().law_change, self.tune.true_parameters());
-        let result =
-            CampaignResult { config, space, truth, trials, best, references, early_stop, law_check, law_change };
+        let result = CampaignResult { config, space, truth, trials, conclusion, references, early_stop, law_change };
         write_tuned(&self.directory, &self.tune, &result.trials, best.as_ref(), Some(references.uncompensated))?;
         Ok(result)
     }

@@ -3,11 +3,11 @@
 use serde::{Deserialize, Serialize};
 
 use crate::ValidTune;
-use crate::strategy::{BestTrial, FinishedTrial, LawCheck, LogSource, Strategy, StrategyError};
+use crate::strategy::{BestTrial, FinishedTrial, LawCheck, LogSource, Standing, Standings, Strategy, StrategyError};
 
 /// The best trial so far, and whether the friction law explains the robot. What is known of the logs is worked out once, by whoever runs the
 /// campaign, and stands in its journal for all who look at it.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Conclusion {
     /// Trials that had finished.
@@ -16,6 +16,9 @@ pub struct Conclusion {
     pub best: Option<BestTrial>,
     /// What the first log that is long enough says of the friction law; none of a strategy that identifies no law.
     pub law_check: Option<LawCheck>,
+    /// Joints that stood still in the last logs.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub standing: Vec<Standing>,
 }
 
 impl Conclusion {
@@ -34,7 +37,15 @@ impl Conclusion {
             trials: finished.len(),
             best: BestTrial::of(tune, strategy, finished, logs)?,
             law_check: strategy.law_check(next, logs)?,
+            standing: strategy.standing(next, logs)?,
         })
+    }
+
+    /// What there is to say of the arm beside the best trial: joints that stand, and a friction law that does not explain it.
+    pub fn remarks(&self) -> Vec<String> {
+        let standing = (!self.standing.is_empty()).then(|| Standings(&self.standing).to_string());
+        let law = self.law_check.filter(|check| !check.passed()).map(|check| check.to_string());
+        standing.into_iter().chain(law).collect()
     }
 
     /// The best trial, if this is about the trials that have finished by now; else the cheapest of these.

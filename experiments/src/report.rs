@@ -25,7 +25,7 @@ impl CampaignResult {
                 })
             })
             .collect();
-        let params = self.best.map(|best| space.nested(&self.trials[best.trial].theta));
+        let params = self.conclusion.best.map(|best| space.nested(&self.trials[best.trial].theta));
         json!({
             "schema": "tribo.campaign/1",
             "tribo_version": self.config.tribo_version,
@@ -37,7 +37,7 @@ impl CampaignResult {
             "cost_measure": self.config.cost,
             "velocity": self.config.velocity,
             "trials": trials,
-            "best": self.best,
+            "best": self.conclusion.best,
             "uncompensated_cost": self.references.uncompensated,
             "oracle_cost": self.references.oracle,
             "frictionless_cost": self.references.frictionless,
@@ -47,10 +47,11 @@ impl CampaignResult {
                 "cost_of_ekf_campaign": judged.cost_of_ekf_campaign,
                 "excess": judged.excess(),
             })),
-            "law_check": self.law_check.map(|check| json!({
+            "law_check": self.conclusion.law_check.map(|check| json!({
                 "unexplained": check.unexplained,
                 "passed": check.passed(),
             })),
+            "standing": self.conclusion.standing,
             "law_change": self.law_change,
             "true_params": self.truth.as_ref().map(|theta| space.nested(theta)),
             "early_stop": self.early_stop,

@@ -22,13 +22,13 @@ use std::path::Path;
 
 use serde::de::DeserializeOwned;
 use tribo_experiments::files::{AnyModel, YamlDocument};
-use tribo_experiments::strategy::{BestTrial, LawCheck};
-use tribo_experiments::{AnyTune, ConfigError, NotCancelled, TuneConfig};
+use tribo_experiments::strategy::BestTrial;
+use tribo_experiments::{AnyTune, Conclusion, ConfigError, NotCancelled, TuneConfig};
 use tribo_logs::{LogError, LogSummary, RobotLog, read_log_watched};
 
 use crate::arguments::{CampaignSettings, Common, Scenario};
 use crate::failure::{BadInput, Stopped};
-use crate::output::significant;
+use crate::output::{print, significant};
 use crate::progress::StageProgress;
 
 /// Where campaigns go when nobody says where.
@@ -125,9 +125,14 @@ fn expected(best: &BestTrial) -> String {
     best.sd.map_or(cost.clone(), |sd| format!("{cost} ± {}", significant(sd, 2)))
 }
 
-/// What is said where the friction law does not explain the robot.
-fn law_sentence(check: Option<LawCheck>) -> Option<String> {
-    check.filter(|check| !check.passed()).map(|check| check.to_string())
+/// Says that joints stand, and that the friction law does not explain the robot, with the way to find out what else is at work.
+fn show_remarks(conclusion: &Conclusion, find_out: &str) {
+    for remark in conclusion.remarks() {
+        print(format_args!("\n{remark}"));
+    }
+    if conclusion.law_check.is_some_and(|check| !check.passed()) {
+        print(find_out);
+    }
 }
 
 /// Says what a believed model holds that its controller cannot act on.

@@ -10,7 +10,7 @@ use tribo_logs::recognise::{Fault, Use, recognise};
 use tribo_logs::{RobotLog, read_log};
 
 use super::believe::{Refused, believe};
-use super::{expected, law_sentence, learnt, now};
+use super::{expected, learnt, now, show_remarks};
 use crate::arguments::{Common, Tell};
 use crate::failure::BadInput;
 use crate::output::{print, print_json, significant, table};
@@ -151,8 +151,9 @@ fn document<const N: usize>(
         "aborted_at_s": told.aborted_at_s,
         "faults": judged.map(|judged| judged.faults),
         "logged_compensation": judged.map(|judged| judged.logged_compensation),
-        "best": told.best,
-        "law_check": told.law_check.map(|check| json!({"unexplained": check.unexplained, "passed": check.passed()})),
+        "best": told.conclusion.best,
+        "law_check": told.conclusion.law_check.map(|check| json!({"unexplained": check.unexplained, "passed": check.passed()})),
+        "standing": told.conclusion.standing,
         "early_stop": told.early_stop,
         "finished": told.finished,
         "trials": campaign.tune().config.trials,
@@ -176,7 +177,7 @@ fn show<const N: usize>(campaign: &UserCampaign<N>, told: &Told, judged: Option<
             message!("tribo: no tau_friction in the log; what the compensator added is worked out from dq");
         }
     }
-    let best = best_so_far(told.best);
+    let best = best_so_far(told.conclusion.best);
     let (number, total) = (told.trial.number, campaign.tune().config.trials);
     let failed = match told.trial.aborted {
         None => "",
@@ -189,11 +190,8 @@ fn show<const N: usize>(campaign: &UserCampaign<N>, told: &Told, judged: Option<
 /// How to go on after the last trial.
 fn what_next<const N: usize>(campaign: &UserCampaign<N>, told: &Told, arguments: &Tell) {
     let (directory, total) = (arguments.campaign.display(), campaign.tune().config.trials);
-    if let Some(sentence) = law_sentence(told.law_check) {
-        print(format_args!(
-            "\n{sentence}\nfind out what: tribo diagnose LOG, with a log of a motion that takes every joint both ways"
-        ));
-    }
+    let find_out = "find out what: tribo diagnose LOG, with a log of a motion that takes every joint both ways";
+    show_remarks(&told.conclusion, find_out);
     if let Some(stop) = &told.early_stop {
         print(format_args!("nothing left to gain: {stop}"));
     }

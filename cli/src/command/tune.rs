@@ -12,7 +12,7 @@ use tribo_experiments::{
     TuneConfig, against_ekf,
 };
 
-use super::{CAMPAIGNS, configured, expected, law_sentence, now, warn_not_cancelled};
+use super::{CAMPAIGNS, configured, expected, now, show_remarks, warn_not_cancelled};
 use crate::arguments::{CampaignSettings, Common, Tune};
 use crate::failure::{BadInput, CheckFailed, Stopped};
 use crate::output::{print, print_json, significant, table};
@@ -205,7 +205,7 @@ fn show_parameters(space: &ParameterSpace, theta: &[f64], truth: Option<&[f64]>)
 }
 
 fn check(result: &CampaignResult, limit: f64) -> anyhow::Result<()> {
-    let ratio = result.best.map_or(f64::INFINITY, |best| best.cost / result.references.oracle);
+    let ratio = result.conclusion.best.map_or(f64::INFINITY, |best| best.cost / result.references.oracle);
     if ratio <= limit {
         return Ok(());
     }
@@ -219,7 +219,7 @@ fn show(result: &CampaignResult, judged: Option<&AgainstEkf>, directory: &Path, 
         CostName::Robust => "99 % F+M/ℓ",
     };
     let mut trials = table(&["trial", &unit, "J/J_oracle", peak, "mean", "penalty", "chosen by", "state"]);
-    let best = result.best.map(|best| best.trial);
+    let best = result.conclusion.best.map(|best| best.trial);
     for trial in &result.trials {
         let cost = trial.cost.total();
         let mark = if Some(trial.number) == best { " *" } else { "" };
@@ -239,7 +239,7 @@ fn show(result: &CampaignResult, judged: Option<&AgainstEkf>, directory: &Path, 
     let references = &result.references;
     let mut summary = table(&["", &unit]);
     summary.add_row(["uncompensated".to_owned(), significant(references.uncompensated, 4)]);
-    if let Some(best) = result.best {
+    if let Some(best) = result.conclusion.best {
         summary.add_row([format!("tuned (trial {}), expected of another trial", best.trial), expected(&best)]);
     }
     summary.add_row(["oracle (true friction)".to_owned(), significant(references.oracle, 4)]);
@@ -248,13 +248,12 @@ fn show(result: &CampaignResult, judged: Option<&AgainstEkf>, directory: &Path, 
     if let Some(best) = best {
         show_parameters(&result.space, &result.trials[best].theta, result.truth.as_deref());
     }
-    if let Some(sentence) = law_sentence(result.law_check) {
-        print(format_args!(
-            "\n{sentence}\nfind out what: tribo simulate {} --trial 0 --log free_motion.csv   (yours comes from your robot)\n\
-             \x20              tribo diagnose free_motion.csv   (several causes may fit so small a motion: it names the one that tells)",
-            directory.join("campaign.yaml").display(),
-        ));
-    }
+    let find_out = format!(
+        "find out what: tribo simulate {} --trial 0 --log free_motion.csv   (yours comes from your robot)\n\
+         \x20              tribo diagnose free_motion.csv   (several causes may fit so small a motion: it names the one that tells)",
+        directory.join("campaign.yaml").display(),
+    );
+    show_remarks(&result.conclusion, &find_out);
     if let Some(judged) = judged {
         let name = result.config.residual.as_str();
         let verb = if judged.excess() > 0.0 { "costs" } else { "gains" };
@@ -271,7 +270,7 @@ fn show(result: &CampaignResult, judged: Option<&AgainstEkf>, directory: &Path, 
         directory.join("tuned.yaml").display(),
         report.display()
     ));
-    if let Some(BestTrial { cost, .. }) = result.best {
+    if let Some(BestTrial { cost, .. }) = result.conclusion.best {
         print(format_args!(
             "next: tribo export {} --format c   (or rust, ros2, crisp, urdf, mjcf, yaml, json; J {:.1} -> {:.1})",
             directory.display(),

@@ -15,7 +15,7 @@ use crate::files::{FileError, TunedFile};
 use crate::journal::{Clock, Ended, Journal, JournalTrial, TrialState, finish, finished_trial, seal, theta};
 use crate::stored_logs::StoredLogs;
 use crate::strategy::{
-    BestTrial, FinishedTrial, LawChange, LawCheck, LogSource, Origin, Past, Proposal, RunningTrial, StrategyError,
+    BestTrial, FinishedTrial, LawChange, LogSource, Origin, Past, Proposal, RunningTrial, StrategyError,
 };
 use crate::watch::refresh_report;
 use crate::{
@@ -43,10 +43,8 @@ pub struct Told {
     pub trial: FinishedTrial,
     /// Time of its failure since the start of the judged part (s), where it is known.
     pub aborted_at_s: Option<f64>,
-    /// The best trial so far.
-    pub best: Option<BestTrial>,
-    /// What the first log that is long enough says of the friction law.
-    pub law_check: Option<LawCheck>,
+    /// The best trial so far, and what the logs say of the friction law and of joints that stand.
+    pub conclusion: Conclusion,
     /// Trials told so far, failed ones included.
     pub finished: usize,
     /// Why another trial is not worth its time, if it is not.
@@ -127,11 +125,11 @@ impl<const N: usize> UserCampaign<N> {
 
     /// What the trials amount to, as the journal has it, or worked out where trials have come or gone since.
     fn conclude(&mut self, finished: &[FinishedTrial]) -> Result<Conclusion, CampaignError> {
-        if let Some(known) = self.journal.study().conclusion.filter(|known| known.trials == finished.len()) {
-            return Ok(known);
+        if let Some(known) = self.journal.study().conclusion.as_ref().filter(|known| known.trials == finished.len()) {
+            return Ok(known.clone());
         }
         if finished.is_empty() {
-            return Ok(Conclusion { trials: 0, best: None, law_check: None });
+            return Ok(Conclusion { trials: 0, best: None, law_check: None, standing: Vec::new() });
         }
         let strategy = self.chooser()?.strategy.as_ref();
         let conclusion = Conclusion::of(&self.tune, strategy, finished, &self.logs());
@@ -387,11 +385,11 @@ impl<const N: usize> UserCampaign<N> {
         self.set(number, Entry::Finished(trial.clone()));
         self.refresh()?;
         let finished: Vec<FinishedTrial> = self.finished().cloned().collect();
-        let Conclusion { best, law_check, .. } = self.conclude(&finished)?;
+        let conclusion = self.conclude(&finished)?;
         let (aborted_at_s, early_stop) = (ended.aborted_at_s, self.early_stop()?);
         EarlyStop::leave(early_stop.as_ref(), &self.directory)?;
         refresh_report(&self.directory)?;
-        Ok(Told { trial, aborted_at_s, best, law_check, finished: finished.len(), early_stop })
+        Ok(Told { trial, aborted_at_s, conclusion, finished: finished.len(), early_stop })
     }
 
     /// The best trial so far.

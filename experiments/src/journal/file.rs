@@ -106,7 +106,7 @@ impl Journal {
     pub(crate) fn conclude(&mut self, conclusion: &Conclusion) -> Result<(), FileError> {
         if self.study.conclusion.as_ref() != Some(conclusion) {
             self.append(&[study_attribute(StudyRecord::CONCLUSION, &json!(conclusion))])?;
-            self.study.conclusion = Some(*conclusion);
+            self.study.conclusion = Some(conclusion.clone());
         }
         Ok(())
     }

@@ -11,7 +11,7 @@ use super::completion::Completion;
 use super::identification::{Identification, basis_column};
 use super::replay::Replay;
 use super::{
-    BestTrial, FinishedTrial, LawChange, LawCheck, LogSource, Origin, Past, Proposal, RunningTrial, Strategy,
+    BestTrial, FinishedTrial, LawChange, LawCheck, LogSource, Origin, Past, Proposal, RunningTrial, Standing, Strategy,
     StrategyError,
 };
 use crate::{AbortReason, CostMeasure, ParameterSpace, ValidTune};
@@ -97,7 +97,7 @@ impl<const N: usize> GreyBox<N> {
             if law_holds {
                 sd
             } else {
-                sd.max(WIDE[0] * centre[k].abs() + WIDE[1] * self.identification.prior_sd(column))
+                sd.max(WIDE[0] * centre[k].abs() + WIDE[1] * self.identification.prior_sd(k / per_joint, column))
             }
         };
         self.space.entries().iter().enumerate().map(scale).collect()
@@ -163,12 +163,32 @@ impl<const N: usize> GreyBox<N> {
         Ok(())
     }
 
-    /// The last trials with compensation that were seen to their end and cost little more than the cheapest of them.
-    fn deciding<'a>(&self, finished: &'a [FinishedTrial]) -> Vec<&'a FinishedTrial> {
+    /// The trials with compensation that were seen to their end and cost little more than the cheapest of them.
+    fn near_the_best<'a>(&self, finished: &'a [FinishedTrial]) -> Vec<&'a FinishedTrial> {
         let zero = self.space.zero();
         let compensated = || finished.iter().filter(|trial| trial.aborted.is_none() && trial.theta != zero);
         let least = compensated().map(|trial| trial.cost.total()).fold(f64::INFINITY, f64::min);
-        compensated().rev().filter(|trial| trial.cost.total() <= NEAR * least).take(DECIDING).collect()
+        compensated().filter(|trial| trial.cost.total() <= NEAR * least).collect()
+    }
+
+    /// The last of these, whose logs tell what other parameters cost.
+    fn deciding<'a>(&self, finished: &'a [FinishedTrial]) -> Vec<&'a FinishedTrial> {
+        self.near_the_best(finished).into_iter().rev().take(DECIDING).collect()
+    }
+
+    /// Least squares, moved back towards the last compensator that held: half way after one trial in a row that was stopped for what its
+    /// own compensator did, a quarter of the way after two, and so on.
+    fn backed_off(&self, mut theta: Vec<f64>, finished: &[FinishedTrial]) -> Vec<f64> {
+        let failed = |trial: &&FinishedTrial| trial.aborted.is_some_and(|why| why != AbortReason::Stopped);
+        let in_a_row = finished.iter().rev().take_while(failed).count();
+        let held = finished.iter().rev().find(|trial| trial.aborted.is_none());
+        if let Some(held) = held.filter(|_| in_a_row > 0) {
+            let part = 0.5_f64.powi(in_a_row.min(30) as i32);
+            for (theta, held) in theta.iter_mut().zip(&held.theta) {
+                *theta = held + part * (*theta - held);
+            }
+        }
+        theta
     }
 
     /// `θ + S δ`, inside the domain.
@@ -192,6 +212,10 @@ impl<const N: usize> Strategy<N> for GreyBox<N> {
 
     fn law_check(&self, number: usize, logs: &dyn LogSource<N>) -> Result<Option<LawCheck>, StrategyError> {
         self.identification.law_check(number, logs)
+    }
+
+    fn standing(&self, number: usize, logs: &dyn LogSource<N>) -> Result<Vec<Standing>, StrategyError> {
+        self.identification.standing(number, logs)
     }
 
     fn better_law(&self, past: Past<'_>, logs: &dyn LogSource<N>) -> Result<Option<LawChange>, StrategyError> {
@@ -221,13 +245,14 @@ impl<const N: usize> Strategy<N> for GreyBox<N> {
     }
 
     fn best(&self, past: Past<'_>, logs: &dyn LogSource<N>) -> Result<Option<BestTrial>, StrategyError> {
-        let complete: Vec<&FinishedTrial> = past.finished.iter().filter(|trial| trial.aborted.is_none()).collect();
+        // A trial that cost much more is not the best, whatever the others' logs say of its parameters.
+        let complete = self.near_the_best(past.finished);
         let frictions: Vec<FrictionModel<N>> = complete.iter().map(|trial| self.space.friction(&trial.theta)).collect();
         let costs = self.replayed(&frictions, past.finished, logs)?;
-        let expected = complete.iter().zip(&costs).filter(|(_, costs)| !costs.is_empty());
+        let expected = complete.iter().zip(&costs).rev().filter(|(_, costs)| !costs.is_empty());
         let expected = expected.map(|(trial, costs)| (trial, mean(costs), costs));
         // Of equals the last, which knows most.
-        let best = expected.rev().min_by(|a, b| a.1.total_cmp(&b.1));
+        let best = expected.min_by(|a, b| a.1.total_cmp(&b.1));
         Ok(best.map(|(trial, cost, costs)| BestTrial {
             trial: trial.number,
             cost,
@@ -265,7 +290,7 @@ impl<const N: usize> Strategy<N> for GreyBox<N> {
         };
         let known = self.identification.known_before(number);
         let law_holds = self.identification.law_check(known, logs)?.is_none_or(|check| check.passed());
-        let theta = self.space.theta(&fit.friction);
+        let theta = self.backed_off(self.space.theta(&fit.friction), past.finished);
         // A fit that was never seen to its end is not tried yet.
         let settled = match self.expected_gain(past, logs)? {
             Some(at) => at.gain < at.repeatability,

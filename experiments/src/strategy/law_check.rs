@@ -31,7 +31,7 @@ impl LawCheck {
     ///
     /// # Errors
     /// Samples that the fit could not use either.
-    pub fn of<const N: usize>(samples: &[GlsSample<N>], settings: &GlsSettings) -> Result<Self, GlsError> {
+    pub fn of<const N: usize>(samples: &[GlsSample<N>], settings: &GlsSettings<N>) -> Result<Self, GlsError> {
         Ok(Self { unexplained: unexplained_on_held_out(samples, settings)? })
     }
 

@@ -11,6 +11,7 @@ mod iterative_learning;
 mod law_change;
 mod law_check;
 mod replay;
+mod standing;
 
 use std::fmt;
 use std::sync::Arc;
@@ -27,6 +28,7 @@ pub(crate) use identification::basis_column;
 pub use identification::{Identification, identification_samples};
 pub use law_change::LawChange;
 pub use law_check::LawCheck;
+pub use standing::{Standing, Standings};
 
 use crate::files::FileError;
 use crate::{AbortReason, Cost, EstimatorError, TrialLog, ValidTune};
@@ -183,6 +185,12 @@ pub trait Strategy<const N: usize>: Send + Sync {
     fn law_check(&self, number: usize, logs: &dyn LogSource<N>) -> Result<Option<LawCheck>, StrategyError> {
         let _ = (number, logs);
         Ok(None)
+    }
+
+    /// Joints that stood still in the last logs before trial `number`; none of a strategy that identifies no law.
+    fn standing(&self, number: usize, logs: &dyn LogSource<N>) -> Result<Vec<Standing>, StrategyError> {
+        let _ = (number, logs);
+        Ok(Vec::new())
     }
 
     /// Another friction law, if the last logs speak for it; none of a strategy that identifies no law.

@@ -129,8 +129,7 @@ impl CampaignSnapshot {
     pub fn remarks(&self) -> Vec<String> {
         let mut remarks = Vec::new();
         remarks.extend(self.law_change.map(|change| change.to_string()));
-        let check = self.conclusion.and_then(|conclusion| conclusion.law_check);
-        remarks.extend(check.filter(|check| !check.passed()).map(|check| check.to_string()));
+        remarks.extend(self.conclusion.iter().flat_map(Conclusion::remarks));
         if let Some(best) = self.best() {
             remarks.extend(self.tune.space().at_bounds(&best.trial.theta));
         }

@@ -101,7 +101,7 @@ impl CampaignWatch {
         let (directory, tune, references) = (self.directory.clone(), Arc::clone(&self.tune), self.references);
         let early_stop =
             self.early_stop.filter(|stop| tune.config().stop_rule().is_some() && stop.trials == trials.len());
-        let (conclusion, law_change) = (self.tail.study().conclusion, self.tail.study().law_change);
+        let (conclusion, law_change) = (self.tail.study().conclusion.clone(), self.tail.study().law_change);
         Ok(Some(CampaignSnapshot {
             directory,
             tune,

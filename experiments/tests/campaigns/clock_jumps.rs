@@ -35,7 +35,7 @@ fn results_do_not_depend_on_the_clock() {
         .run(&mut ())
         .unwrap();
     assert_eq!(resumed.trials, whole.trials);
-    assert_eq!(resumed.best, whole.best);
+    assert_eq!(resumed.conclusion.best, whole.conclusion.best);
     for name in ["tuned.yaml", "references.yaml", "trials/0002.parquet"] {
         assert!(std::fs::read(one.join(name)).unwrap() == std::fs::read(other.join(name)).unwrap(), "{name}");
     }

@@ -31,7 +31,7 @@ fn a_snapshot_is_the_campaign() {
     assert_eq!(trials, result.trials);
     assert_eq!(snapshot.references, Some(result.references));
     assert_eq!(snapshot.references, Some(watch.tune().references().unwrap()));
-    assert_eq!(snapshot.best().map(|best| best.trial.number), result.best.map(|best| best.trial));
+    assert_eq!(snapshot.best().map(|best| best.trial.number), result.conclusion.best.map(|best| best.trial));
     assert!(snapshot.is_complete() && !snapshot.torn && snapshot.running.is_empty());
 }
 

@@ -19,9 +19,9 @@ pub struct GlsSample<const N: usize> {
     pub tau_compensation: SVector<f64, N>,
 }
 
-/// What the fit assumes of noise, stiction and prior. Defaults are those found to work in closed loop.
+/// What the fit assumes of noise, and of stiction and prior of each of N joints. Defaults are those found to work in closed loop.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct GlsSettings {
+pub struct GlsSettings<const N: usize> {
     /// Columns per joint.
     pub basis: Basis,
     /// Standard deviation of an estimated force (N).
@@ -31,34 +31,34 @@ pub struct GlsSettings {
     /// Below this speed a joint counts as stuck [rad/s].
     pub stuck_rad_s: f64,
     /// Coulomb friction a stuck joint may hide (Nm); its torque is uniform within ± this.
-    pub stuck_coulomb_nm: f64,
+    pub stuck_coulomb_nm: [f64; N],
     /// Number of samples that carry the information of one, because neighbours are correlated.
     pub correlated_samples: f64,
-    /// Prior standard deviation of the coefficients about zero, in the order of [`Basis`]: Fv, Fc, dF.
-    pub prior_sd: [f64; 3],
-    /// Lower bounds of the coefficients, in the order of [`Basis`].
-    pub lower: [f64; 3],
-    /// Upper bounds of the coefficients, in the order of [`Basis`].
-    pub upper: [f64; 3],
+    /// Prior standard deviation of the coefficients of each joint about zero, in the order of [`Basis`]: Fv, Fc, dF.
+    pub prior_sd: [[f64; 3]; N],
+    /// Lower bounds of the coefficients of each joint, in the order of [`Basis`].
+    pub lower: [[f64; 3]; N],
+    /// Upper bounds of the coefficients of each joint, in the order of [`Basis`].
+    pub upper: [[f64; 3]; N],
     /// Prior standard deviation of a constant torque offset per joint (Nm); none leaves offsets out.
     pub offset_sd_nm: Option<f64>,
     /// Prior standard deviation of an unmodelled mass at the flange (kg); none leaves it out.
     pub payload_sd_kg: Option<f64>,
 }
 
-impl GlsSettings {
-    /// Standard settings for a basis; bounds [0, 5] Nm s/rad, [0, 5] Nm, [0, 1.5] Nm.
+impl<const N: usize> GlsSettings<N> {
+    /// Standard settings for a basis, of joints as large as a Panda's; bounds [0, 5] Nm s/rad, [0, 5] Nm, [0, 1.5] Nm.
     pub fn new(basis: Basis) -> Self {
         Self {
             basis,
             force_sd_n: 0.1,
             moment_sd_nm: 0.02,
             stuck_rad_s: 0.004,
-            stuck_coulomb_nm: 0.6,
+            stuck_coulomb_nm: [0.6; N],
             correlated_samples: 50.0,
-            prior_sd: [1.0, 0.7, 0.5],
-            lower: [0.0; 3],
-            upper: [5.0, 5.0, 1.5],
+            prior_sd: [[1.0, 0.7, 0.5]; N],
+            lower: [[0.0; 3]; N],
+            upper: [[5.0, 5.0, 1.5]; N],
             offset_sd_nm: None,
             payload_sd_kg: None,
         }
@@ -138,10 +138,10 @@ pub enum GlsError {
 /// box-constrained solve. This replaces naive least squares, which at low speed is wrong by 20–30 % in the cost.
 pub fn fit_from_wrench<const N: usize>(
     logs: &[&[GlsSample<N>]],
-    settings: &GlsSettings,
+    settings: &GlsSettings<N>,
 ) -> Result<GlsFit<N>, GlsError> {
     let columns = settings.basis.columns();
-    let layout = Layout::new::<N>(settings);
+    let layout = Layout::new(settings);
     let (need, got) = (10 * layout.total, logs.iter().map(|log| log.len()).sum());
     if got < need {
         return Err(GlsError::TooFewSamples { need, got });
@@ -149,7 +149,7 @@ pub fn fit_from_wrench<const N: usize>(
 
     let samples = || logs.iter().copied().flatten();
     let equations = NormalEquations::of(samples(), 0, settings, &layout)?;
-    let Solution { theta, covariance } = equations.solve(settings, &layout);
+    let Solution { theta, covariance } = equations.solve(settings.correlated_samples, &layout);
 
     let mut coefficients = [[0.0; 3]; N];
     let mut sd = [[0.0; 3]; N];
@@ -203,12 +203,12 @@ pub(super) struct Layout {
 }
 
 impl Layout {
-    pub fn new<const N: usize>(settings: &GlsSettings) -> Self {
+    pub fn new<const N: usize>(settings: &GlsSettings<N>) -> Self {
         let columns = settings.basis.columns();
         let mut layout = Self { total: 0, offset: None, payload: None, prior_sd: vec![], lower: vec![], upper: vec![] };
-        for _ in 0..N {
+        for j in 0..N {
             for c in 0..columns {
-                layout.push(settings.prior_sd[c], settings.lower[c], settings.upper[c]);
+                layout.push(settings.prior_sd[j][c], settings.lower[j][c], settings.upper[j][c]);
             }
         }
         if let Some(sd) = settings.offset_sd_nm {
@@ -236,7 +236,7 @@ impl Layout {
 pub(super) fn fill_rows<const N: usize>(
     rows: &mut DMatrix<f64>,
     sample: &GlsSample<N>,
-    settings: &GlsSettings,
+    settings: &GlsSettings<N>,
     layout: &Layout,
 ) {
     /// Standard gravity used for the mass nuisance [m/s²].
@@ -266,13 +266,13 @@ pub(super) fn fill_rows<const N: usize>(
 }
 
 /// `diag(moment², force²) + Σ_stuck W_j W_jᵀ Fc0²/3`.
-pub(super) fn error_covariance<const N: usize>(sample: &GlsSample<N>, settings: &GlsSettings) -> Matrix6<f64> {
+pub(super) fn error_covariance<const N: usize>(sample: &GlsSample<N>, settings: &GlsSettings<N>) -> Matrix6<f64> {
     let (m, f) = (settings.moment_sd_nm.powi(2), settings.force_sd_n.powi(2));
     let mut covariance = Matrix6::from_diagonal(&Vector6::new(m, m, m, f, f, f));
     for j in 0..N {
         if sample.qd[j].abs() < settings.stuck_rad_s {
             let w = sample.wrench_from_torque.column(j);
-            covariance += w * w.transpose() * (settings.stuck_coulomb_nm.powi(2) / 3.0);
+            covariance += w * w.transpose() * (settings.stuck_coulomb_nm[j].powi(2) / 3.0);
         }
     }
     covariance
@@ -300,7 +300,7 @@ mod tests {
     fn recovers_the_parameters_it_was_given() {
         let truth = |j: usize, qd: f64| (0.5 + 0.1 * j as f64) * qd + (0.3 + 0.05 * j as f64) * qd.signum();
         let mut settings = GlsSettings::new(Basis::CoulombViscous);
-        settings.prior_sd = [100.0; 3];
+        settings.prior_sd = [[100.0; 3]; 7];
         for compensation in [0.0, 0.7] {
             let fit = fit_from_wrench(&[&samples(3000, truth, compensation)], &settings).unwrap();
             for j in 0..7 {

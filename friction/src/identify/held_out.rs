@@ -20,9 +20,9 @@ const BLOCKS: usize = 10;
 /// Those of [`super::fit_from_wrench`]; of a block's complement, too.
 pub fn unexplained_on_held_out<const N: usize>(
     samples: &[GlsSample<N>],
-    settings: &GlsSettings,
+    settings: &GlsSettings<N>,
 ) -> Result<f64, GlsError> {
-    let layout = Layout::new::<N>(settings);
+    let layout = Layout::new(settings);
     let need = 10 * layout.total * BLOCKS / (BLOCKS - 1) + BLOCKS;
     if samples.len() < need {
         return Err(GlsError::TooFewSamples { need, got: samples.len() });
@@ -41,7 +41,7 @@ pub fn unexplained_on_held_out<const N: usize>(
     for block in &blocks {
         let mut others = total.clone();
         others.add(block, -1.0);
-        left += block.square_left(&others.solve(settings, &layout).theta);
+        left += block.square_left(&others.solve(settings.correlated_samples, &layout).theta);
     }
     Ok(if total.square > 0.0 { left / total.square } else { 1.0 })
 }
@@ -68,7 +68,7 @@ mod tests {
     #[test]
     fn the_right_law_leaves_nothing_and_another_cause_stays() {
         let mut settings = GlsSettings::new(Basis::CoulombViscous);
-        settings.prior_sd = [100.0; 3];
+        settings.prior_sd = [[100.0; 3]; 7];
         let friction = |_: f64, j: usize, qd: f64| (0.5 + 0.1 * j as f64) * qd + 0.4 * qd.signum();
         let right = unexplained_on_held_out(&samples(friction), &settings).unwrap();
         assert!(right < 1e-3, "{right}");

@@ -31,7 +31,7 @@ impl NormalEquations {
     pub fn of<'a, const N: usize>(
         block: impl IntoIterator<Item = &'a GlsSample<N>>,
         first: usize,
-        settings: &GlsSettings,
+        settings: &GlsSettings<N>,
         layout: &Layout,
     ) -> Result<Self, GlsError> {
         let mut sum = Self::zero(layout.total);
@@ -73,9 +73,9 @@ impl NormalEquations {
     }
 
     /// The coefficients within their bounds, with prior; neighbours count as the few samples they are worth.
-    pub fn solve(&self, settings: &GlsSettings, layout: &Layout) -> Solution {
-        let mut information = &self.information / settings.correlated_samples;
-        let score = &self.score / settings.correlated_samples;
+    pub fn solve(&self, correlated_samples: f64, layout: &Layout) -> Solution {
+        let mut information = &self.information / correlated_samples;
+        let score = &self.score / correlated_samples;
         for (k, sd) in layout.prior_sd.iter().enumerate() {
             information[(k, k)] += 1.0 / (sd * sd);
         }
