@@ -28,6 +28,10 @@ const REPEATABILITY: f64 = 0.025;
 const TRIALS_WORTH: f64 = 2.0;
 /// Trials near the best without which nobody knows whether another one gains: J has come down and stays there.
 const FEWEST: usize = 2;
+/// Trials for which one that was stopped makes the next ones more careful.
+const CAREFUL_FOR: usize = 6;
+/// Trials in a row that were stopped, after which the next one promises nothing.
+const HOPELESS: usize = 3;
 /// Part of the largest possible change of J by the next fit that counts as its gain.
 const SETTLING: f64 = 0.5;
 /// Part of the repeatability by which another law must lower J. Both laws are judged on the same noise: where the law is right the other one
@@ -59,7 +63,8 @@ const WIDE: [f64; 2] = [0.5, 0.2];
 /// where it does not, S grows to half of each parameter. Where the Stribeck law promises to lower J by about 1 % or more, the campaign
 /// goes over to it ([`LawChange`]), unless it was told to keep its law.
 ///
-/// A trial that somebody stopped delays the end of least squares by one. Where trials run elsewhere, several at once, least squares takes the last logs that have come back, and a trial that would
+/// A trial that was stopped for what its compensator did is followed by smaller steps. One that somebody stopped delays the end of least
+/// squares by one. Where trials run elsewhere, several at once, least squares takes the last logs that have come back, and a trial that would
 /// repeat one still running gets a correction instead. Before the first log there is nothing but to try without
 /// compensation again.
 pub struct GreyBox<const N: usize> {
@@ -157,7 +162,7 @@ impl<const N: usize> GreyBox<N> {
         for trial in self.deciding(finished) {
             if let Some(samples) = self.identification.samples(trial.number, logs)? {
                 let own = self.space.friction(&trial.theta);
-                look(trial, &samples.replay(own, self.measure, self.identification.stuck_rad_s()));
+                look(trial, &samples.replay(own, self.measure));
             }
         }
         Ok(())
@@ -176,14 +181,13 @@ impl<const N: usize> GreyBox<N> {
         self.near_the_best(finished).into_iter().rev().take(DECIDING).collect()
     }
 
-    /// Least squares, moved back towards the last compensator that held: half way after one trial in a row that was stopped for what its
-    /// own compensator did, a quarter of the way after two, and so on.
+    /// Least squares, moved back towards the last compensator that held: half of the way for each of the last few trials that was stopped
+    /// for what its compensator did.
     fn backed_off(&self, mut theta: Vec<f64>, finished: &[FinishedTrial]) -> Vec<f64> {
-        let failed = |trial: &&FinishedTrial| trial.aborted.is_some_and(|why| why != AbortReason::Stopped);
-        let in_a_row = finished.iter().rev().take_while(failed).count();
+        let failures = finished.iter().rev().take(CAREFUL_FOR).filter(failed).count();
         let held = finished.iter().rev().find(|trial| trial.aborted.is_none());
-        if let Some(held) = held.filter(|_| in_a_row > 0) {
-            let part = 0.5_f64.powi(in_a_row.min(30) as i32);
+        if let Some(held) = held.filter(|_| failures > 0) {
+            let part = 0.5_f64.powi(failures as i32);
             for (theta, held) in theta.iter_mut().zip(&held.theta) {
                 *theta = held + part * (*theta - held);
             }
@@ -269,7 +273,7 @@ impl<const N: usize> Strategy<N> for GreyBox<N> {
         let (Some(best), Some(fit)) = (self.best(past, logs)?, self.identification.before(next, logs)?) else {
             return Ok(None);
         };
-        let mut theta = self.space.theta(&fit.friction);
+        let mut theta = self.backed_off(self.space.theta(&fit.friction), past.finished);
         if let Some(allowed) = past.allowed {
             allowed.hold_back(&mut theta);
         }
@@ -278,7 +282,9 @@ impl<const N: usize> Strategy<N> for GreyBox<N> {
         let costs = self.replayed(&frictions, past.finished, logs)?;
         // Fits that still move have not settled, even where the replay of an estimator that bends the wrench sees no gain in it.
         let unsettled = SETTLING * self.largest_change(&frictions, past.finished, logs)?;
-        let gain = (mean(&costs[0]) - mean(&costs[1])).max(unsettled);
+        let promised = (mean(&costs[0]) - mean(&costs[1])).max(unsettled);
+        // Where one trial after the other is stopped, ever smaller steps gain nothing that is worth them.
+        let gain = if past.finished.iter().rev().take_while(failed).count() >= HOPELESS { 0.0 } else { promised };
         Ok(Some(ExpectedGain { gain, repeatability: repeatability(&costs[0]), best: best.cost }))
     }
 
@@ -322,6 +328,11 @@ impl<const N: usize> Strategy<N> for GreyBox<N> {
         let delta = suggest(&settings, &box_of_corrections, &observations(&tried, &running), self.seed)?.point;
         Ok(Proposal { theta: self.corrected(&theta, &scales, &delta), origin: Origin::Model })
     }
+}
+
+/// Whether a trial was stopped for what its compensator did.
+fn failed(trial: &&FinishedTrial) -> bool {
+    trial.aborted.is_some_and(|why| why != AbortReason::Stopped)
 }
 
 /// The trial after those that have finished.

@@ -20,10 +20,6 @@ const WHOLE: f64 = 0.9;
 /// Trials whose samples are remembered: those of the fit, and of the ones beside it where trials run side by side.
 const REMEMBERED: usize = 2 * LOGS;
 
-/// What a joint that stands is compensated by next, over the torque that did not move it: it comes free after a few trials, and by then
-/// hardly anything is compensated that is not there.
-const BEYOND_HELD: f64 = 1.25;
-
 /// Generalised least squares on the last two logs of a campaign ([`fit_from_wrench`]), for all that ask: the strategy, and the
 /// guard's limit.
 pub struct Identification<const N: usize> {
@@ -94,7 +90,7 @@ impl<const N: usize> Identification<N> {
 
     /// Friction identified from the last two whole logs before trial `number` and those chosen with it, and from what trials since then left
     /// that were stopped; none without a log that is long enough. A joint that stood all the time tells least squares nothing: its dry
-    /// friction is taken for a little more than the largest torque that did not move it.
+    /// friction is taken for the largest torque that did not move it.
     ///
     /// # Errors
     /// A log that cannot be read.
@@ -111,9 +107,8 @@ impl<const N: usize> Identification<N> {
             fit => fit?,
         };
         fit.friction = cautious(&fit, &self.gls);
-        for Standing { joint, held_nm } in standing(&taken, self.gls.stuck_rad_s) {
-            let coulomb_nm = BEYOND_HELD * held_nm;
-            fit.friction.joints[joint] = CoulombViscous { coulomb_nm, viscous_nm_s_per_rad: 0.0 }.into();
+        for Standing { joint, held_nm } in standing(&taken) {
+            fit.friction.joints[joint] = CoulombViscous { coulomb_nm: held_nm, viscous_nm_s_per_rad: 0.0 }.into();
         }
         fits.insert(number, fit.clone());
         Ok(Some(fit))
@@ -125,7 +120,7 @@ impl<const N: usize> Identification<N> {
     /// A log that cannot be read.
     pub fn standing(&self, number: usize, logs: &dyn LogSource<N>) -> Result<Vec<Standing>, StrategyError> {
         let taken = self.taken(self.batches.of(number).start, logs)?;
-        Ok(standing(&taken, self.gls.stuck_rad_s))
+        Ok(standing(&taken))
     }
 
     /// The logs that the fit before trial `number` looks at.
@@ -166,11 +161,6 @@ impl<const N: usize> Identification<N> {
             }
         }
         Ok(None)
-    }
-
-    /// Speed below which a joint counts as standing [rad/s].
-    pub(super) fn stuck_rad_s(&self) -> f64 {
-        self.gls.stuck_rad_s
     }
 
     /// Prior standard deviation of a coefficient of a joint, by its column of [`Basis`].
@@ -237,8 +227,8 @@ impl<const N: usize> Identification<N> {
 
 impl<const N: usize> LogSamples<N> {
     /// The judged part, taken with a compensator that believed this friction.
-    pub fn replay(&self, compensated: FrictionModel<N>, measure: CostMeasure, stuck_rad_s: f64) -> Replay<'_, N> {
-        Replay { samples: &self.samples[self.judged_from..], compensated, measure, stuck_rad_s }
+    pub fn replay(&self, compensated: FrictionModel<N>, measure: CostMeasure) -> Replay<'_, N> {
+        Replay { samples: &self.samples[self.judged_from..], compensated, measure }
     }
 }
 
@@ -264,9 +254,9 @@ fn cautious<const N: usize>(fit: &GlsFit<N>, settings: &GlsSettings<N>) -> Frict
 }
 
 /// Joints that no sample of these logs shows moving.
-fn standing<const N: usize>(logs: &[Arc<LogSamples<N>>], stuck_rad_s: f64) -> Vec<Standing> {
+fn standing<const N: usize>(logs: &[Arc<LogSamples<N>>]) -> Vec<Standing> {
     let held = logs.iter().fold(SVector::<f64, N>::zeros(), |held, log| held.sup(&log.largest_torque));
-    let stands = |j: &usize| logs.iter().flat_map(|log| &log.samples).all(|sample| sample.qd[*j].abs() <= stuck_rad_s);
+    let stands = |j: &usize| logs.iter().flat_map(|log| &log.samples).all(|sample| sample.qd[*j].abs() <= STUCK_RAD_S);
     (0..N).filter(stands).map(|joint| Standing { joint, held_nm: held[joint] }).collect()
 }
 
@@ -296,6 +286,8 @@ fn largest_joint_torque<const N: usize>(log: &TrialLog<N>) -> SVector<f64, N> {
 
 /// Time the estimator is given to forget its start (s).
 const SETTLE_S: f64 = 0.5;
+/// Speed below which a joint counts as standing [rad/s].
+pub(super) const STUCK_RAD_S: f64 = 0.004;
 /// Half-width of the Savitzky–Golay window, in samples of 10 ms.
 const DERIVATIVE_HALF_WIDTH: usize = 10;
 
@@ -320,6 +312,7 @@ fn timed_samples<const N: usize>(
     let filter = SavitzkyGolay { half_width: DERIVATIVE_HALF_WIDTH };
     let qd: Vec<Vec<f64>> =
         (0..N).map(|j| filter.derivative(&log.q.iter().map(|q| q[j]).collect::<Vec<_>>(), log.period_s)).collect();
+    let slides: Vec<Vec<bool>> = qd.iter().map(|qd| sliding(qd)).collect();
     let delay = (estimator.delay_s() / log.period_s).round() as usize;
     let settle = (SETTLE_S / log.period_s).round() as usize;
     let still = SVector::zeros();
@@ -329,8 +322,15 @@ fn timed_samples<const N: usize>(
             let (qd, tau_compensation) = (SVector::from_fn(|j, _| qd[j][k - delay]), log.tau_friction[k - delay]);
             let wrench_from_torque = estimator.wrench_from_torque(&terms, &qd, &tau_compensation)?;
             // A sample that is no number tells nothing; one of them must not silence a whole log.
-            let sample = GlsSample { wrench: log.wrench[k], wrench_from_torque, qd, tau_compensation };
+            let slides = std::array::from_fn(|j| slides[j][k - delay]);
+            let sample = GlsSample { wrench: log.wrench[k], wrench_from_torque, qd, slides, tau_compensation };
             is_finite(&sample).then_some((log.time_s[k], sample))
         })
         .collect()
+}
+
+/// Where a joint slides, by its averaged velocity [rad/s], in the whole window that this is averaged over.
+fn sliding(qd: &[f64]) -> Vec<bool> {
+    let window = |k: usize| k.saturating_sub(DERIVATIVE_HALF_WIDTH)..(k + DERIVATIVE_HALF_WIDTH + 1).min(qd.len());
+    (0..qd.len()).map(|k| qd[window(k)].iter().all(|qd| qd.abs() >= STUCK_RAD_S)).collect()
 }

@@ -5,6 +5,7 @@ use tribo_friction::FrictionModel;
 use tribo_friction::identify::GlsSample;
 use tribo_robot::Wrench;
 
+use super::identification::STUCK_RAD_S;
 use crate::{CostAccumulator, CostMeasure};
 
 /// The judged part of one log, from which J of other compensators follows:
@@ -24,8 +25,6 @@ pub(crate) struct Replay<'a, const N: usize> {
     pub compensated: FrictionModel<N>,
     /// What makes J of a wrench.
     pub measure: CostMeasure,
-    /// Speed below which a joint counts as standing [rad/s].
-    pub stuck_rad_s: f64,
 }
 
 impl<const N: usize> Replay<'_, N> {
@@ -52,7 +51,7 @@ impl<const N: usize> Replay<'_, N> {
     fn wrench(&self, sample: &GlsSample<N>, friction: &FrictionModel<N>) -> Vector6<f64> {
         let mut wrench = sample.wrench;
         for (j, qd) in sample.qd.iter().enumerate() {
-            if qd.abs() > self.stuck_rad_s {
+            if qd.abs() > STUCK_RAD_S {
                 let before = self.compensated.joints[j].torque(*qd, 0.0);
                 let change = before - friction.joints[j].torque(*qd, 0.0);
                 wrench += sample.wrench_from_torque.column(j) * change;
@@ -81,11 +80,10 @@ mod tests {
         let sample = |k: usize| {
             let qd = SVector::from_fn(|j, _| if j == 0 { [0.1, -0.1, 0.001][k % 3] } else { 0.0 });
             let wrench = Vector6::new(0.0, 0.0, 0.0, 0.0, 0.0, 0.3 * f64::signum(qd[0]));
-            GlsSample { wrench, wrench_from_torque: map, qd, tau_compensation: SVector::zeros() }
+            GlsSample { wrench, wrench_from_torque: map, qd, slides: [true; 7], tau_compensation: SVector::zeros() }
         };
         let samples: Vec<_> = (0..300).map(sample).collect();
-        let replay =
-            Replay { samples: &samples, compensated: friction(0.2), measure: CostMeasure::Paper, stuck_rad_s: 0.004 };
+        let replay = Replay { samples: &samples, compensated: friction(0.2), measure: CostMeasure::Paper };
         assert!((replay.cost(&friction(0.2)) - 0.6).abs() < 1e-12, "as it was");
         // A joint that stands in a third of the samples keeps what it had in these.
         assert!((replay.cost(&friction(0.5)) - (0.3 + 0.1)).abs() < 1e-12);

@@ -15,6 +15,9 @@ pub struct GlsSample<const N: usize> {
     pub wrench_from_torque: SMatrix<f64, 6, N>,
     /// Zero-phase joint velocity [rad/s], taken earlier by the delay of the estimator.
     pub qd: SVector<f64, N>,
+    /// Whether the joint slides, and does so for as long before and after as its velocity is averaged. Beside a rest the averaged velocity
+    /// is not the one that friction goes by: it gives dry friction away to viscous friction.
+    pub slides: [bool; N],
     /// Friction compensation torque (Nm), taken earlier by the same delay.
     pub tau_compensation: SVector<f64, N>,
 }
@@ -28,9 +31,7 @@ pub struct GlsSettings<const N: usize> {
     pub force_sd_n: f64,
     /// Standard deviation of an estimated moment (Nm).
     pub moment_sd_nm: f64,
-    /// Below this speed a joint counts as stuck [rad/s].
-    pub stuck_rad_s: f64,
-    /// Coulomb friction a stuck joint may hide (Nm); its torque is uniform within ± this.
+    /// Coulomb friction that a joint may hide which does not slide (Nm); its torque is uniform within ± this.
     pub stuck_coulomb_nm: [f64; N],
     /// Number of samples that carry the information of one, because neighbours are correlated.
     pub correlated_samples: f64,
@@ -53,7 +54,6 @@ impl<const N: usize> GlsSettings<N> {
             basis,
             force_sd_n: 0.1,
             moment_sd_nm: 0.02,
-            stuck_rad_s: 0.004,
             stuck_coulomb_nm: [0.6; N],
             correlated_samples: 50.0,
             prior_sd: [[1.0, 0.7, 0.5]; N],
@@ -130,10 +130,10 @@ pub enum GlsError {
 ///
 /// ```text
 /// y_t = h_hat_t + W_t tau_f_hat_t = W_t Φ(qd_t) θ + e_t
-/// Cov(e_t) = diag(moment², force²) + Σ_{|qd_j| < stuck} W_j W_jᵀ Fc0²/3
+/// Cov(e_t) = diag(moment², force²) + Σ_{j rests} W_j W_jᵀ Fc0²/3
 /// ```
 ///
-/// A stuck joint's friction is anything within ±Fc, not Fc sign(qd): its sign column is dropped and its direction of the
+/// The friction of a joint that rests, or did just before or will just after, is anything within ±Fc, not Fc sign(qd): its sign column is dropped and its direction of the
 /// wrench is widened by the variance of a uniform torque, which projects it out. Prior N(0, prior_sd²), bounds by a
 /// box-constrained solve. This replaces naive least squares, which at low speed is wrong by 20–30 % in the cost.
 pub fn fit_from_wrench<const N: usize>(
@@ -243,7 +243,7 @@ pub(super) fn fill_rows<const N: usize>(
     const GRAVITY_M_S2: f64 = 9.81;
     let columns = settings.basis.columns();
     for j in 0..N {
-        let sign = if sample.qd[j].abs() < settings.stuck_rad_s { 0.0 } else { sample.qd[j].signum() };
+        let sign = if sample.slides[j] { sample.qd[j].signum() } else { 0.0 };
         let phi = settings.basis.evaluate(sample.qd[j], sign);
         for c in 0..columns {
             for r in 0..6 {
@@ -265,12 +265,12 @@ pub(super) fn fill_rows<const N: usize>(
     }
 }
 
-/// `diag(moment², force²) + Σ_stuck W_j W_jᵀ Fc0²/3`.
+/// `diag(moment², force²) + Σ_{j rests} W_j W_jᵀ Fc0²/3`.
 pub(super) fn error_covariance<const N: usize>(sample: &GlsSample<N>, settings: &GlsSettings<N>) -> Matrix6<f64> {
     let (m, f) = (settings.moment_sd_nm.powi(2), settings.force_sd_n.powi(2));
     let mut covariance = Matrix6::from_diagonal(&Vector6::new(m, m, m, f, f, f));
     for j in 0..N {
-        if sample.qd[j].abs() < settings.stuck_rad_s {
+        if !sample.slides[j] {
             let w = sample.wrench_from_torque.column(j);
             covariance += w * w.transpose() * (settings.stuck_coulomb_nm[j].powi(2) / 3.0);
         }
@@ -291,7 +291,8 @@ mod tests {
                 let qd = SVector::<f64, 7>::from_fn(|j, _| 0.1 * (time * (0.4 + 0.13 * j as f64) + j as f64).sin());
                 let tau = SVector::<f64, 7>::from_fn(|j, _| truth(j, qd[j]));
                 let tau_compensation = tau * compensation;
-                GlsSample { wrench: w * (tau - tau_compensation), wrench_from_torque: w, qd, tau_compensation }
+                let slides = std::array::from_fn(|j| qd[j].abs() >= 0.004);
+                GlsSample { wrench: w * (tau - tau_compensation), wrench_from_torque: w, qd, slides, tau_compensation }
             })
             .collect()
     }

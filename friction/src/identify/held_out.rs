@@ -60,7 +60,8 @@ mod tests {
                 let w = SMatrix::<f64, 6, 7>::from_fn(|r, c| ((r * 7 + c).pow(2) as f64 * 1.7 + 0.4 * time).sin());
                 let qd = SVector::<f64, 7>::from_fn(|j, _| 0.1 * (time * (0.4 + 0.13 * j as f64) + j as f64).sin());
                 let tau = SVector::<f64, 7>::from_fn(|j, _| torque(time, j, qd[j]));
-                GlsSample { wrench: w * tau, wrench_from_torque: w, qd, tau_compensation: SVector::zeros() }
+                let slides = std::array::from_fn(|j| qd[j].abs() >= 0.004);
+                GlsSample { wrench: w * tau, wrench_from_torque: w, qd, slides, tau_compensation: SVector::zeros() }
             })
             .collect()
     }
