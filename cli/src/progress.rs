@@ -24,6 +24,7 @@ pub fn stop_on_signal() {
 /// A progress bar that shows the incumbent. Hidden when standard error is not a terminal or `--quiet` is given.
 pub struct TrialProgress {
     bar: ProgressBar,
+    quiet: bool,
     best: f64,
     oracle: f64,
     failed: usize,
@@ -37,7 +38,7 @@ impl TrialProgress {
             bar.set_style(style);
         }
         bar.set_position(finished as u64);
-        Self { bar, best: f64::INFINITY, oracle: f64::NAN, failed: 0 }
+        Self { bar, quiet, best: f64::INFINITY, oracle: f64::NAN, failed: 0 }
     }
 
     /// Takes the bar off the screen.
@@ -49,6 +50,9 @@ impl TrialProgress {
 impl CampaignObserver for TrialProgress {
     fn references(&mut self, references: &References) {
         self.oracle = references.oracle;
+        if let Some(remark) = references.remark().filter(|_| !self.quiet) {
+            self.bar.suspend(|| message!("tribo: {remark}"));
+        }
         self.bar.set_message(format!("uncompensated J {:.2}", references.uncompensated));
     }
 

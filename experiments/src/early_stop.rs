@@ -23,6 +23,13 @@ pub struct EarlyStop {
     pub least_gain: f64,
     /// Deviation of J that the model takes for noise [N + Nm].
     pub repeatability: f64,
+    /// The last trials, if these were stopped one after the other for what their compensators did.
+    #[serde(default, skip_serializing_if = "is_zero")]
+    pub stopped_in_a_row: usize,
+}
+
+fn is_zero(number: &usize) -> bool {
+    *number == 0
 }
 
 const NAME: &str = "early_stop.yaml";
@@ -52,6 +59,7 @@ impl EarlyStop {
             expected_gain: at.gain,
             least_gain: rule.least_gain(&at),
             repeatability: at.repeatability,
+            stopped_in_a_row: finished.iter().rev().take_while(|trial| trial.failed()).count(),
         }))
     }
 
@@ -87,7 +95,13 @@ impl EarlyStop {
 
 impl fmt::Display for EarlyStop {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Self { trials, expected_gain, least_gain, .. } = self;
+        let Self { trials, expected_gain, least_gain, stopped_in_a_row, .. } = self;
+        if *stopped_in_a_row > 1 && *expected_gain == 0.0 {
+            return write!(
+                f,
+                "the last {stopped_in_a_row} of {trials} trials were stopped for what their compensators did"
+            );
+        }
         write!(
             f,
             "after {trials} trials another is expected to gain {} of J, less than {}",

@@ -5,7 +5,7 @@ use tribo_friction::{FrictionModel, JointEffects};
 use tribo_sim::Effect;
 
 use crate::numbered_trial::{noise_seed, run_estimated};
-use crate::{EstimatorError, Trial, TrialOutcome, ValidTune, joint_effects};
+use crate::{AbortReason, EstimatorError, Trial, TrialOutcome, ValidTune, joint_effects};
 
 /// Costs that put a campaign's result into proportion; known only in simulation.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -16,6 +16,20 @@ pub struct References {
     pub oracle: f64,
     /// J of the same arm, known to the controller, without friction and without what a compensator could cancel.
     pub frictionless: f64,
+    /// Why the trial with the true friction was stopped, if it was.
+    pub oracle_failed: Option<AbortReason>,
+}
+
+impl References {
+    /// What there is to say where no compensator can be good: the motion fails with the true friction too.
+    pub fn remark(&self) -> Option<String> {
+        self.oracle_failed.map(|why| {
+            format!(
+                "the motion fails with the true friction too ({why}), so no compensator can be judged by it: another pose, or less friction \
+                 in the simulated arm, would tell more"
+            )
+        })
+    }
 }
 
 /// The three reference costs, on noise of their own.
@@ -31,15 +45,17 @@ pub fn references<const N: usize>(tune: &ValidTune<N>) -> Result<References, Est
     smooth.truth.friction = none;
     smooth.truth.effects.retain(stays_without_friction::<N>);
     let runs = [(&uncompensated, none), (&oracle, tune.oracle.friction), (&smooth, none)];
-    let costs: Vec<f64> = runs
+    let ended: Vec<(f64, Option<AbortReason>)> = runs
         .par_iter()
         .enumerate()
         .map(|(k, (trial, friction))| {
             let seed = noise_seed(tune.config.seed, u64::MAX - k as u64);
-            Ok(run_estimated(tune, trial, friction, seed)?.cost.total())
+            let outcome = run_estimated(tune, trial, friction, seed)?;
+            Ok((outcome.cost.total(), outcome.aborted))
         })
         .collect::<Result<_, EstimatorError>>()?;
-    Ok(References { uncompensated: costs[0], oracle: costs[1], frictionless: costs[2] })
+    let [uncompensated, oracle, frictionless] = [0, 1, 2].map(|run: usize| ended[run].0);
+    Ok(References { uncompensated, oracle, frictionless, oracle_failed: ended[1].1 })
 }
 
 /// The trial of [`References::uncompensated`] with its log: what the arm does when nobody cancels its friction.

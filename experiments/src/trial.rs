@@ -2,7 +2,7 @@
 
 use nalgebra::SVector;
 use tribo_control::{GuardSettings, ImpedanceSettings, SinusoidReference};
-use tribo_friction::{Compensator, FrictionModel, JointEffects, VelocitySource};
+use tribo_friction::{Compensator, FrictionModel, JointEffects, JointFriction, VelocitySource};
 use tribo_robot::presets::joint_stiffness_nm_per_rad;
 use tribo_robot::{Arm, WrenchEstimator};
 use tribo_runtime::{ControlLoop, LoopSettings, TickRecord};
@@ -95,16 +95,22 @@ impl<const N: usize> Trial<N> {
             .with_pulses(self.pulses.clone())
     }
 
-    /// The loop of the trial, whose compensator believes this friction.
+    /// The loop of the trial, whose compensator believes this friction. One that compensates nothing needs no guard.
     pub fn control_loop<E: WrenchEstimator<N>>(&self, friction: &FrictionModel<N>, estimator: E) -> ControlLoop<N, E> {
         let settings = LoopSettings {
             impedance: self.impedance,
             reference: self.reference,
             compensator: Compensator::new(*friction, self.velocity).with_effects(self.effects),
-            guard: self.guard,
+            guard: self.guard.filter(|_| self.compensates(friction)),
             dt_s: self.dt_s,
         };
         ControlLoop::new(self.model.clone(), self.start, settings, estimator)
+    }
+
+    /// Whether a compensator that believes this friction sends any torque.
+    fn compensates(&self, friction: &FrictionModel<N>) -> bool {
+        let acts = |law: &JointFriction| [-1.0, -0.01, 0.01, 1.0].iter().any(|qd| law.torque(*qd, 0.0) != 0.0);
+        self.effects != [JointEffects::default(); N] || friction.joints.iter().any(acts)
     }
 
     /// The same trial with a controller that believes in another arm and other effects.

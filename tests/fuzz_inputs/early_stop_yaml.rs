@@ -9,7 +9,7 @@ use super::document::{document, written};
 pub fn check(input: &[u8]) {
     let Some(document) = document(input) else { return };
     let Some(stop) = EarlyStop::parse(&document) else { return };
-    let EarlyStop { trials, expected_gain, least_gain, repeatability } = stop;
+    let EarlyStop { trials, expected_gain, least_gain, repeatability, .. } = stop;
     let sizes = [expected_gain, least_gain, repeatability];
     assert!(trials > 0 && sizes.iter().all(|size| size.is_finite() && *size >= 0.0), "{stop:?}");
     let text = to_yaml(&stop).expect("the end can be written");

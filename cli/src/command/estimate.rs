@@ -10,7 +10,8 @@ use tribo_experiments::{
     AnyEstimator, Believed, Calibration, ContactPrior, EstimatorError, EstimatorName, LogWrench, SETTLE_S,
     TransmissionFriction, WrenchSummary, believed_band, wrench_on_log,
 };
-use tribo_friction::{FrictionBand, FrictionModel, JointFriction};
+use tribo_friction::law::CoulombViscous;
+use tribo_friction::{FrictionBand, FrictionModel, JointBand, JointFriction};
 use tribo_logs::recognise::{self, Use};
 use tribo_logs::{LogSummary, RobotLog, Table, write_table};
 use tribo_residual::{OBSERVER_GAIN_RAD_S, identify_band};
@@ -134,13 +135,19 @@ where
     let contact =
         arguments.touched.map(ContactPrior::rarely).transpose().map_err(|error| BadInput(error.to_string()))?;
     let band = free.as_ref().map_or_else(|| believed_band(&believed.friction), |free| free.band);
-    let watch = |name: EstimatorName, noise_factor: f64, log: &RobotLog| {
-        let settings = WrenchEkfSettings::default();
-        let mut estimator =
-            AnyEstimator::with_confidence(name, settings, &believed.arm, &believed.friction, &band, noise_factor)?
-                .on_gears(&believed.arm, believed.joint_stiffness_nm_per_rad(), noise_factor)?;
-        Ok::<LogWrench, EstimatorError>(wrench_on_log(log, &believed, model.smoothing_rad_s, &mut estimator))
-    };
+    let watch =
+        |name: EstimatorName, noise_factor: f64, log: &RobotLog| {
+            let settings = WrenchEkfSettings::default();
+            // What the joints have today, at the temperature of today; the others take no more than its band.
+            let friction = match &free {
+                Some(free) if name == EstimatorName::Thermal => free.friction(),
+                _ => believed.friction,
+            };
+            let mut estimator =
+                AnyEstimator::with_confidence(name, settings, &believed.arm, &friction, &band, noise_factor)?
+                    .on_gears(&believed.arm, believed.joint_stiffness_nm_per_rad(), noise_factor)?;
+            Ok::<LogWrench, EstimatorError>(wrench_on_log(log, &believed, model.smoothing_rad_s, &mut estimator))
+        };
     let wrenches = EstimatorName::ALL
         .into_iter()
         .filter(|name| wants(name.as_str()))
@@ -212,6 +219,15 @@ impl<const N: usize> FreeLog<N> {
         let fits = identify_band(&log, &believed.arm, OBSERVER_GAIN_RAD_S).map_err(|error| bad(&error))?;
         let band = FrictionBand::new(fits.map(|fit| fit.band)).map_err(|error| bad(&error))?;
         Ok(Self { path: path.to_owned(), log, band })
+    }
+
+    /// Coulomb and viscous friction in the middle of the band, the same both ways.
+    fn friction(&self) -> FrictionModel<N> {
+        let law = |band: &JointBand| CoulombViscous {
+            coulomb_nm: 0.5 * (band.coulomb_max_nm - band.coulomb_min_nm),
+            viscous_nm_s_per_rad: band.viscous_nm_s_per_rad,
+        };
+        FrictionModel { joints: std::array::from_fn(|j| law(&self.band.joints()[j]).into()) }
     }
 }
 

@@ -281,6 +281,20 @@ fn every_estimator_tunes_and_says_what_the_choice_costs() {
     }
 }
 
+/// Nobody has told the friction of the joints: the thermal estimator takes it from the free log, not from the band's width alone.
+#[test]
+fn a_free_log_tells_the_thermal_estimator_the_friction() {
+    let at = scratch();
+    run(at.path(), "simulate --log free.csv.gz --seed 44 --json").ok();
+    run(at.path(), "simulate --pulse-force 15 --pulse-moment 2.5 --log pushed.csv.gz --seed 45 --json").ok();
+    let error_n = |free: &str| {
+        let call = format!("estimate pushed.csv.gz --residual thermal --json -q{free}");
+        number(&run(at.path(), &call).ok().json()["estimators"]["thermal"]["rmse_force_n"])
+    };
+    let [told_nothing, free] = [error_n(""), error_n(" --free free.csv.gz")];
+    assert!(free < 0.4 * told_nothing && free < 3.0, "{free} N, {told_nothing} N without the free log");
+}
+
 /// A contact-free log gives band, noise and tare; a log that stands does not.
 #[test]
 fn a_free_log_calibrates_the_estimators() {

@@ -15,7 +15,7 @@ use rand_pcg::rand_core::{Rng, SeedableRng};
 
 /// 7 seeds × 3 poses × (references and 9 strategies) = 210 cells.
 const STUDY: &str = "schema: tribo.study/1
-seeds: 7
+seeds: 4
 poses: [0, 1, 2]
 cases:
 - {truth: coulomb_viscous, friction: coulomb_viscous}
@@ -56,11 +56,11 @@ fn slices_that_are_killed_end_like_one_process_in_peace() {
     let peace = run(at.path(), "study study.yaml --out peace --json -q").ok().json();
     let duration = started.elapsed();
     let whole = files(&at.path().join("peace"));
-    assert_eq!(whole.keys().filter(|name| name.starts_with("cells/")).count(), 210);
+    assert_eq!(whole.keys().filter(|name| name.starts_with("cells/")).count(), 120);
     assert_eq!(peace["rows"].as_array().unwrap().len(), 9);
     let over_first = |row: usize| peace["rows"][row]["over_first"].as_f64().unwrap();
     assert!(over_first(1) > 4.0 && over_first(2) > 2.0, "grey box is the best of them: {peace}");
-    assert!(peace["rows"][1]["p"].as_f64().unwrap() < 1e-4, "21 pairs, all one way: {peace}");
+    assert!(peace["rows"][1]["p"].as_f64().unwrap() < 1e-3, "12 pairs, all one way: {peace}");
 
     let mut moments = Pcg64::seed_from_u64(5);
     let mut kills = 0;

@@ -31,7 +31,7 @@ const FEWEST: usize = 2;
 /// Trials for which one that was stopped makes the next ones more careful.
 const CAREFUL_FOR: usize = 6;
 /// Trials in a row that were stopped, after which the next one promises nothing.
-const HOPELESS: usize = 3;
+const HOPELESS: usize = 5;
 /// Part of the largest possible change of J by the next fit that counts as its gain.
 const SETTLING: f64 = 0.5;
 /// Part of the repeatability by which another law must lower J. Both laws are judged on the same noise: where the law is right the other one
@@ -184,7 +184,7 @@ impl<const N: usize> GreyBox<N> {
     /// Least squares, moved back towards the last compensator that held: half of the way for each of the last few trials that was stopped
     /// for what its compensator did.
     fn backed_off(&self, mut theta: Vec<f64>, finished: &[FinishedTrial]) -> Vec<f64> {
-        let failures = finished.iter().rev().take(CAREFUL_FOR).filter(failed).count();
+        let failures = finished.iter().rev().take(CAREFUL_FOR).filter(|trial| trial.failed()).count();
         let held = finished.iter().rev().find(|trial| trial.aborted.is_none());
         if let Some(held) = held.filter(|_| failures > 0) {
             let part = 0.5_f64.powi(failures as i32);
@@ -266,7 +266,16 @@ impl<const N: usize> Strategy<N> for GreyBox<N> {
     }
 
     fn expected_gain(&self, past: Past<'_>, logs: &dyn LogSource<N>) -> Result<Option<ExpectedGain>, StrategyError> {
-        if self.deciding(past.finished).len() < FEWEST || !past.running.is_empty() {
+        if !past.running.is_empty() {
+            return Ok(None);
+        }
+        // Where one trial after the other is stopped, ever smaller steps gain nothing that is worth them.
+        let stopped = past.finished.iter().rev().take_while(|trial| trial.failed()).count();
+        if stopped >= HOPELESS {
+            let best = past.finished.iter().map(|trial| trial.cost.total()).fold(f64::INFINITY, f64::min);
+            return Ok(Some(ExpectedGain { gain: 0.0, repeatability: REPEATABILITY * best, best }));
+        }
+        if self.deciding(past.finished).len() < FEWEST {
             return Ok(None);
         }
         let next = next(past);
@@ -282,9 +291,7 @@ impl<const N: usize> Strategy<N> for GreyBox<N> {
         let costs = self.replayed(&frictions, past.finished, logs)?;
         // Fits that still move have not settled, even where the replay of an estimator that bends the wrench sees no gain in it.
         let unsettled = SETTLING * self.largest_change(&frictions, past.finished, logs)?;
-        let promised = (mean(&costs[0]) - mean(&costs[1])).max(unsettled);
-        // Where one trial after the other is stopped, ever smaller steps gain nothing that is worth them.
-        let gain = if past.finished.iter().rev().take_while(failed).count() >= HOPELESS { 0.0 } else { promised };
+        let gain = (mean(&costs[0]) - mean(&costs[1])).max(unsettled);
         Ok(Some(ExpectedGain { gain, repeatability: repeatability(&costs[0]), best: best.cost }))
     }
 
@@ -328,11 +335,6 @@ impl<const N: usize> Strategy<N> for GreyBox<N> {
         let delta = suggest(&settings, &box_of_corrections, &observations(&tried, &running), self.seed)?.point;
         Ok(Proposal { theta: self.corrected(&theta, &scales, &delta), origin: Origin::Model })
     }
-}
-
-/// Whether a trial was stopped for what its compensator did.
-fn failed(trial: &&FinishedTrial) -> bool {
-    trial.aborted.is_some_and(|why| why != AbortReason::Stopped)
 }
 
 /// The trial after those that have finished.

@@ -75,6 +75,13 @@ pub struct FinishedTrial {
     pub origin: Origin,
 }
 
+impl FinishedTrial {
+    /// Whether it was stopped for what its compensator did.
+    pub fn failed(&self) -> bool {
+        self.aborted.is_some_and(|why| why != AbortReason::Stopped)
+    }
+}
+
 /// Who chose a parameter vector.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]

@@ -100,7 +100,7 @@ fn mean_references<const N: usize>(tune: &ValidTune<N>, runs: u64) -> Result<Cel
     for run in 0..runs {
         let mut other_noise = tune.clone();
         other_noise.config.seed = tune.config.seed + 1_000_003 * (run + 1);
-        let References { uncompensated, oracle, frictionless } = references(&other_noise)?;
+        let References { uncompensated, oracle, frictionless, .. } = references(&other_noise)?;
         sum.iter_mut().zip([uncompensated, oracle, frictionless]).for_each(|(sum, cost)| *sum += cost);
     }
     let [uncompensated, oracle, frictionless] = sum.map(|sum| sum / runs as f64);

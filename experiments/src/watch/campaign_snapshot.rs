@@ -124,10 +124,11 @@ impl CampaignSnapshot {
         })
     }
 
-    /// What there is to say beside the costs: whether the friction law explains the robot, another law, bounds that were reached, and why
+    /// What there is to say beside the costs: whether the motion fails anyway, whether the friction law explains the robot, another law, bounds that were reached, and why
     /// the campaign ended.
     pub fn remarks(&self) -> Vec<String> {
         let mut remarks = Vec::new();
+        remarks.extend(self.references.and_then(|references| references.remark()));
         remarks.extend(self.law_change.map(|change| change.to_string()));
         remarks.extend(self.conclusion.iter().flat_map(Conclusion::remarks));
         if let Some(best) = self.best() {

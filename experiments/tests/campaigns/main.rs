@@ -11,5 +11,6 @@ mod export_bounds;
 mod export_descriptions;
 mod export_parameters;
 mod export_sources;
+mod standing_joints;
 mod watch;
 mod written_model;
