@@ -28,7 +28,7 @@ const REPEATABILITY: f64 = 0.025;
 const TRIALS_WORTH: f64 = 2.0;
 /// Trials near the best without which nobody knows whether another one gains: J has come down and stays there.
 const FEWEST: usize = 2;
-/// Trials for which one that was stopped makes the next ones more careful.
+/// Trials for which two that were stopped make the next ones more careful.
 const CAREFUL_FOR: usize = 6;
 /// Trials in a row that were stopped, after which the next one promises nothing.
 const HOPELESS: usize = 5;
@@ -36,7 +36,7 @@ const HOPELESS: usize = 5;
 const SETTLING: f64 = 0.5;
 /// Part of the repeatability by which another law must lower J. Both laws are judged on the same noise: where the law is right the other one
 /// gains less than a hundredth of that.
-const LAW_PAYS: f64 = 0.3;
+const LAW_PAYS: f64 = 0.1;
 /// Largest correction where the law does not explain the first log, as a part of the parameter and of its prior deviation [-].
 const WIDE: [f64; 2] = [0.5, 0.2];
 
@@ -63,7 +63,7 @@ const WIDE: [f64; 2] = [0.5, 0.2];
 /// where it does not, S grows to half of each parameter. Where the Stribeck law promises to lower J by about 1 % or more, the campaign
 /// goes over to it ([`LawChange`]), unless it was told to keep its law.
 ///
-/// A trial that was stopped for what its compensator did is followed by smaller steps. One that somebody stopped delays the end of least
+/// Two trials that were stopped for what their compensators did are followed by smaller steps. One that somebody stopped delays the end of least
 /// squares by one. Where trials run elsewhere, several at once, least squares takes the last logs that have come back, and a trial that would
 /// repeat one still running gets a correction instead. Before the first log there is nothing but to try without
 /// compensation again.
@@ -181,13 +181,13 @@ impl<const N: usize> GreyBox<N> {
         self.near_the_best(finished).into_iter().rev().take(DECIDING).collect()
     }
 
-    /// Least squares, moved back towards the last compensator that held: half of the way for each of the last few trials that was stopped
-    /// for what its compensator did.
+    /// Least squares, moved back towards the last compensator that held: half of the way for each of the last few trials but one that was
+    /// stopped for what its compensator did. The log of the first one says what was wrong, as a rule.
     fn backed_off(&self, mut theta: Vec<f64>, finished: &[FinishedTrial]) -> Vec<f64> {
         let failures = finished.iter().rev().take(CAREFUL_FOR).filter(|trial| trial.failed()).count();
         let held = finished.iter().rev().find(|trial| trial.aborted.is_none());
-        if let Some(held) = held.filter(|_| failures > 0) {
-            let part = 0.5_f64.powi(failures as i32);
+        if let Some(held) = held.filter(|_| failures > 1) {
+            let part = 0.5_f64.powi(failures as i32 - 1);
             for (theta, held) in theta.iter_mut().zip(&held.theta) {
                 *theta = held + part * (*theta - held);
             }
