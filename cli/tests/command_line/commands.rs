@@ -91,6 +91,7 @@ fn a_campaign_as_json_keeps_its_keys() {
         "params",
         "against_ekf",
         "law_check",
+        "standing",
         "law_change",
         "true_params",
         "early_stop",
@@ -292,7 +293,7 @@ fn a_free_log_tells_the_thermal_estimator_the_friction() {
         number(&run(at.path(), &call).ok().json()["estimators"]["thermal"]["rmse_force_n"])
     };
     let [told_nothing, free] = [error_n(""), error_n(" --free free.csv.gz")];
-    assert!(free < 0.4 * told_nothing && free < 3.0, "{free} N, {told_nothing} N without the free log");
+    assert!(free < 0.6 * told_nothing && free < 2.0, "{free} N, {told_nothing} N without the free log");
 }
 
 /// A contact-free log gives band, noise and tare; a log that stands does not.

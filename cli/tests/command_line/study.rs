@@ -60,7 +60,7 @@ fn slices_that_are_killed_end_like_one_process_in_peace() {
     assert_eq!(peace["rows"].as_array().unwrap().len(), 9);
     let over_first = |row: usize| peace["rows"][row]["over_first"].as_f64().unwrap();
     assert!(over_first(1) > 4.0 && over_first(2) > 2.0, "grey box is the best of them: {peace}");
-    assert!(peace["rows"][1]["p"].as_f64().unwrap() < 1e-3, "12 pairs, all one way: {peace}");
+    assert!(peace["rows"][1]["p"].as_f64().unwrap() < 5e-3, "12 pairs, all one way: {peace}");
 
     let mut moments = Pcg64::seed_from_u64(5);
     let mut kills = 0;
@@ -98,7 +98,7 @@ fn slices_that_are_killed_end_like_one_process_in_peace() {
 #[test]
 fn job_arrays_take_their_slices_and_the_last_one_tells() {
     let at = scratch();
-    let small = STUDY.replace("seeds: 7", "seeds: 1").replace("poses: [0, 1, 2]", "poses: [0]");
+    let small = STUDY.replace("seeds: 4", "seeds: 1").replace("poses: [0, 1, 2]", "poses: [0]");
     std::fs::write(at.path().join("small.yaml"), small).unwrap();
     let mut counts = Vec::new();
     for task in [7, 4, 5, 6] {

@@ -47,6 +47,9 @@ const MOST_UNEXPLAINED: usize = 2;
 /// nothing else speaks for a hypothesis.
 const PLAUSIBLE_NATS: f64 = 15.0;
 const IMPLAUSIBLE_NATS: f64 = 40.0;
+/// Gain (nats) that convinces where a joint is explained of which the log as it is leaves as much as a constant would.
+const DECISIVE_NATS: f64 = 60.0;
+const AS_A_CONSTANT: f64 = 0.7;
 /// By how much more a hypothesis may leave of any torque that is not explained well.
 const NO_WORSE: f64 = 1.1;
 
@@ -144,11 +147,14 @@ impl<const N: usize> Round<N> {
                 let (before, after) = (&self.before, after);
                 let worse =
                     (0..N).any(|j| after.left[j] > NO_WORSE * before.left[j] && after.unexplained[j] > NOT_EXPLAINED);
-                let explains = (0..N).any(|j| {
-                    before.unexplained[j] > NOT_EXPLAINED
-                        && before.left[j] > JOINT_GAIN * after.left[j]
-                        && after.unexplained[j] < WELL_ENOUGH
-                });
+                let explains_from = |least: f64| {
+                    (0..N).any(|j| {
+                        before.unexplained[j] > least
+                            && before.left[j] > JOINT_GAIN * after.left[j]
+                            && after.unexplained[j] < WELL_ENOUGH
+                    })
+                };
+                let decisive = before.nats - after.nats > DECISIVE_NATS && explains_from(AS_A_CONSTANT);
                 let unexplained = |fit: &Fit<N>| fit.unexplained.iter().filter(|left| **left > NOT_EXPLAINED).count();
                 let fewer = unexplained(after) < unexplained(before) && unexplained(after) <= MOST_UNEXPLAINED;
                 // The weight of the arm on a turned joint is an offset that no arm has; a factor on everything is nearly a heavy payload.
@@ -158,7 +164,7 @@ impl<const N: usize> Round<N> {
                     Change::TorqueFactor(_) | Change::AllTorqueSigns => cheaper || before.leaves_over(after, ARM_GAIN),
                     _ => cheaper,
                 };
-                !worse && (explains && fewer || plausible)
+                !worse && (explains_from(NOT_EXPLAINED) && fewer || plausible || decisive)
             }
         }
     }
