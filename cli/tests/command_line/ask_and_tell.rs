@@ -250,6 +250,10 @@ fn after_two_trials_that_failed_the_next_step_is_smaller() {
             assert!((part - [1.0, 1.0, 0.5, 0.25][k]).abs() < 1e-9, "step {k}, joint {joint}: {part}");
         }
     }
+    // Without a log nobody knows whether joints stood.
+    run(at.path(), "ask other -q").ok();
+    let told = run(at.path(), "tell other --failed oscillation --json").ok().json();
+    assert_eq!(told["standing"], serde_json::json!([]), "{told}");
 }
 
 #[test]

@@ -60,7 +60,7 @@ const WIDE: [f64; 2] = [0.5, 0.2];
 /// corrections by Bayesian optimisation gain nothing but luck: run again, their winners are up to 3 % worse.
 ///
 /// Least squares is as good as its law. [`LawCheck`] asks the first log whether the law holds on parts of it that were not fitted;
-/// where it does not, S grows to half of each parameter. Where the Stribeck law promises to lower J by about 1 % or more, the campaign
+/// where it does not, S grows to half of each parameter. Where the Stribeck law promises to lower J by a quarter of a percent or more, the campaign
 /// goes over to it ([`LawChange`]), unless it was told to keep its law.
 ///
 /// Two trials that were stopped for what their compensators did are followed by smaller steps. One that somebody stopped delays the end of least

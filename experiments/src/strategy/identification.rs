@@ -253,8 +253,11 @@ fn cautious<const N: usize>(fit: &GlsFit<N>, settings: &GlsSettings<N>) -> Frict
     FrictionModel { joints }
 }
 
-/// Joints that no sample of these logs shows moving.
+/// Joints that no sample of these logs shows moving; none where there is no sample.
 fn standing<const N: usize>(logs: &[Arc<LogSamples<N>>]) -> Vec<Standing> {
+    if logs.iter().all(|log| log.samples.is_empty()) {
+        return Vec::new();
+    }
     let held = logs.iter().fold(SVector::<f64, N>::zeros(), |held, log| held.sup(&log.largest_torque));
     let stands = |j: &usize| logs.iter().flat_map(|log| &log.samples).all(|sample| sample.qd[*j].abs() <= STUCK_RAD_S);
     (0..N).filter(stands).map(|joint| Standing { joint, held_nm: held[joint] }).collect()
