@@ -143,7 +143,9 @@ impl<const N: usize> Campaign<N> {
                 let past = Past { finished: &finished, ..Past::default() };
                 let fail = |source| CampaignError::Strategy { trial: next, source };
                 if let Some(change) = chooser.strategy.better_law(past, &logs).map_err(fail)? {
-                    self.change_law(&change)?;
+                    self.journal.set_law(&change)?;
+                    let tried = self.trials.iter_mut().flatten().map(|trial| &mut trial.theta);
+                    self.tune.change_law_of(tried, change.law);
                     chooser = Chooser::of(&self.tune).map_err(fail)?;
                     continue;
                 }
@@ -158,7 +160,7 @@ impl<const N: usize> Campaign<N> {
         }
 
         let trials: Vec<FinishedTrial> = self.trials.into_iter().flatten().collect();
-        let conclusion = Conclusion::of(&self.tune, chooser.strategy.as_ref(), &trials, &logs).map_err(fail)?;
+        let conclusion = Conclusion::of(&self.tune, &chooser, &trials, &logs).map_err(fail)?;
         self.journal.conclude(&conclusion)?;
         let best = conclusion.best;
         let (config, space) = (self.tune.config.clone(), self.tune.space.clone());
@@ -166,17 +168,6 @@ impl<const N: usize> Campaign<N> {
         let result = CampaignResult { config, space, truth, trials, conclusion, references, early_stop, law_change };
         write_tuned(&self.directory, &self.tune, &result.trials, best.as_ref(), Some(references.uncompensated))?;
         Ok(result)
-    }
-
-    /// Goes over to another friction law, in which the trials so far are what they were.
-    fn change_law(&mut self, change: &LawChange) -> Result<(), FileError> {
-        self.journal.set_law(change)?;
-        let before = self.tune.space.clone();
-        self.tune.change_law(change.law);
-        for trial in self.trials.iter_mut().flatten() {
-            trial.theta = self.tune.space.embedded(&before, &trial.theta);
-        }
-        Ok(())
     }
 
     /// The trials to run next: as many as depend on no other, or those of one batch that the strategy proposes.

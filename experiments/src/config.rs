@@ -81,7 +81,8 @@ pub struct TuneConfig {
     /// the strategy. For strategies that know what a trial promises.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub stop_below: Option<StopBelow>,
-    /// What the simulated arm is like: a name, or the path of a model file.
+    /// What the simulated arm is like: a name, or the path of a model file. Of a robot elsewhere nobody knows.
+    #[serde(default = "TruthName::unknown", skip_serializing_if = "TruthName::is_unknown")]
     pub truth: TruthName,
     /// Content of the file that `truth` names, as it was when the campaign began.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -199,6 +200,15 @@ impl<const N: usize> ValidTune<N> {
         (self.config.friction, self.space.law) = (law, law);
     }
 
+    /// Goes over to another law, in which the parameters that were tried are what they were.
+    pub(crate) fn change_law_of<'a>(&mut self, tried: impl Iterator<Item = &'a mut Vec<f64>>, law: TunedLaw) {
+        let before = self.space.clone();
+        self.change_law(law);
+        for theta in tried {
+            *theta = self.space.embedded(&before, theta);
+        }
+    }
+
     /// The parameters of the simulated arm's own friction; none where its law has others, or a user runs the trials.
     pub fn true_parameters(&self) -> Option<Vec<f64>> {
         let same = |law: &JointFriction| {
@@ -206,7 +216,7 @@ impl<const N: usize> ValidTune<N> {
         };
         let known = self.config.user_trials.is_none() && self.space.law != TunedLaw::GazSigmoid;
         let friction = &self.oracle.friction;
-        (known && friction.joints.iter().all(same)).then(|| self.space.theta(friction))
+        (known && friction.joints.iter().all(same)).then(|| self.space.unbounded(friction))
     }
 }
 
@@ -219,6 +229,9 @@ impl TuneConfig {
     /// # Errors
     /// A file that cannot be used, or files about robots with different numbers of joints.
     pub fn load(&mut self) -> Result<usize, ConfigError> {
+        if self.truth.is_unknown() && self.user_trials.is_none() {
+            self.truth = TruthName::CoulombViscous;
+        }
         freeze(self.truth.path(), &mut self.truth_content)?;
         freeze(self.model.as_ref(), &mut self.model_content)?;
         let file = self.robot_file()?;

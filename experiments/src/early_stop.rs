@@ -59,7 +59,7 @@ impl EarlyStop {
             expected_gain: at.gain,
             least_gain: rule.least_gain(&at),
             repeatability: at.repeatability,
-            stopped_in_a_row: finished.iter().rev().take_while(|trial| trial.failed()).count(),
+            stopped_in_a_row: FinishedTrial::failed_in_a_row(finished),
         }))
     }
 

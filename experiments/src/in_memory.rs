@@ -45,11 +45,7 @@ pub fn run_in_memory<const N: usize>(tune: &ValidTune<N>) -> Result<InMemory, Ca
         let past = Past { finished: &trials, ..Past::default() };
         let better = if begins_batch { chooser.strategy.better_law(past, &logs).map_err(fail)? } else { None };
         if let Some(change) = better {
-            let before = tune.space.clone();
-            tune.change_law(change.law);
-            for trial in &mut trials {
-                trial.theta = tune.space.embedded(&before, &trial.theta);
-            }
+            tune.change_law_of(trials.iter_mut().map(|trial| &mut trial.theta), change.law);
             chooser = Chooser::of(&tune).map_err(fail)?;
             law_change = Some(change);
         } else if begins_batch {
@@ -79,6 +75,6 @@ pub fn run_in_memory<const N: usize>(tune: &ValidTune<N>) -> Result<InMemory, Ca
         });
         logs.0.push(outcome.log);
     }
-    let conclusion = Conclusion::of(&tune, chooser.strategy.as_ref(), &trials, &logs).map_err(fail)?;
+    let conclusion = Conclusion::of(&tune, &chooser, &trials, &logs).map_err(fail)?;
     Ok(InMemory { trials, conclusion, early_stop, law_change, space: tune.space })
 }

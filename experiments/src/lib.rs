@@ -70,7 +70,7 @@ pub mod watch;
 
 pub use against_ekf::{AgainstEkf, against_ekf};
 pub use ask_tell::{
-    Asked, JudgeError, JudgedLog, Learnt, SentTorque, Told, UserCampaign, UserTrials, judge_log, trial_remarks,
+    Asked, JudgeError, JudgedLog, Learnt, SentTorque, Told, UserCampaign, UserTrials, judge_log, reach, trial_remarks,
 };
 pub use batches::Batches;
 pub use believed::{Believed, NotCancelled, joint_effects, not_cancelled_sentences};

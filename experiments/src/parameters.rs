@@ -230,7 +230,13 @@ impl ParameterSpace {
 
     /// The parameter vector that comes closest to a friction model inside the box.
     pub fn theta<const N: usize>(&self, friction: &FrictionModel<N>) -> Vec<f64> {
-        let (zero, entries, k) = (self.zero(), self.entries(), self.parameters_per_joint());
+        let (entries, unbounded) = (self.entries(), self.unbounded(friction));
+        unbounded.into_iter().zip(entries).map(|(value, (_, low, high))| value.clamp(low, high)).collect()
+    }
+
+    /// The parameter vector that comes closest to a friction model, be it inside the box or not.
+    pub fn unbounded<const N: usize>(&self, friction: &FrictionModel<N>) -> Vec<f64> {
+        let (zero, k) = (self.zero(), self.parameters_per_joint());
         let joint = |j: usize| {
             let (coulomb, viscous, stribeck) = match friction.joints[j] {
                 JointFriction::CoulombViscous(law) => (law.coulomb_nm, law.viscous_nm_s_per_rad, None),
@@ -243,7 +249,7 @@ impl ParameterSpace {
                 ),
                 JointFriction::GazSigmoid(_) => (0.0, friction.joints[j].set_valued(0.0).viscous_nm_s_per_rad, None),
             };
-            let values = match (self.law, stribeck) {
+            match (self.law, stribeck) {
                 (TunedLaw::GazSigmoid, _) => match friction.joints[j] {
                     JointFriction::GazSigmoid(law) => vec![law.phi1_nm, law.phi2_s_per_rad, law.phi3_rad_s],
                     _ => zero[j * k..(j + 1) * k].to_vec(),
@@ -258,9 +264,7 @@ impl ParameterSpace {
                     };
                     vec![viscous, coulomb, law.breakaway_minus_coulomb_nm, speed, law.shape]
                 }
-            };
-            let own = entries[j * k..(j + 1) * k].iter();
-            own.zip(values).map(|(entry, value)| value.clamp(entry.1, entry.2)).collect::<Vec<_>>()
+            }
         };
         (0..self.joints()).flat_map(joint).collect()
     }

@@ -2,6 +2,7 @@
 
 use serde_json::{Map, Value, json};
 
+use crate::strategy::LawCheck;
 use crate::{AgainstEkf, CampaignResult, ParameterSpace};
 
 impl CampaignResult {
@@ -47,11 +48,9 @@ impl CampaignResult {
                 "cost_of_ekf_campaign": judged.cost_of_ekf_campaign,
                 "excess": judged.excess(),
             })),
-            "law_check": self.conclusion.law_check.map(|check| json!({
-                "unexplained": check.unexplained,
-                "passed": check.passed(),
-            })),
+            "law_check": self.conclusion.law_check.map(LawCheck::summary),
             "standing": self.conclusion.standing,
+            "beyond_box": self.conclusion.beyond_box,
             "law_change": self.law_change,
             "true_params": self.truth.as_ref().map(|theta| space.nested(theta)),
             "early_stop": self.early_stop,

@@ -33,6 +33,8 @@ pub enum TruthName {
     Thermal,
     /// No friction.
     Frictionless,
+    /// Nobody says: coulomb_viscous of a simulated arm, none of a robot elsewhere.
+    Unknown,
     /// A model file.
     File(PathBuf),
 }
@@ -47,6 +49,7 @@ impl From<String> for TruthName {
             "soft" => Self::Soft,
             "thermal" => Self::Thermal,
             "frictionless" => Self::Frictionless,
+            "" => Self::Unknown,
             _ => Self::File(PathBuf::from(name)),
         }
     }
@@ -62,6 +65,7 @@ impl From<TruthName> for String {
             TruthName::Soft => "soft".to_owned(),
             TruthName::Thermal => "thermal".to_owned(),
             TruthName::Frictionless => "frictionless".to_owned(),
+            TruthName::Unknown => String::new(),
             TruthName::File(path) => path.display().to_string(),
         }
     }
@@ -77,6 +81,16 @@ pub struct LoadedTruth<const N: usize> {
 }
 
 impl TruthName {
+    /// What is meant where a file does not say.
+    pub(crate) fn unknown() -> Self {
+        Self::Unknown
+    }
+
+    /// Whether nobody says.
+    pub(crate) fn is_unknown(&self) -> bool {
+        *self == Self::Unknown
+    }
+
     /// The path of a model file.
     pub fn path(&self) -> Option<&PathBuf> {
         match self {
@@ -113,7 +127,7 @@ impl TruthName {
             Self::Gaz => return Err(unknown(GAZ)),
             Self::Soft => Truth::new(arm, friction()?.coulomb_viscous()).creeping(),
             Self::Thermal => Truth::new(arm, friction()?.coulomb_viscous()).warming_up(),
-            Self::Frictionless => Truth::new(arm, FrictionModel::none()),
+            Self::Frictionless | Self::Unknown => Truth::new(arm, FrictionModel::none()),
             Self::File(_) => return Err(unknown("a model file that has been read")),
         };
         let oracle = Believed::of(truth.clone());

@@ -206,6 +206,15 @@ impl RobotLog {
         self.0.map(|_, column| column.get(start..end).map(<[f64]>::to_vec).unwrap_or_default()).validate()
     }
 
+    /// The log without these rows, which are in order.
+    ///
+    /// # Errors
+    /// [`LogError::TooFewRows`] if fewer than two rows are left.
+    pub fn without_rows(&self, left_out: &[usize]) -> Result<Self, LogError> {
+        let kept: Vec<usize> = (0..self.rows()).filter(|row| left_out.binary_search(row).is_err()).collect();
+        self.0.map(|_, column| kept.iter().map(|row| column[*row]).collect()).validate()
+    }
+
     /// Time from the first to the last stamp (s).
     #[must_use]
     pub fn duration_s(&self) -> f64 {

@@ -51,9 +51,8 @@ const TRIALS_OF_GREY_BOX: usize = 5;
 /// Settings of a new campaign.
 fn begun(arguments: &Ask) -> anyhow::Result<AnyTune> {
     configured(arguments.config.as_deref(), |config| {
-        // Nobody knows the truth about a robot elsewhere, and nothing depends on it.
         if arguments.config.is_none() {
-            config.truth = tribo_experiments::scenario::TruthName::Frictionless;
+            config.truth = tribo_experiments::scenario::TruthName::Unknown;
         }
         arguments.settings.apply(config)?;
         let nobody_said = arguments.config.is_none() && arguments.settings.trials.is_none();
@@ -146,6 +145,9 @@ fn ask<const N: usize>(mut campaign: UserCampaign<N>, arguments: &Ask, common: &
         if let Some(change) = campaign.law_change().filter(|change| change.from_trial == asked.number) {
             message!("tribo: {change}");
         }
+        for beyond in campaign.beyond_box() {
+            message!("tribo: {beyond}");
+        }
         let chosen = asked.origin;
         message!(
             "trial {} of {} (chosen by {chosen}); when it has run: tribo tell {directory} LOG --trial {}",
@@ -164,6 +166,7 @@ fn document<const N: usize>(campaign: &UserCampaign<N>, asked: &Asked) -> Value 
         "origin": asked.origin,
         "params": campaign.tune().space.nested(&asked.theta),
         "compensator": asked.file,
+        "beyond_box": campaign.beyond_box(),
         "running": campaign.running(),
     })
 }

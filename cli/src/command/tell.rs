@@ -4,9 +4,9 @@ use std::path::Path;
 
 use serde_json::{Map, Value, json};
 use tribo_diagnose::{Diagnosable, Nominal};
-use tribo_experiments::strategy::BestTrial;
-use tribo_experiments::{AbortReason, JudgedLog, Told, TuneConfig, UserCampaign, judge_log, trial_remarks};
-use tribo_logs::recognise::{Fault, Use, recognise};
+use tribo_experiments::strategy::{BestTrial, LawCheck};
+use tribo_experiments::{AbortReason, JudgedLog, Told, TuneConfig, UserCampaign, judge_log, reach, trial_remarks};
+use tribo_logs::recognise::{Fault, Use, recognise, without_impossible_rows};
 use tribo_logs::{RobotLog, read_log};
 
 use super::believe::{Refused, believe};
@@ -123,12 +123,16 @@ where
     Nominal<N>: Diagnosable,
 {
     let theta = campaign.asked(number)?.theta;
+    let (log, impossible) = without_impossible_rows(log, &reach(&campaign.tune().trial.model, log.joints()));
+    let log = &log;
     // Somebody may have stopped a trial before the arm moved.
     let mut remarks = recognise(log);
     remarks.retain(|remark| !failed || remark.fault != Fault::Standstill);
     believe(path, &remarks, Use::Trial, Refused::IsAnError, common.quiet)?;
     let remarks = trial_remarks(campaign.tune(), campaign.user_trials(), log, failed);
     believe(path, &remarks, Use::Trial, Refused::IsAnError, common.quiet)?;
+    // What is wrong with a unit says so itself, in better words.
+    believe(path, impossible.as_slice(), Use::Trial, Refused::IsAnError, common.quiet)?;
     let judged = judge_log(campaign.tune(), campaign.user_trials(), &theta, log, failed);
     Ok(judged.map_err(|error| BadInput(format!("{}: {error}", path.display())))?)
 }
@@ -152,8 +156,10 @@ fn document<const N: usize>(
         "faults": judged.map(|judged| judged.faults),
         "logged_compensation": judged.map(|judged| judged.logged_compensation),
         "best": told.conclusion.best,
-        "law_check": told.conclusion.law_check.map(|check| json!({"unexplained": check.unexplained, "passed": check.passed()})),
+        "law_check": told.conclusion.law_check.map(LawCheck::summary),
         "standing": told.conclusion.standing,
+        "beyond_box": told.conclusion.beyond_box,
+        "remarks": told.conclusion.remarks(),
         "early_stop": told.early_stop,
         "finished": told.finished,
         "trials": campaign.tune().config.trials,

@@ -4,6 +4,7 @@ use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use anyhow::Context;
+use serde_json::json;
 use tribo_experiments::files::FileError;
 use tribo_experiments::strategy::BestTrial;
 use tribo_experiments::watch::write_report;
@@ -11,6 +12,7 @@ use tribo_experiments::{
     AgainstEkf, AnyTune, Campaign, CampaignError, CampaignResult, Changes, CostName, EstimatorName, ParameterSpace,
     TuneConfig, against_ekf,
 };
+use tribo_sim::not_simulated;
 
 use super::{CAMPAIGNS, configured, expected, now, show_remarks, warn_not_cancelled};
 use crate::arguments::{CampaignSettings, Common, Tune};
@@ -51,6 +53,12 @@ fn finish<const N: usize>(
     let (total, finished) = (campaign.tune().config.trials, campaign.finished());
     if !common.quiet {
         message!("campaign {} ({} of {total} trials done)", directory.display(), finished);
+    }
+    let not_simulated = not_simulated(&campaign.tune().trial.truth.effects);
+    if !common.quiet {
+        for limit in &not_simulated {
+            message!("tribo: {limit}");
+        }
     }
     if let Some(believed) = &campaign.tune().believed {
         warn_not_cancelled(&believed.not_cancelled, common);
@@ -108,7 +116,11 @@ fn finish<const N: usize>(
     let wall_s = started.elapsed().as_secs_f64();
     let report = report.context("the campaign ended without a report")??;
     if common.json {
-        print_json(&result.to_json(judged, wall_s));
+        let mut document = result.to_json(judged, wall_s);
+        if !not_simulated.is_empty() {
+            document["not_simulated"] = json!(not_simulated);
+        }
+        print_json(&document);
     } else if !common.quiet {
         show(&result, judged.as_ref(), directory, &report, wall_s);
     }
@@ -199,9 +211,6 @@ fn show_parameters(space: &ParameterSpace, theta: &[f64], truth: Option<&[f64]>)
         parameters.add_row(std::iter::once(joint.to_string()).chain(cells));
     }
     print(format_args!("\n{parameters}"));
-    for sentence in space.at_bounds(theta) {
-        print(sentence);
-    }
 }
 
 fn check(result: &CampaignResult, limit: f64) -> anyhow::Result<()> {

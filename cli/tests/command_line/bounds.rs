@@ -76,6 +76,9 @@ fn simulate_says_what_it_leaves_out() {
     assert!(gain.0.contains(&format!("tribo: torque_gain of joints 1 and 3 {where_it_is}")), "{}", gain.0);
     assert!(late.0.contains(&format!("tribo: time_delay {where_it_is}")), "{}", late.0);
     assert!(early.0.contains("tribo: time_delay below zero is not simulated"), "{}", early.0);
+    let tuned = run(at, "tune --truth late.yaml --trials 1 --out tuned --json").ok();
+    assert!(tuned.stderr.contains(&format!("tribo: time_delay {where_it_is}")), "{tuned:?}");
+    assert!(tuned.json()["not_simulated"][0].as_str().unwrap().starts_with("time_delay"), "{tuned:?}");
     assert_eq!(early.1.as_array().unwrap().len(), 1);
     assert_eq!(early.2, plain.2);
     // Without noise: a torque that is a fifth larger, and one that is that of ten periods ago.

@@ -530,10 +530,41 @@ fn a_parameter_at_its_bound_is_said() {
     let literal = run(at.path(), "tune --truth strong.yaml --bounds literal --out literal").ok();
     assert!(literal.stdout.contains("joint 1: coulomb_nm is at its bound of 2.500"), "{}", literal.stdout);
     run(at.path(), "report literal -q").ok();
+    assert!(
+        literal.stdout.lines().any(|line| line.contains("2.500") && line.contains("4.000")),
+        "the truth is 4 Nm: {}",
+        literal.stdout
+    );
     let report = std::fs::read_to_string(at.path().join("literal/report.html")).unwrap();
     assert!(report.contains("is at its bound of 2.500"), "the report says so too");
+    run(at.path(), "ask mine --truth strong.yaml --bounds literal -q --out next.yaml").ok();
+    run(at.path(), "simulate mine/campaign.yaml --trial 0 --compensation next.yaml --log trial.csv -q").ok();
+    let words = "joint 1: coulomb_nm is at its bound of 2.500, and the last logs speak for ";
+    let told = run(at.path(), "tell mine trial.csv").ok();
+    assert!(told.stdout.contains(words), "{told:?}");
+    let asked = run(at.path(), "ask mine --out next.yaml").ok();
+    assert!(asked.stderr.contains(words), "{asked:?}");
     let free = run(at.path(), "tune --truth strong.yaml --out free --json -q").ok().json();
     let found = number(&free["params"]["joint_1"]["coulomb_nm"]);
     assert!((found / 4.0 - 1.0).abs() < 0.03, "{found}");
     assert!(number(&free["best"]["cost"]) < 1.2 * number(&free["oracle_cost"]), "{}", free["best"]);
+    // Any strategy says it, whatever its best trial happened to be.
+    let random = run(at.path(), "tune --truth strong.yaml --bounds literal --strategy bo --trials 8 --out random").ok();
+    assert!(random.stdout.contains("joint 1: coulomb_nm is at its bound of 2.500"), "{}", random.stdout);
+}
+
+/// An arm without friction has none that a law could fail to explain; nobody knows the truth about a robot.
+#[test]
+fn nothing_is_said_of_the_friction_of_an_arm_that_has_none() {
+    let at = scratch();
+    for robot in ["panda", "ur10e"] {
+        let tuned =
+            run(at.path(), &format!("tune --truth frictionless --robot {robot} --out {robot} --json -q")).ok().json();
+        assert_eq!(tuned["law_check"]["passed"], true, "{robot}: {}", tuned["law_check"]);
+    }
+    run(at.path(), "ask mine -q").ok();
+    let settings = std::fs::read_to_string(at.path().join("mine/campaign.yaml")).unwrap();
+    assert!(!settings.contains("truth"), "{settings}");
+    run(at.path(), "ask mine -q").ok();
+    run(at.path(), "report mine -q").ok();
 }

@@ -62,10 +62,26 @@ fn a_wrong_log_is_no_trial() {
     mutilated(at, "good.csv", "turned.csv", |name, x| if torque(name) { -x } else { x });
     refused(at, "tell mine turned.csv", &["torque_sign", "all joints", "multiply the torques by -1"]);
     // In so small a motion other joints are not explained well either: what turns one joint's torque from noise into sense is said.
-    for joint in [1, 3, 5] {
+    for joint in 0..7 {
         let column = format!("tau_J_d_{joint}");
         mutilated(at, "good.csv", "one.csv", |name, x| if name == column { -x } else { x });
-        refused(at, "tell mine one.csv", &["torque_sign", &format!("joint {joint}")]);
+        refused(at, "tell mine one.csv", &["_sign", &format!("joint {joint}")]);
+        let columns = [format!("q_{joint}"), format!("dq_{joint}")];
+        mutilated(at, "good.csv", "one.csv", |name, x| if columns.contains(&name.to_owned()) { -x } else { x });
+        refused(at, "tell mine one.csv", &["_sign", &format!("joint {joint}")]);
+    }
+    mutilated(at, "good.csv", "one.csv", |name, x| if name == "tau_J_d_3" { 4.0 * x } else { x });
+    refused(at, "tell mine one.csv", &["torque_unit", "the torque of joint 3 is 3.99"]);
+    mutilated(at, "good.csv", "one.csv", |name, x| if matches!(name, "q_2" | "dq_2") { x * DEGREES } else { x });
+    refused(at, "tell mine one.csv", &["degrees", "joint 2"]);
+    let swapped = first.replace("tau_J_d_5", "?").replace("tau_J_d_6", "tau_J_d_5").replace('?', "tau_J_d_6");
+    std::fs::write(at.join("one.csv"), swapped).unwrap();
+    refused(at, "tell mine one.csv", &["joint_order", "exchange columns tau_J_5 and tau_J_6"]);
+    // The whole log of another arm.
+    for robot in ["kinova_gen3", "iiwa14"] {
+        run(at, &format!("ask {robot} --robot {robot} --trials 3 --out other.yaml -q")).ok();
+        run(at, &format!("simulate {robot}/campaign.yaml --trial 0 --compensation other.yaml --log one.csv -q")).ok();
+        refused(at, "tell mine one.csv", &["other_robot", robot]);
     }
     mutilated(at, "good.csv", "standing.csv", |name, x| match angle(name) {
         true if name.starts_with("dq") => 0.0,

@@ -54,6 +54,8 @@ pub(super) struct Fit<const N: usize> {
     pub unexplained: [f64; N],
     /// Correlation of the measured torque of each joint (as meant) with the explained one.
     pub correlation: [f64; N],
+    /// Share of the instants at which each joint moves [-].
+    pub moves: [f64; N],
 }
 
 impl<const N: usize> Fit<N> {
@@ -164,7 +166,9 @@ pub(super) fn fit<const N: usize>(
         unexplained[source] = (sigma[j] / sizes[j].1.max(floor[j])).powi(2);
     }
     let correlation = std::array::from_fn(|j| correlation(tau.iter().map(|x| x[j]), explained.iter().map(|x| x[j])));
-    nats.is_finite().then_some(Fit { nats, penalty_nats: penalty, left, unexplained, correlation })
+    let moves =
+        std::array::from_fn(|j| columns.motion.iter().map(|at| sign(at.qd[j]).powi(2)).sum::<f64>() / count as f64);
+    nats.is_finite().then_some(Fit { nats, penalty_nats: penalty, left, unexplained, correlation, moves })
 }
 
 fn sign(qd: f64) -> f64 {

@@ -28,6 +28,8 @@ pub(super) enum Change {
     JointsReversed,
     /// Positions are in degrees.
     Degrees,
+    /// The position of a joint is.
+    JointDegrees(usize),
     /// All torques are so many times what they should be.
     TorqueFactor(f64),
     /// The torque of a joint is.
@@ -87,6 +89,7 @@ impl<const N: usize> Hypothesis<N> {
                 new.position.reverse();
             }
             Change::Degrees => new.position.iter_mut().for_each(|column| column.1 *= std::f64::consts::PI / 180.0),
+            Change::JointDegrees(j) => new.position[*j].1 *= std::f64::consts::PI / 180.0,
             Change::TorqueFactor(factor) => new.torque.iter_mut().for_each(|column| column.1 /= factor),
             Change::JointTorqueFactor(j, factor) => new.torque[*j].1 /= factor,
             Change::NoGravity => new.arm.gravity_m_s2 = Vector3::zeros(),
@@ -140,7 +143,7 @@ pub(super) fn of_torques<const N: usize>() -> Vec<Change> {
 /// Everything of positions and of the arm that is tried.
 pub(super) fn of_motion<const N: usize>(nominal: &Nominal<N>) -> Vec<Change> {
     let mut changes = vec![Change::Degrees, Change::JointsReversed, Change::NoGravity];
-    changes.extend((0..N).flat_map(|j| [Change::PositionSign(j), Change::AxisSign(j)]));
+    changes.extend((0..N).flat_map(|j| [Change::PositionSign(j), Change::AxisSign(j), Change::JointDegrees(j)]));
     changes.extend(pairs::<N>().flat_map(|(a, b)| [Change::PositionsSwapped(a, b), Change::JointsSwapped(a, b)]));
     let (own, size) = (nominal.arm.gravity_m_s2, nominal.arm.gravity_m_s2.norm());
     let axes = [Vector3::x(), Vector3::y(), Vector3::z()];

@@ -37,6 +37,15 @@ const WELL_ENOUGH: f64 = 0.3;
 /// By how much less must be left in all by another arm, or another unit; and for gravity to be surely elsewhere than in the model, of
 /// which priors alone only warn.
 const ARM_GAIN: f64 = 1.5;
+/// The same for one joint's torque or position that is explained like noise as it is and well with the opposite sign: at most 1 where the
+/// sign is right, 6 at least where it is not, even of a joint that carries nothing and moves little.
+const SIGN_NATS: f64 = 4.0;
+/// Share of the instants at which that joint moves at least.
+const MOVES: f64 = 0.1;
+/// Natural logarithm of the largest factor by which the torque of one joint is off, where only what its weight would be says so.
+const LARGEST_FACTOR_LN: f64 = 2.5;
+/// Gain (nats) by which another arm is named although joints of this motion stay unexplained.
+const OTHER_ARM_NATS: f64 = 150.0;
 /// Lead (nats) over others that say something else.
 const LEAD_NATS: f64 = 6.0;
 /// Things that may be wrong at the same time.
@@ -119,8 +128,10 @@ impl<const N: usize> Round<N> {
     /// The best hypothesis that convinces, if its gain is clear.
     fn found(&self) -> Option<Found<N>> {
         let clear = |(change, after): &&(Change, Fit<N>)| {
+            let gain = self.before.nats - after.nats;
             let needed = if matches!(change, Change::OtherSide(_)) { SIDE_NATS } else { NAMED_NATS };
-            self.before.nats - after.nats > needed && self.convinces(change, after)
+            gain > needed && self.convinces(change, after)
+                || gain > SIGN_NATS && self.turns_noise_into_sense(change, after)
         };
         let best = self.tried.iter().filter(clear).min_by(|a, b| a.1.nats.total_cmp(&b.1.nats));
         let (change, after) = best?;
@@ -142,11 +153,12 @@ impl<const N: usize> Round<N> {
         match change {
             // What the priors of tilt and rotors alone speak against.
             Change::OtherSide(_) | Change::NoGravity | Change::Gravity(_) => true,
-            Change::OtherRobot(_) => self.before.leaves_over(after, ARM_GAIN),
+            Change::OtherRobot(_) => {
+                self.before.leaves_over(after, ARM_GAIN) || self.before.nats - after.nats > OTHER_ARM_NATS
+            }
             _ => {
                 let (before, after) = (&self.before, after);
-                let worse =
-                    (0..N).any(|j| after.left[j] > NO_WORSE * before.left[j] && after.unexplained[j] > NOT_EXPLAINED);
+                let worse = self.worsens(after);
                 let explains_from = |least: f64| {
                     (0..N).any(|j| {
                         before.unexplained[j] > least
@@ -155,18 +167,37 @@ impl<const N: usize> Round<N> {
                     })
                 };
                 let decisive = before.nats - after.nats > DECISIVE_NATS && explains_from(AS_A_CONSTANT);
-                let unexplained = |fit: &Fit<N>| fit.unexplained.iter().filter(|left| **left > NOT_EXPLAINED).count();
-                let fewer = unexplained(after) < unexplained(before) && unexplained(after) <= MOST_UNEXPLAINED;
+                let unexplained =
+                    |fit: &Fit<N>, least: f64| fit.unexplained.iter().filter(|left| **left > least).count();
+                let fewer = unexplained(after, NOT_EXPLAINED) < unexplained(before, NOT_EXPLAINED)
+                    && unexplained(after, WELL_ENOUGH) <= MOST_UNEXPLAINED;
                 // The weight of the arm on a turned joint is an offset that no arm has; a factor on everything is nearly a heavy payload.
                 let cheaper = before.penalty_nats - after.penalty_nats > IMPLAUSIBLE_NATS;
                 let plausible = match change {
-                    Change::JointTorqueFactor(..) => false,
+                    Change::JointTorqueFactor(_, factor) => cheaper && factor.ln().abs() < LARGEST_FACTOR_LN,
                     Change::TorqueFactor(_) | Change::AllTorqueSigns => cheaper || before.leaves_over(after, ARM_GAIN),
                     _ => cheaper,
                 };
                 !worse && (explains_from(NOT_EXPLAINED) && fewer || plausible || decisive)
             }
         }
+    }
+}
+
+impl<const N: usize> Round<N> {
+    /// Whether more is left of a torque that is not explained well.
+    fn worsens(&self, after: &Fit<N>) -> bool {
+        let more = |j: usize| after.left[j] > NO_WORSE * self.before.left[j] && after.unexplained[j] > NOT_EXPLAINED;
+        (0..N).any(more)
+    }
+
+    /// Whether the joint whose sign is turned goes from as good as noise to explained, and nothing else gets worse. Friction alone does
+    /// that: as it is, the joint would give energy.
+    fn turns_noise_into_sense(&self, change: &Change, after: &Fit<N>) -> bool {
+        let (Change::TorqueSign(j) | Change::PositionSign(j)) = change else { return false };
+        let left = |fit: &Fit<N>| fit.unexplained[*j];
+        let moves = self.before.moves[*j] > MOVES;
+        moves && left(&self.before) > AS_A_CONSTANT && left(after) < WELL_ENOUGH && !self.worsens(after)
     }
 }
 

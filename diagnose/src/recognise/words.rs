@@ -87,6 +87,12 @@ pub(super) fn remark<const N: usize>(found: &Found<N>) -> Remark {
             format!("the torques fit the model with positions in degrees: {}", in_all()),
             "multiply columns q_i and dq_i by pi/180".to_owned(),
         ),
+        Change::JointDegrees(j) => refuse(
+            Fault::Degrees,
+            vec![*j],
+            format!("the torques fit the model with the position of joint {j} in degrees: {}", in_all()),
+            format!("multiply columns q_{j} and dq_{j} by pi/180"),
+        ),
         Change::TorqueFactor(factor) => refuse(
             Fault::TorqueUnit,
             everything,

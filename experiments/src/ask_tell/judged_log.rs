@@ -7,6 +7,7 @@ use tribo_logs::{GAP_TOLERANCE, Quantity, RobotLog, bursts, median_period_s};
 use tribo_robot::{ControlTerms, EstimatorInput, Pose, SensorFrame, WrenchEstimate, WrenchEstimator};
 use tribo_runtime::TickRecord;
 
+use super::logged_compensation::LoggedCompensation;
 use super::{SentTorque, UserTrials};
 use crate::log_wrench::{LONGEST_GAP_PERIODS, at, frame_at};
 use crate::{AnyEstimator, Cost, CostAccumulator, EstimatorError, EstimatorName, TrialLog, ValidTune};
@@ -75,6 +76,21 @@ pub enum JudgeError {
         /// Those that could not be used.
         faults: usize,
     },
+    /// The trial of another compensator.
+    #[error(
+        "tau_friction_{joint} is not what was asked for: {logged_nm:.3} Nm RMS where the joint moves, {asked_nm:.3} Nm asked, {apart_nm:.3} Nm apart; \
+         is it the log of another trial, or its sign or unit another?"
+    )]
+    OtherCompensation {
+        /// The joint.
+        joint: usize,
+        /// RMS of what the log says was added (Nm).
+        logged_nm: f64,
+        /// RMS of what the asked compensator adds at the speeds of the log (Nm).
+        asked_nm: f64,
+        /// RMS of the difference (Nm).
+        apart_nm: f64,
+    },
     /// Positions or torques that are no arm's.
     #[error("its cost is {0}: no arm has such positions, speeds or torques")]
     NotFinite(f64),
@@ -113,6 +129,7 @@ pub fn judge_log<const N: usize>(
     let mut estimator = AnyEstimator::for_tuning(tune.config.residual, tune.config.ekf, arm, &friction)?;
     let compensator = Compensator::new(friction, VelocitySource::Measured).with_effects(tune.trial.effects);
     let mut bristles = Bristles::default();
+    let mut compensation = LoggedCompensation::new();
     let (mut accumulator, mut samples, mut faults) = (CostAccumulator::new(tune.trial.measure), 0, 0);
     let period_s = nanoseconds(median_period_s(&log.time_s).unwrap_or_default());
     let every = (LOG_PERIOD_S / period_s).round().max(1.0);
@@ -158,6 +175,9 @@ pub fn judge_log<const N: usize>(
         let (q, qd_measured, qd_reference, load_nm) = (frame.q, frame.qd, frame.qd, terms.bias_nm());
         let input = CompensatorInput { q, qd_measured, qd_reference, load_nm, dt_s };
         let believed = compensator.tick(&mut bristles, &input);
+        if let Some(all) = &log.tau_friction_nm {
+            compensation.add(&frame.qd, &at(all, k), &believed.total());
+        }
         let law_nm = log.tau_friction_nm.as_ref().map_or(believed.law_nm, |all| at(all, k) - believed.effects_nm);
         let command = match (user_trials.torque, &log.tau_j_d_nm) {
             (SentTorque::Commanded, Some(tau)) => at(tau, k),
@@ -196,6 +216,7 @@ pub fn judge_log<const N: usize>(
     if !failed && (samples - faults) as f64 <= LEAST_USED * samples as f64 {
         return Err(JudgeError::Unused { samples, faults });
     }
+    compensation.is_the_asked_one()?;
     let cost = accumulator.finish(aborted_at_s, user_trials.judged_s);
     if !cost.total().is_finite() {
         return Err(JudgeError::NotFinite(cost.total()));

@@ -2,12 +2,13 @@
 
 mod judged_log;
 mod learnt;
+mod logged_compensation;
 mod trial_remarks;
 mod user_campaign;
 mod user_trials;
 
 pub use judged_log::{JudgeError, JudgedLog, judge_log};
 pub use learnt::Learnt;
-pub use trial_remarks::trial_remarks;
+pub use trial_remarks::{reach, trial_remarks};
 pub use user_campaign::{Asked, Told, UserCampaign};
 pub use user_trials::{SentTorque, UserTrials};

@@ -3,9 +3,9 @@
 use nalgebra::SVector;
 use tribo_diagnose::{Diagnosable, Nominal, recognise::recognise};
 use tribo_friction::FrictionModel;
-use tribo_logs::recognise::{Fault, Remark, travel};
+use tribo_logs::recognise::{Fault, Reach, Remark, travel};
 use tribo_logs::{LogColumns, RobotLog};
-use tribo_robot::gravity_torque;
+use tribo_robot::{Arm, gravity_torque};
 use tribo_sim::TorqueSide;
 
 use super::{SentTorque, UserTrials};
@@ -91,4 +91,21 @@ fn acted<const N: usize>(
     }
     columns.tau_link_nm = None;
     columns.validate().ok()
+}
+
+/// Torque and speed that no joint of an arm reaches: far beyond its limits, of a joint that has some.
+const BEYOND_LIMITS: f64 = 5.0;
+/// The same of joints that have none (Nm, rad/s).
+const UNLIMITED: [f64; 2] = [1e4, 50.0];
+
+/// What no joint of this arm does, for the first `joints` of them.
+pub fn reach<const N: usize>(arm: &Arm<N>, joints: usize) -> Reach {
+    let of = |limits: &SVector<f64, N>, unlimited: f64| {
+        let usable = |limit: f64| limit.is_finite() && limit > 0.0;
+        (0..joints)
+            .map(|j| limits.get(j).filter(|limit| usable(**limit)).map_or(unlimited, |limit| BEYOND_LIMITS * limit))
+            .collect()
+    };
+    let [torque_nm, speed_rad_s] = UNLIMITED;
+    Reach { torque_nm: of(&arm.limits.tau_max_nm, torque_nm), speed_rad_s: of(&arm.limits.qd_max_rad_s, speed_rad_s) }
 }

@@ -15,7 +15,7 @@ use crate::files::{FileError, TunedFile};
 use crate::journal::{Clock, Ended, Journal, JournalTrial, TrialState, finish, finished_trial, seal, theta};
 use crate::stored_logs::StoredLogs;
 use crate::strategy::{
-    BestTrial, FinishedTrial, LawChange, LogSource, Origin, Past, Proposal, RunningTrial, StrategyError,
+    BestTrial, BeyondBox, FinishedTrial, LawChange, LogSource, Origin, Past, Proposal, RunningTrial, StrategyError,
 };
 use crate::watch::refresh_report;
 use crate::{
@@ -129,10 +129,9 @@ impl<const N: usize> UserCampaign<N> {
             return Ok(known.clone());
         }
         if finished.is_empty() {
-            return Ok(Conclusion { trials: 0, best: None, law_check: None, standing: Vec::new() });
+            return Ok(Conclusion::default());
         }
-        let strategy = self.chooser()?.strategy.as_ref();
-        let conclusion = Conclusion::of(&self.tune, strategy, finished, &self.logs());
+        let conclusion = Conclusion::of(&self.tune, self.chooser()?, finished, &self.logs());
         let conclusion = conclusion.map_err(|source| self.no_answer(source))?;
         self.journal.conclude(&conclusion)?;
         Ok(conclusion)
@@ -165,11 +164,13 @@ impl<const N: usize> UserCampaign<N> {
     /// # Errors
     /// A strategy without an answer, a log that cannot be read.
     pub fn early_stop(&self) -> Result<Option<EarlyStop>, CampaignError> {
-        if self.tune.config.stop_rule().is_none() || self.in_flight().next().is_some() {
-            return Ok(None);
-        }
         // A better law is worth a trial.
-        if self.better_law()?.is_some() {
+        if self.better_law()?.is_some() { Ok(None) } else { self.ended() }
+    }
+
+    /// Why another trial with the law that holds is not worth its time, if it is not.
+    fn ended(&self) -> Result<Option<EarlyStop>, CampaignError> {
+        if self.in_flight().next().is_some() {
             return Ok(None);
         }
         let finished: Vec<FinishedTrial> = self.finished().cloned().collect();
@@ -178,11 +179,13 @@ impl<const N: usize> UserCampaign<N> {
             .map_err(|source| self.no_answer(source))
     }
 
-    /// Another friction law, if the last logs speak for it.
+    /// Another friction law, if the last logs speak for it; nobody knows while trials are in flight.
     fn better_law(&self) -> Result<Option<LawChange>, CampaignError> {
+        if self.in_flight().next().is_some() {
+            return Ok(None);
+        }
         let finished: Vec<FinishedTrial> = self.finished().cloned().collect();
-        let running: Vec<RunningTrial> = self.in_flight().cloned().collect();
-        let past = Past { finished: &finished, running: &running, allowed: None };
+        let past = Past { finished: &finished, ..Past::default() };
         let better = self.chooser()?.strategy.better_law(past, &self.logs());
         better.map_err(|source| self.no_answer(source))
     }
@@ -190,14 +193,11 @@ impl<const N: usize> UserCampaign<N> {
     /// Goes over to another friction law, in which the trials so far are what they were.
     fn change_law(&mut self, change: &LawChange) -> Result<(), FileError> {
         self.journal.set_law(change)?;
-        let before = self.tune.space.clone();
-        self.tune.change_law(change.law);
-        for entry in &mut self.trials {
-            if let Entry::Finished(FinishedTrial { theta, .. }) | Entry::Running(RunningTrial { theta, .. }, _) = entry
-            {
-                *theta = self.tune.space.embedded(&before, theta);
-            }
-        }
+        let tried = self.trials.iter_mut().filter_map(|entry| match entry {
+            Entry::Finished(FinishedTrial { theta, .. }) | Entry::Running(RunningTrial { theta, .. }, _) => Some(theta),
+            _ => None,
+        });
+        self.tune.change_law_of(tried, change.law);
         self.chooser.take();
         Ok(())
     }
@@ -279,7 +279,7 @@ impl<const N: usize> UserCampaign<N> {
         let fail = |source| CampaignError::Strategy { trial: number, source };
         if let Some(change) = self.better_law()? {
             self.change_law(&change)?;
-        } else if let Some(stop) = self.early_stop()?.filter(|_| !anyway) {
+        } else if let Some(stop) = self.ended()?.filter(|_| !anyway) {
             return Err(CampaignError::NothingToGain { campaign: self.directory.clone(), stop });
         }
         let (finished, running): (Vec<_>, Vec<_>) =
@@ -320,10 +320,24 @@ impl<const N: usize> UserCampaign<N> {
     /// A trial that does not run; files that cannot be written.
     pub fn tell(&mut self, number: usize, judged: &JudgedLog<N>, failed: Option<&str>) -> Result<Told, CampaignError> {
         self.at(number)?;
+        self.not_told_before(judged)?;
         let path = trial_log_path(&self.directory, number);
         write_trial_log(&path, &judged.log)?;
         let seal = seal_of(&path).map_err(FileError::io(&path))?;
         self.finish(number, judged.cost, Ended { aborted_at_s: judged.aborted_at_s, seal, reported: None }, failed)
+    }
+
+    /// An error where another trial was told with the same positions: no arm moves twice to the last bit of its encoders.
+    fn not_told_before(&self, judged: &JudgedLog<N>) -> Result<(), CampaignError> {
+        let logs = self.logs();
+        for trial in self.finished() {
+            if logs.log(trial.number)?.is_some_and(|told| told.q == judged.log.q) {
+                let message =
+                    format!("the positions of this log are those of trial {}, which has been told", trial.number);
+                return Err(FileError::Campaign { path: self.directory.clone(), message }.into());
+            }
+        }
+        Ok(())
     }
 
     /// Ends a running trial that failed and left no log: the full penalty.
@@ -383,13 +397,17 @@ impl<const N: usize> UserCampaign<N> {
         finish(&mut self.journal, &trial, &ended)?;
         self.seals.extend(ended.seal.map(|seal| (number, seal)));
         self.set(number, Entry::Finished(trial.clone()));
+        let early_stop = self.early_stop()?;
+        EarlyStop::leave(early_stop.as_ref(), &self.directory)?;
         self.refresh()?;
         let finished: Vec<FinishedTrial> = self.finished().cloned().collect();
         let conclusion = self.conclude(&finished)?;
-        let (aborted_at_s, early_stop) = (ended.aborted_at_s, self.early_stop()?);
-        EarlyStop::leave(early_stop.as_ref(), &self.directory)?;
-        refresh_report(&self.directory)?;
-        Ok(Told { trial, aborted_at_s, conclusion, finished: finished.len(), early_stop })
+        Ok(Told { trial, aborted_at_s: ended.aborted_at_s, conclusion, finished: finished.len(), early_stop })
+    }
+
+    /// Parameters of which the last logs speak for more than may be tried.
+    pub fn beyond_box(&self) -> &[BeyondBox] {
+        self.journal.study().conclusion.as_ref().map_or(&[], |conclusion| &conclusion.beyond_box)
     }
 
     /// The best trial so far.

@@ -11,8 +11,7 @@ use super::completion::Completion;
 use super::identification::{Identification, basis_column};
 use super::replay::Replay;
 use super::{
-    BestTrial, FinishedTrial, LawChange, LawCheck, LogSource, Origin, Past, Proposal, RunningTrial, Standing, Strategy,
-    StrategyError,
+    BestTrial, FinishedTrial, LawChange, LogSource, Origin, Past, Proposal, RunningTrial, Strategy, StrategyError,
 };
 use crate::{AbortReason, CostMeasure, ParameterSpace, ValidTune};
 
@@ -59,7 +58,7 @@ const WIDE: [f64; 2] = [0.5, 0.2];
 /// the same noise. On simulated arms the fits of trials 1 to 3 differ by less than 1 % of J, whatever the friction law, and
 /// corrections by Bayesian optimisation gain nothing but luck: run again, their winners are up to 3 % worse.
 ///
-/// Least squares is as good as its law. [`LawCheck`] asks the first log whether the law holds on parts of it that were not fitted;
+/// Least squares is as good as its law. [`super::LawCheck`] asks the first log whether the law holds on parts of it that were not fitted;
 /// where it does not, S grows to half of each parameter. Where the Stribeck law promises to lower J by a quarter of a percent or more, the campaign
 /// goes over to it ([`LawChange`]), unless it was told to keep its law.
 ///
@@ -214,14 +213,6 @@ impl<const N: usize> Strategy<N> for GreyBox<N> {
         Ok((number == 0).then(|| Proposal { theta: self.space.zero(), origin: Origin::Constant }))
     }
 
-    fn law_check(&self, number: usize, logs: &dyn LogSource<N>) -> Result<Option<LawCheck>, StrategyError> {
-        self.identification.law_check(number, logs)
-    }
-
-    fn standing(&self, number: usize, logs: &dyn LogSource<N>) -> Result<Vec<Standing>, StrategyError> {
-        self.identification.standing(number, logs)
-    }
-
     fn better_law(&self, past: Past<'_>, logs: &dyn LogSource<N>) -> Result<Option<LawChange>, StrategyError> {
         let Some((space, identification)) = &self.other_law else { return Ok(None) };
         let next = next(past);
@@ -270,8 +261,7 @@ impl<const N: usize> Strategy<N> for GreyBox<N> {
             return Ok(None);
         }
         // Where one trial after the other is stopped, ever smaller steps gain nothing that is worth them.
-        let stopped = past.finished.iter().rev().take_while(|trial| trial.failed()).count();
-        if stopped >= HOPELESS {
+        if FinishedTrial::failed_in_a_row(past.finished) >= HOPELESS {
             let best = past.finished.iter().map(|trial| trial.cost.total()).fold(f64::INFINITY, f64::min);
             return Ok(Some(ExpectedGain { gain: 0.0, repeatability: REPEATABILITY * best, best }));
         }

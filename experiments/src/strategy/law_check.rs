@@ -3,6 +3,7 @@
 use std::fmt;
 
 use serde::{Deserialize, Serialize};
+use serde_json::{Value, json};
 use tribo_friction::identify::{GlsError, GlsSample, GlsSettings, unexplained_on_held_out};
 
 /// What the best parameters of a law leave of the wrench in free motion, on parts of a log that they were not fitted to.
@@ -33,6 +34,11 @@ impl LawCheck {
     /// Samples that the fit could not use either.
     pub fn of<const N: usize>(samples: &[GlsSample<N>], settings: &GlsSettings<N>) -> Result<Self, GlsError> {
         Ok(Self { unexplained: unexplained_on_held_out(samples, settings)? })
+    }
+
+    /// `{unexplained, passed}`.
+    pub fn summary(self) -> Value {
+        json!({"unexplained": self.unexplained, "passed": self.passed()})
     }
 
     /// Whether the law explains the log.

@@ -3,6 +3,7 @@
 mod baseline;
 mod bayes;
 mod best;
+mod beyond_box;
 mod cma_es;
 mod completion;
 mod grey_box;
@@ -23,6 +24,7 @@ use tribo_friction::identify::GlsError;
 pub(crate) use baseline::published_gaz;
 pub(crate) use bayes::observations;
 pub use best::BestTrial;
+pub use beyond_box::BeyondBox;
 pub use grey_box::GreyBox;
 pub(crate) use identification::basis_column;
 pub use identification::{Identification, identification_samples};
@@ -79,6 +81,11 @@ impl FinishedTrial {
     /// Whether it was stopped for what its compensator did.
     pub fn failed(&self) -> bool {
         self.aborted.is_some_and(|why| why != AbortReason::Stopped)
+    }
+
+    /// How many of the last trials were, one after the other.
+    pub(crate) fn failed_in_a_row(finished: &[Self]) -> usize {
+        finished.iter().rev().take_while(|trial| trial.failed()).count()
     }
 }
 
@@ -186,19 +193,6 @@ pub trait Strategy<const N: usize>: Send + Sync {
 
     /// The parameters of trial `number`, from all that is known of the trials before it.
     fn propose(&self, number: usize, past: Past<'_>, logs: &dyn LogSource<N>) -> Result<Proposal, StrategyError>;
-
-    /// What the first log before trial `number` that is long enough says of the friction law; none without one, or of a strategy that
-    /// identifies no law.
-    fn law_check(&self, number: usize, logs: &dyn LogSource<N>) -> Result<Option<LawCheck>, StrategyError> {
-        let _ = (number, logs);
-        Ok(None)
-    }
-
-    /// Joints that stood still in the last logs before trial `number`; none of a strategy that identifies no law.
-    fn standing(&self, number: usize, logs: &dyn LogSource<N>) -> Result<Vec<Standing>, StrategyError> {
-        let _ = (number, logs);
-        Ok(Vec::new())
-    }
 
     /// Another friction law, if the last logs speak for it; none of a strategy that identifies no law.
     fn better_law(&self, past: Past<'_>, logs: &dyn LogSource<N>) -> Result<Option<LawChange>, StrategyError> {

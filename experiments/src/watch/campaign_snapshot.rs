@@ -131,9 +131,6 @@ impl CampaignSnapshot {
         remarks.extend(self.references.and_then(|references| references.remark()));
         remarks.extend(self.law_change.map(|change| change.to_string()));
         remarks.extend(self.conclusion.iter().flat_map(Conclusion::remarks));
-        if let Some(best) = self.best() {
-            remarks.extend(self.tune.space().at_bounds(&best.trial.theta));
-        }
         remarks.extend(self.early_stop.map(|stop| format!("nothing left to gain: {stop}")));
         remarks
     }

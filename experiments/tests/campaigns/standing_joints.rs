@@ -2,6 +2,7 @@
 
 use std::path::Path;
 
+use tribo_control::GuardSettings;
 use tribo_experiments::scenario::TruthName;
 use tribo_experiments::{Campaign, InMemory, Phases, TuneConfig, run_in_memory};
 use tribo_friction::JointFriction;
@@ -61,4 +62,48 @@ fn a_joint_that_sticks_and_slips_is_not_compensated_too_much() {
             assert!(found[1] < 1.15, "seed {seed}, joint {joint}: {found:?}, truth 1 Nm s/rad");
         }
     }
+}
+
+/// A Panda whose last joint has more dry friction than the box of its campaign: the rest stays, and nothing of it goes to the neighbours.
+#[test]
+fn friction_beyond_the_box_is_not_given_to_other_joints() {
+    let at = tempfile::tempdir().unwrap();
+    let config = TuneConfig { truth: truth(at.path(), [4.0, 0.4]), ..TuneConfig::default() };
+    let campaign = run_in_memory(&config.validate::<7>().unwrap()).unwrap();
+    let beyond = &campaign.conclusion.beyond_box;
+    assert_eq!(beyond.iter().map(|it| it.joint).collect::<Vec<_>>(), [5], "{beyond:?}");
+    assert!((beyond[0].found / 4.0 - 1.0).abs() < 0.02 && beyond[0].bound == 3.0, "{beyond:?}");
+    for (joint, coulomb_nm) in [(0, 0.6), (1, 0.9), (2, 0.55), (3, 0.8), (4, 0.4), (6, 0.4)] {
+        let found = best(&campaign, joint);
+        assert!((found[0] / coulomb_nm - 1.0).abs() < 0.1 && found[1] < 1.5, "joint {joint}: {found:?}");
+    }
+}
+
+/// Where every compensator is stopped, the campaign gives up after five, and the trial without compensation counts.
+#[test]
+fn a_campaign_of_which_every_compensator_is_stopped_ends() {
+    let at = tempfile::tempdir().unwrap();
+    let guard = Some(GuardSettings { drift_rad: 1e-4, ..GuardSettings::default() });
+    let config = TuneConfig { truth: truth(at.path(), [0.4, 0.4]), trials: 20, guard, ..TuneConfig::default() };
+    let campaign = run_in_memory(&config.validate::<7>().unwrap()).unwrap();
+    assert_eq!(campaign.trials.len(), 6);
+    assert!(campaign.trials[0].aborted.is_none() && campaign.trials[1..].iter().all(|trial| trial.failed()));
+    let stop = campaign.early_stop.unwrap();
+    assert_eq!(stop.stopped_in_a_row, 5);
+    assert_eq!(stop.to_string(), "the last 5 of 6 trials were stopped for what their compensators did");
+    assert_eq!(campaign.conclusion.best.unwrap().trial, 0);
+}
+
+/// A motion that fails although the true friction is compensated fails for something else, which is told.
+#[test]
+fn a_motion_that_fails_with_the_true_friction_too_is_told() {
+    let at = tempfile::tempdir().unwrap();
+    let guard = Some(GuardSettings { drift_rad: 1e-4, ..GuardSettings::default() });
+    let config = TuneConfig { truth: truth(at.path(), [0.4, 0.4]), trials: 1, guard, ..TuneConfig::default() };
+    let campaign = at.path().join("c");
+    let clock = || "2026-01-01T00:00:00.000000+00:00".to_owned();
+    let result = Campaign::create(&campaign, config.validate::<7>().unwrap(), clock).unwrap().run(&mut ()).unwrap();
+    assert!(result.references.oracle_failed.is_some(), "{:?}", result.references);
+    let snapshot = tribo_experiments::watch::CampaignWatch::open(&campaign).unwrap().poll().unwrap().unwrap();
+    assert!(snapshot.remarks().contains(&result.references.remark().unwrap()), "{:?}", snapshot.remarks());
 }

@@ -4,6 +4,9 @@ use super::gls::Layout;
 use super::normal_equations::NormalEquations;
 use super::{GlsError, GlsSample, GlsSettings};
 
+/// Least weighted square per sample that counts as friction: of an estimator that is off by some of its deviations, which of an arm without
+/// friction is all there is, three percent of this are left.
+const LEAST_SQUARE: f64 = 3000.0;
 /// Contiguous parts that a log is cut into; samples in between would know their neighbours.
 const BLOCKS: usize = 10;
 
@@ -14,7 +17,7 @@ const BLOCKS: usize = 10;
 /// ```
 ///
 /// y, Cov and the fit θ are those of [`super::fit_from_wrench`]; θ_{−b} is from all blocks but b, ten contiguous ones. Near 0 where the
-/// law is right; 1 and more where it is no better than none.
+/// law is right; 1 and more where it is no better than none. The denominator is that of a friction that shows at least.
 ///
 /// # Errors
 /// Those of [`super::fit_from_wrench`]; of a block's complement, too.
@@ -43,7 +46,7 @@ pub fn unexplained_on_held_out<const N: usize>(
         others.add(block, -1.0);
         left += block.square_left(&others.solve(settings.correlated_samples, &layout).theta);
     }
-    Ok(if total.square > 0.0 { left / total.square } else { 1.0 })
+    Ok(left / total.square.max(LEAST_SQUARE * samples.len() as f64))
 }
 
 #[cfg(test)]

@@ -11,10 +11,12 @@
 mod angle;
 mod clock;
 mod encoder;
+mod impossible;
 mod remark;
 mod travel;
 mod velocity;
 
+pub use impossible::{Reach, without_impossible_rows};
 pub use remark::{Fault, Remark, Severity, Use, joints_named};
 pub use travel::{Travel, travel};
 

@@ -63,6 +63,8 @@ pub enum Fault {
     TorqueSide,
     /// Another arm than the model's.
     OtherRobot,
+    /// Samples that no joint of the arm gives.
+    Impossible,
 }
 
 impl Fault {
@@ -88,6 +90,7 @@ impl Fault {
             Self::GravityDirection => "gravity_direction",
             Self::TorqueSide => "torque_side",
             Self::OtherRobot => "other_robot",
+            Self::Impossible => "impossible_samples",
         }
     }
 
