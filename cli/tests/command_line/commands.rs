@@ -92,6 +92,7 @@ fn a_campaign_as_json_keeps_its_keys() {
         "against_ekf",
         "law_check",
         "standing",
+        "beyond_box",
         "law_change",
         "true_params",
         "early_stop",

@@ -72,8 +72,8 @@ fn a_wrong_log_is_no_trial() {
     }
     mutilated(at, "good.csv", "one.csv", |name, x| if name == "tau_J_d_3" { 4.0 * x } else { x });
     refused(at, "tell mine one.csv", &["torque_unit", "the torque of joint 3 is 3.99"]);
-    mutilated(at, "good.csv", "one.csv", |name, x| if matches!(name, "q_2" | "dq_2") { x * DEGREES } else { x });
-    refused(at, "tell mine one.csv", &["degrees", "joint 2"]);
+    mutilated(at, "good.csv", "one.csv", |name, x| if matches!(name, "q_5" | "dq_5") { x * DEGREES } else { x });
+    refused(at, "tell mine one.csv", &["degrees", "joint 5"]);
     let swapped = first.replace("tau_J_d_5", "?").replace("tau_J_d_6", "tau_J_d_5").replace('?', "tau_J_d_6");
     std::fs::write(at.join("one.csv"), swapped).unwrap();
     refused(at, "tell mine one.csv", &["joint_order", "exchange columns tau_J_5 and tau_J_6"]);

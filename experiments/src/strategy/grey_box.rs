@@ -33,6 +33,8 @@ const CAREFUL_FOR: usize = 6;
 const HOPELESS: usize = 5;
 /// Part of the largest possible change of J by the next fit that counts as its gain.
 const SETTLING: f64 = 0.5;
+/// Trials in a row that cost the same, after which fits that still move no longer promise anything.
+const STAYS: usize = 3;
 /// Part of the repeatability by which another law must lower J. Both laws are judged on the same noise: where the law is right the other one
 /// gains less than a hundredth of that.
 const LAW_PAYS: f64 = 0.1;
@@ -279,10 +281,15 @@ impl<const N: usize> Strategy<N> for GreyBox<N> {
         let Some(incumbent) = past.finished.iter().find(|trial| trial.number == best.trial) else { return Ok(None) };
         let frictions = [&incumbent.theta, &theta].map(|theta| self.space.friction(theta));
         let costs = self.replayed(&frictions, past.finished, logs)?;
-        // Fits that still move have not settled, even where the replay of an estimator that bends the wrench sees no gain in it.
-        let unsettled = SETTLING * self.largest_change(&frictions, past.finished, logs)?;
+        let repeatability = repeatability(&costs[0]);
+        // Fits that still move have not settled, even where the replay of an estimator that bends the wrench sees no gain in it; on a robot
+        // that warms up they go on moving, and J stays where it is.
+        let unsettled = match stays(past.finished, repeatability) {
+            true => 0.0,
+            false => SETTLING * self.largest_change(&frictions, past.finished, logs)?,
+        };
         let gain = (mean(&costs[0]) - mean(&costs[1])).max(unsettled);
-        Ok(Some(ExpectedGain { gain, repeatability: repeatability(&costs[0]), best: best.cost }))
+        Ok(Some(ExpectedGain { gain, repeatability, best: best.cost }))
     }
 
     fn propose(&self, number: usize, past: Past<'_>, logs: &dyn LogSource<N>) -> Result<Proposal, StrategyError> {
@@ -330,6 +337,14 @@ impl<const N: usize> Strategy<N> for GreyBox<N> {
 /// The trial after those that have finished.
 fn next(past: Past<'_>) -> usize {
     past.finished.iter().map(|trial| trial.number + 1).max().unwrap_or(0)
+}
+
+/// Whether the last trials were all seen to their end and cost the same, within what J repeats.
+fn stays(finished: &[FinishedTrial], repeatability: f64) -> bool {
+    let last = &finished[finished.len().saturating_sub(STAYS)..];
+    let costs = last.iter().map(|trial| trial.cost.total());
+    let (least, most) = costs.fold((f64::INFINITY, 0.0_f64), |(least, most), cost| (least.min(cost), most.max(cost)));
+    last.len() == STAYS && last.iter().all(|trial| trial.aborted.is_none()) && most - least < 2.0 * repeatability
 }
 
 fn mean(values: &[f64]) -> f64 {

@@ -93,7 +93,8 @@ impl<const N: usize> Identification<N> {
 
     /// Friction identified from the last two whole logs before trial `number` and those chosen with it, and from what trials since then left
     /// that were stopped; none without a log that is long enough. A joint that stood all the time tells least squares nothing: its dry
-    /// friction is taken for the largest torque that did not move it.
+    /// friction is taken for the largest torque that did not move it. To compensate more until it moves costs more than it gains: on the
+    /// wrist of an xarm7 J was up to twice that of the joint at rest.
     ///
     /// # Errors
     /// A log that cannot be read.
