@@ -44,14 +44,14 @@ pub enum Effect {
         /// Speed at which three quarters are reached, w [rad/s].
         width_rad_s: f64,
     },
-    /// `A (tanh((qd + ℓ qdd)/w) − tanh(qd/w))`: dry friction that turns round before the joint does, as the soft constraint of a physics
+    /// `A (clip((qd + ℓ qdd)/w) − clip(qd/w))`, clip to ±1: dry friction that turns round before the joint does, as the soft constraint of a physics
     /// engine makes it (see [`crate::SoftFriction`]). It is nothing at constant speed.
     FrictionLead {
         /// Joint.
         joint: usize,
         /// Dry friction that leads, A (Nm).
         amplitude_nm: f64,
-        /// Speed at which three quarters of it are reached, w [rad/s].
+        /// Speed at which all of it is reached, w [rad/s].
         width_rad_s: f64,
         /// Time by which it leads the velocity, ℓ (s).
         lead_s: f64,

@@ -46,7 +46,7 @@ pub(crate) struct FrictionLead {
 }
 
 impl FrictionLead {
-    /// `A (tanh((qd + ℓ qdd)/w) − tanh(qd/w))` (Nm) at qd [rad/s] and qdd [rad/s²] of the joint.
+    /// `A (clip((qd + ℓ qdd)/w) − clip(qd/w))` (Nm) at qd [rad/s] and qdd [rad/s²] of the joint.
     pub fn torque_nm(&self, qd: f64, qdd: f64) -> f64 {
         self.amplitude_nm * sign_lead(qd, qdd, self.width_rad_s, self.lead_s)
     }

@@ -17,7 +17,10 @@
 //! | a hand pushes with 50 N | compliant: the trial ends or is stopped, within its limits | `robot` |
 //! | power fails in a trial | stopped while the arm has hardly begun to fall | `robot` |
 //! | a log in degrees, ms, ns, mNm; signs turned, joints swapped, encoder frozen, `dq` wrong, gravity left out, another robot or side of the gears | refused, or warned of, in one sentence with the column to mend | `diagnose/tests/recognise`, `cli/tests/command_line/wrong_logs.rs` |
-//! | a trial in which most joints stood still; an estimator that could use no sample | refused: what costs nothing is no trial | `cli/tests/command_line/wrong_logs.rs` |
+//! | a trial in which most joints stood still | refused: what costs nothing is no trial | `cli/tests/command_line/wrong_logs.rs` |
+//! | one impossible number in a trial's log | its row is left out, and said: cost and next parameters are those of the good log | `cli/tests/command_line/taking_back.rs` |
+//! | the log of another trial, or of another compensator | refused: `tau_friction` or the positions say so | `cli/tests/command_line/taking_back.rs` |
+//! | every compensator is stopped; friction beyond the box | the campaign ends after five, the box is named | `experiments/tests/campaigns/standing_joints.rs` |
 //! | an exported compensator is given NaN, infinity, a negative period, garbage as memory | a torque within half of the joint's largest, also with `-O3 -ffast-math`; garbage is forgotten | `experiments/tests/export_bounds.rs` |
 //! | a file that claims more than it holds, or unpacks without end | refused before the memory is gone | `fuzz_inputs/bombs.rs`, `logs/tests/formats/bad_parquet.rs`, `logs/tests/formats/convert.rs` |
 //! | names in files with control characters | shown, not obeyed | `cli/tests/command_line/control_characters.rs` |

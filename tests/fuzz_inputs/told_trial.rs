@@ -3,8 +3,11 @@
 use std::path::Path;
 use std::sync::LazyLock;
 
-use tribo_experiments::{EstimatorName, SentTorque, TuneConfig, UserTrials, ValidTune, judge_log};
+use tribo_experiments::{
+    EstimatorName, SentTorque, TuneConfig, UserTrials, ValidTune, judge_log, reach, trial_remarks,
+};
 use tribo_logs::read_log_from;
+use tribo_logs::recognise::{recognise, without_impossible_rows};
 
 /// What errors call the input.
 const NAME: &str = "input.log";
@@ -26,6 +29,13 @@ pub fn check(input: &[u8]) {
     // Logs of some kilobytes are milliseconds long.
     let user_trials = UserTrials { judged_from_s: 0.005, judged_s: 0.02, torque };
     let theta = vec![0.25; tune.space.zero().len()];
+    // As `tell` does it: what cannot be is left out, then the log and the arm are asked.
+    let (log, impossible) = without_impossible_rows(&log, &reach(&tune.trial.model, log.joints()));
+    let remarks = recognise(&log).into_iter().chain(trial_remarks(tune, &user_trials, &log, failed)).chain(impossible);
+    for remark in remarks {
+        assert!(!remark.evidence.is_empty() && !remark.remedy.is_empty(), "{remark:?}");
+        assert!(remark.joints.iter().all(|joint| *joint < log.joints()), "{remark:?}");
+    }
     match judge_log(tune, &user_trials, &theta, &log, failed) {
         Ok(judged) => {
             let cost = judged.cost;

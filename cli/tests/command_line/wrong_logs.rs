@@ -73,7 +73,7 @@ fn a_wrong_log_is_no_trial() {
     mutilated(at, "good.csv", "one.csv", |name, x| if name == "tau_J_d_3" { 4.0 * x } else { x });
     refused(at, "tell mine one.csv", &["torque_unit", "the torque of joint 3 is 3.99"]);
     mutilated(at, "good.csv", "one.csv", |name, x| if matches!(name, "q_5" | "dq_5") { x * DEGREES } else { x });
-    refused(at, "tell mine one.csv", &["degrees", "joint 5"]);
+    refused(at, "tell mine one.csv", &["impossible_samples", "q_5 is ", "is it in degrees?"]);
     let swapped = first.replace("tau_J_d_5", "?").replace("tau_J_d_6", "tau_J_d_5").replace('?', "tau_J_d_6");
     std::fs::write(at.join("one.csv"), swapped).unwrap();
     refused(at, "tell mine one.csv", &["joint_order", "exchange columns tau_J_5 and tau_J_6"]);
@@ -89,6 +89,13 @@ fn a_wrong_log_is_no_trial() {
         false => x,
     });
     refused(at, "tell mine standing.csv", &["standing.csv: standstill: no joint moves"]);
+    let stands = |name: &str| name.rsplit('_').next().is_some_and(|joint| matches!(joint, "1" | "2" | "3" | "5"));
+    mutilated(at, "good.csv", "mostly.csv", |name, x| match angle(name) && stands(name) {
+        true if name.starts_with("dq") => 0.0,
+        true => at_start(name) + 1e-4 * (1e3 * x).sin(),
+        false => x,
+    });
+    refused(at, "tell mine mostly.csv", &["their friction costs nothing"]);
     mutilated(at, "good.csv", "frozen.csv", |name, x| if name == "q_1" { at_start(name) } else { x });
     refused(at, "tell mine frozen.csv", &["frozen_encoder", "the position of joint 1 keeps one value"]);
     mutilated(at, "good.csv", "speeds.csv", |name, x| if name.starts_with("dq") { -x } else { x });

@@ -7,7 +7,7 @@ use super::Candidate;
 use crate::diagnosis::{CauseLabel, Location};
 use crate::scene::{FineColumn, Scene};
 
-/// `A (tanh((qd + ℓ qdd)/w) − tanh(qd/w))`. Shape w, ℓ. Known to the selection as a family of all joints
+/// `A (clip((qd + ℓ qdd)/w) − clip(qd/w))`. Shape w, ℓ. Known to the selection as a family of all joints
 /// ([`crate::posterior`]), not joint by joint: a whole arm is simulated with soft friction, or none of it.
 pub(super) struct FrictionLead {
     pub joint: usize,

@@ -1,6 +1,7 @@
 //! How large effects of an arm usually are, read off its limits, its links and where its log goes.
 
-use tribo_sim::TorqueSide;
+use nalgebra::SVector;
+use tribo_sim::{SoftFriction, TorqueSide};
 
 use super::prior::{ArmScale, MOST_WAVES};
 use crate::scene::Scene;
@@ -27,13 +28,22 @@ impl ArmScale {
         let slowest = |j: usize| (1..=MOST_WAVES).find(|waves| *waves as f64 * range_rad(&scene.q[j]) >= TURN_RAD);
         Self {
             torque_nm,
-            smoothing_rad_s: scene.nominal.smoothing_rad_s,
+            soft_damping_nm_s: soft_damping(scene),
             slowest_ripple: (0..N).map(slowest).collect(),
             speed_rad_s,
             rated_payload_kg: 0.3 * own_kg,
             link_side: scene.nominal.torque_side == TorqueSide::Link,
         }
     }
+}
+
+/// Torque per speed of [`SoftFriction`] in the middle of the log [Nm s/rad].
+fn soft_damping<const N: usize>(scene: &Scene<N>) -> Vec<f64> {
+    let middle = SVector::<f64, N>::from_fn(|j, _| scene.q[j].get(scene.q[j].len() / 2).copied().unwrap_or(0.0));
+    let without_limit = SVector::repeat(f64::INFINITY);
+    let soft = SoftFriction::of(&scene.nominal.arm, &middle, without_limit);
+    let damping = soft.map(|soft| soft.torque(&SVector::repeat(1.0), &SVector::zeros()));
+    damping.map_or_else(|| vec![1.0; N], |damping| damping.iter().map(|damping| damping.max(1e-3)).collect())
 }
 
 /// A full turn (rad).

@@ -30,7 +30,7 @@ pub(crate) enum JointTerm {
     Rotor,
     /// z_x − s.
     Presliding(usize),
-    /// tanh((qd + ℓ qdd)/w) − tanh(qd/w).
+    /// clip((qd + ℓ qdd)/w) − clip(qd/w).
     Lead(usize),
     /// sin(n q).
     Sine(usize),
@@ -42,7 +42,7 @@ pub(crate) enum JointTerm {
 
 impl JointTerm {
     /// In the order of the columns.
-    pub const ALL: [Self; 22] = [
+    pub const ALL: [Self; 23] = [
         Self::Offset,
         Self::Coulomb,
         Self::Viscous,
@@ -56,6 +56,7 @@ impl JointTerm {
         Self::Presliding(2),
         Self::Lead(0),
         Self::Lead(1),
+        Self::Lead(2),
         Self::Sine(0),
         Self::Cosine(0),
         Self::Sine(1),
@@ -67,8 +68,8 @@ impl JointTerm {
         Self::Spring,
     ];
 
-    /// Dry friction that leads the velocity, of either width.
-    pub const LEAD: [Self; 2] = [Self::Lead(0), Self::Lead(1)];
+    /// Dry friction that leads the velocity, of any width.
+    pub const LEAD: [Self; 3] = [Self::Lead(0), Self::Lead(1), Self::Lead(2)];
 
     /// The terms of the ripples.
     pub const RIPPLE: [Self; 2 * RIPPLES] = [

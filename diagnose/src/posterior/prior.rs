@@ -118,6 +118,8 @@ impl Family {
 
 /// Widths of the friction curves over the joint's largest speed [-]: gears bend anywhere from creeping to full speed.
 pub(crate) const CURVE_WIDTHS: [f64; 3] = [0.02, 0.08, 0.3];
+/// Dry friction at whose widths a leading friction is looked for, over the joint's torque [-].
+const LEAD_LOSS: [f64; 3] = [0.003, 0.01, 0.03];
 /// Distances of presliding (rad): what harmonic drives show at the joint.
 pub(crate) const PRESLIDING_RAD: [f64; 3] = [1e-3, 3e-3, 1e-2];
 /// Waves per revolution beside the slowest ripple of a joint, itself among them. Gears, torque sensors and cables repeat with
@@ -144,8 +146,8 @@ pub(crate) struct ArmScale {
     pub torque_nm: Vec<f64>,
     /// Largest speed of each joint [rad/s].
     pub speed_rad_s: Vec<f64>,
-    /// Width of the model's smooth sign [rad/s].
-    pub smoothing_rad_s: f64,
+    /// Torque per speed of a physics engine's soft friction while it stops each joint [Nm s/rad].
+    pub soft_damping_nm_s: Vec<f64>,
     /// Waves per revolution of the slowest ripple of each joint: the first whose length it covers.
     pub slowest_ripple: Vec<Option<usize>>,
     /// Mass that the arm is built to carry (kg).
@@ -175,10 +177,10 @@ impl ArmScale {
         }
     }
 
-    /// Widths of friction that leads the velocity [rad/s]: of the model's smooth sign, and a wide one for light joints, whose constraint is
-    /// soft.
+    /// Widths of friction that leads the velocity [rad/s]: those at which the constraint of a physics engine reaches a usual dry friction; of
+    /// a light joint they are wide.
     pub fn lead_width_rad_s(&self, joint: usize, k: usize) -> f64 {
-        if k == 0 { self.smoothing_rad_s } else { CURVE_WIDTHS[0] * self.speed_rad_s[joint] }
+        (LEAD_LOSS[k] * self.torque_nm[joint] / self.soft_damping_nm_s[joint]).min(self.speed_rad_s[joint])
     }
 
     /// Waves per revolution of a ripple of a joint.

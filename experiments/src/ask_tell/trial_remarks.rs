@@ -3,7 +3,7 @@
 use nalgebra::SVector;
 use tribo_diagnose::{Diagnosable, Nominal, recognise::recognise};
 use tribo_friction::FrictionModel;
-use tribo_logs::recognise::{Fault, Reach, Remark, travel};
+use tribo_logs::recognise::{Fault, Reach, Remark, joints_named, travel};
 use tribo_logs::{LogColumns, RobotLog};
 use tribo_robot::{Arm, gravity_torque};
 use tribo_sim::TorqueSide;
@@ -60,7 +60,8 @@ where
         .collect();
     if !stiff.is_empty() {
         let evidence = format!(
-            "joints {stiff:?} move less than {LEAST_TRAVEL_RAD} rad one way or the other after {} s: their friction costs nothing",
+            "{} move less than {LEAST_TRAVEL_RAD} rad one way or the other after {} s: their friction costs nothing",
+            joints_named(&stiff),
             user_trials.judged_from_s
         );
         let remedy = "a trial is a motion of all joints, the same in every trial".to_owned();
@@ -95,6 +96,8 @@ fn acted<const N: usize>(
 
 /// Torque and speed that no joint of an arm reaches: far beyond its limits, of a joint that has some.
 const BEYOND_LIMITS: f64 = 5.0;
+/// Angle beyond the range of a joint that it does not reach (rad), whatever the zero of its encoder.
+const BEYOND_RANGE_RAD: f64 = 2.0 * std::f64::consts::PI;
 /// The same of joints that have none (Nm, rad/s).
 const UNLIMITED: [f64; 2] = [1e4, 50.0];
 
@@ -107,5 +110,14 @@ pub fn reach<const N: usize>(arm: &Arm<N>, joints: usize) -> Reach {
             .collect()
     };
     let [torque_nm, speed_rad_s] = UNLIMITED;
-    Reach { torque_nm: of(&arm.limits.tau_max_nm, torque_nm), speed_rad_s: of(&arm.limits.qd_max_rad_s, speed_rad_s) }
+    let angle = |j: usize| {
+        let (least, most) = (arm.limits.q_min_rad.get(j)?, arm.limits.q_max_rad.get(j)?);
+        (least.is_finite() && most.is_finite() && least < most)
+            .then_some([least - BEYOND_RANGE_RAD, most + BEYOND_RANGE_RAD])
+    };
+    Reach {
+        torque_nm: of(&arm.limits.tau_max_nm, torque_nm),
+        speed_rad_s: of(&arm.limits.qd_max_rad_s, speed_rad_s),
+        angle_rad: (0..joints).map(|j| angle(j).unwrap_or([f64::NEG_INFINITY, f64::INFINITY])).collect(),
+    }
 }

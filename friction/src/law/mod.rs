@@ -88,11 +88,12 @@ impl JointFriction {
     }
 }
 
-/// `tanh((qd + ℓ qdd)/w) − tanh(qd/w)`: what a sign that leads its velocity by ℓ (s) adds to one that does not; qd and w in rad/s,
-/// qdd in rad/s².
+/// `clip((qd + ℓ qdd)/w) − clip(qd/w)`, clip to ±1: what a ramp that leads its velocity by ℓ (s) adds to one that does not; qd and w in
+/// rad/s, qdd in rad/s².
 #[inline]
 pub fn sign_lead(qd: f64, qdd: f64, width_rad_s: f64, lead_s: f64) -> f64 {
-    smooth_sign(qd + lead_s * qdd, width_rad_s) - smooth_sign(qd, width_rad_s)
+    let ramp = |qd: f64| (qd / width_rad_s.max(f64::MIN_POSITIVE)).clamp(-1.0, 1.0);
+    ramp(qd + lead_s * qdd) - ramp(qd)
 }
 
 /// tanh(qd/smoothing), or the hard sign (sign(0) = 0) when the smoothing is not positive.

@@ -10,6 +10,8 @@ pub struct Reach {
     pub torque_nm: Vec<f64>,
     /// Speed (rad/s).
     pub speed_rad_s: Vec<f64>,
+    /// Angle, least and most (rad).
+    pub angle_rad: Vec<[f64; 2]>,
 }
 
 /// Step (rad) that an encoder may make beside the motion.
@@ -30,7 +32,7 @@ struct Impossible {
 /// The log without single rows that hold what no joint of the arm does, and a warning that names the first of them.
 ///
 /// ```text
-/// |tau| > τ_reach,   |dq| > ω_reach,   |q_k − q_l| > ω_reach (t_k − t_l) + 0.02 rad      l: the last row that can be
+/// |tau| > τ_reach,   |dq| > ω_reach,   q outside of its range,   |q_k − q_l| > ω_reach (t_k − t_l) + 0.02 rad      l: the last row that can be
 /// ```
 ///
 /// One such number in a whole trial would be the largest wrench of it, and the friction that least squares finds. Where there are many, or
@@ -98,6 +100,10 @@ fn impossible(log: &LogColumns, reach: &Reach, row: usize, good: usize) -> Optio
             return of(format!("dq_{joint}"), joint, value, format!("±{speed_rad_s:.1} rad/s"));
         }
         let (from, value) = (log.q_rad[joint][good], log.q_rad[joint][row]);
+        let [least, most] = reach.angle_rad[joint];
+        if !(least..=most).contains(&value) {
+            return of(format!("q_{joint}"), joint, value, format!("{least:.2} to {most:.2} rad; is it in degrees?"));
+        }
         let reached = speed_rad_s * (log.time_s[row] - log.time_s[good]) + STEP_RAD;
         if row > 0 && (value - from).abs() > reached {
             return of(format!("q_{joint}"), joint, value, format!("{reached:.3} rad about {from:.3} rad"));
@@ -125,7 +131,7 @@ mod tests {
     }
 
     fn reach() -> Reach {
-        Reach { torque_nm: vec![30.0; 2], speed_rad_s: vec![20.0; 2] }
+        Reach { torque_nm: vec![30.0; 2], speed_rad_s: vec![20.0; 2], angle_rad: vec![[-2.0, 2.0]; 2] }
     }
 
     fn judged(spoil: impl Fn(&mut LogColumns)) -> (usize, Option<Remark>) {
@@ -153,7 +159,8 @@ mod tests {
         for spoil in [
             (|log: &mut LogColumns| log.tau_j_nm[0].iter_mut().for_each(|tau| *tau *= 1e3)) as fn(&mut LogColumns),
             |log| (1000..1004).for_each(|k| log.dq_rad_s[0][k] = 99.0),
-            |log| log.q_rad[1][2000..].iter_mut().for_each(|q| *q += 1.0),
+            |log| log.q_rad[1][2000..].iter_mut().for_each(|q| *q += 0.9),
+            |log| log.q_rad[1].iter_mut().for_each(|q| *q = 3.0),
         ] {
             let (left_out, remark) = judged(spoil);
             let remark = remark.unwrap();
