@@ -1,5 +1,7 @@
 //! What one more group explains, given those selected.
 
+use std::sync::Arc;
+
 use nalgebra::{DMatrix, DVector};
 
 use crate::scene::Column;
@@ -8,12 +10,59 @@ use crate::system::{System, dot};
 /// The problem with the selected columns projected out.
 ///
 /// ```text
-/// W = L⁻¹ G_S,   v = L⁻¹ b_S,   L Lᵀ = G_SS;    A = G_CC − W_Cᵀ W_C,   b = b_C − W_Cᵀ v
+/// W = L⁻¹ G_S,   v = L⁻¹ b_S,   L Lᵀ = G_SS;    A = G_CC − W_Cᵀ W_C + U_Cᵀ U_C,   b = b_C − W_Cᵀ v + U_Cᵀ u
 /// ```
+///
+/// U and u give back what columns g of the selection explain that are left out again, see [`Selection`].
 pub(crate) struct Conditional {
-    projected: DMatrix<f64>,
-    explained: DVector<f64>,
-    lower: DMatrix<f64>,
+    projected: Arc<DMatrix<f64>>,
+    explained: Arc<DVector<f64>>,
+    lower: Arc<DMatrix<f64>>,
+    given_back: Option<(DMatrix<f64>, DVector<f64>)>,
+}
+
+/// A selection all of whose members are projected out, and what it takes to leave any of them out again.
+///
+/// ```text
+/// P = G_SS⁻¹,   Z = P G_S,   β = P b_S;    U = C⁻¹ Z_g,   u = C⁻¹ β_g,   C Cᵀ = P_gg
+/// ```
+///
+/// Leaving one member out of a selection is a downdate of few rows; projecting out all others anew takes the selection's size as often.
+pub(crate) struct Selection {
+    whole: Conditional,
+    inverse: DMatrix<f64>,
+    coefficients: DMatrix<f64>,
+    fitted: DVector<f64>,
+}
+
+impl Selection {
+    /// Projects out the given columns.
+    pub fn of<const N: usize>(system: &System<'_, N>, selected: &[usize]) -> Self {
+        let whole = Conditional::on(system, selected);
+        let upper = whole.lower.transpose();
+        let solved = |right: &DMatrix<f64>| upper.solve_upper_triangular(right).unwrap_or_else(|| right.clone());
+        let identity = DMatrix::identity(selected.len(), selected.len());
+        let inverse_lower = whole.lower.solve_lower_triangular(&identity).unwrap_or(identity);
+        let inverse = solved(&inverse_lower);
+        let coefficients = solved(&whole.projected);
+        let fitted = upper.solve_upper_triangular(&whole.explained).unwrap_or_else(|| (*whole.explained).clone());
+        Self { whole, inverse, coefficients, fitted }
+    }
+
+    /// The selection without the columns at these places of it; `None` where they are twins of others.
+    pub fn without(&self, places: std::ops::Range<usize>) -> Option<Conditional> {
+        let (first, count) = (places.start, places.len());
+        let lower = self.inverse.view((first, first), (count, count)).into_owned().cholesky()?.l();
+        let given_back = lower.solve_lower_triangular(&self.coefficients.rows(first, count).into_owned())?;
+        let score = lower.solve_lower_triangular(&self.fitted.rows(first, count).into_owned())?;
+        let Conditional { projected, explained, lower, .. } = &self.whole;
+        Some(Conditional {
+            projected: Arc::clone(projected),
+            explained: Arc::clone(explained),
+            lower: Arc::clone(lower),
+            given_back: Some((given_back, score)),
+        })
+    }
 }
 
 /// What a group explains beyond the selected ones.
@@ -36,9 +85,10 @@ impl Conditional {
         let count = system.columns.len();
         if selected.is_empty() {
             return Self {
-                projected: DMatrix::zeros(0, count),
-                explained: DVector::zeros(0),
-                lower: DMatrix::zeros(0, 0),
+                projected: Arc::new(DMatrix::zeros(0, count)),
+                explained: Arc::new(DVector::zeros(0)),
+                lower: Arc::new(DMatrix::zeros(0, 0)),
+                given_back: None,
             };
         }
         let (square, score) = unit_gram(system, selected);
@@ -48,7 +98,12 @@ impl Conditional {
         let lower = square.cholesky().map_or_else(|| DMatrix::identity(selected.len(), selected.len()), |c| c.l());
         let projected = lower.solve_lower_triangular(&rows).unwrap_or(rows);
         let explained = lower.solve_lower_triangular(&score).unwrap_or(score);
-        Self { projected, explained, lower }
+        Self {
+            projected: Arc::new(projected),
+            explained: Arc::new(explained),
+            lower: Arc::new(lower),
+            given_back: None,
+        }
     }
 
     /// What the columns explain beyond the selected ones.
@@ -56,7 +111,8 @@ impl Conditional {
         let k = columns.len();
         let square = self.square(system, columns);
         let score = DVector::from_fn(k, |i, _| {
-            system.score[columns[i]] - self.projected.column(columns[i]).dot(&self.explained)
+            let given_back = self.given_back.as_ref().map_or(0.0, |(u, score)| u.column(columns[i]).dot(score));
+            system.score[columns[i]] - self.projected.column(columns[i]).dot(&self.explained) + given_back
         });
         let norms = DVector::from_fn(k, |i, _| system.gram[(columns[i], columns[i])].sqrt());
         solve_truncated(&square, &score, &norms, OWN_PART)
@@ -65,8 +121,9 @@ impl Conditional {
     /// Gram matrix of columns beyond the selected ones.
     pub fn square<const N: usize>(&self, system: &System<'_, N>, columns: &[usize]) -> DMatrix<f64> {
         DMatrix::from_fn(columns.len(), columns.len(), |i, m| {
-            let projected = self.projected.column(columns[i]).dot(&self.projected.column(columns[m]));
-            system.gram[(columns[i], columns[m])] - projected
+            let product = |of: &DMatrix<f64>| of.column(columns[i]).dot(&of.column(columns[m]));
+            let given_back = self.given_back.as_ref().map_or(0.0, |(u, _)| product(u));
+            system.gram[(columns[i], columns[m])] - product(&self.projected) + given_back
         })
     }
 
@@ -81,6 +138,7 @@ impl Conditional {
             return scores.to_vec();
         }
         let own = DVector::from_fn(selected.len(), |i, _| scores[selected[i]] / column_norm(system, selected[i]));
+        debug_assert!(self.given_back.is_none(), "a whole selection");
         let explained = self.lower.solve_lower_triangular(&own).unwrap_or(own);
         (0..scores.len()).map(|c| scores[c] - self.projected.column(c).dot(&explained)).collect()
     }

@@ -14,7 +14,7 @@ use rayon::prelude::*;
 use crate::cause::{Candidate, ExternalContact};
 use crate::contact_window::best_window;
 use crate::diagnosis::{CauseLabel, Location};
-use crate::evidence::{Conditional, Gain, gain_given};
+use crate::evidence::{Conditional, Gain, Selection, gain_given};
 use crate::system::System;
 
 /// Evidence that a cause must add.
@@ -331,14 +331,24 @@ impl<'s, 'a, const N: usize> Search<'s, 'a, N> {
         changed
     }
 
+    /// Where the columns of the member at `place` stand among those of the selection.
+    fn places_of(&self, place: usize) -> std::ops::Range<usize> {
+        let columns = |group: &usize| self.system.groups[*group].columns.len();
+        let first = self.selected[..place].iter().map(columns).sum();
+        first..first + columns(&self.selected[place])
+    }
+
     /// Swaps the first member at or after `from` that a rival outdoes; its place.
     fn first_swap(&mut self, from: usize) -> Option<usize> {
+        let whole = Selection::of(self.system, &self.system.columns_of(&self.selected));
         let judged: Vec<(f64, Option<(usize, f64)>)> = (from..self.selected.len())
             .into_par_iter()
             .map(|place| {
                 let group = self.selected[place];
                 let others = self.others(group);
-                let given = Conditional::on(self.system, &self.system.columns_of(&others));
+                let given = whole
+                    .without(self.places_of(place))
+                    .unwrap_or_else(|| Conditional::on(self.system, &self.system.columns_of(&others)));
                 let current = self.evidence(&given, group).map_or(f64::NEG_INFINITY, |(evidence, _)| evidence);
                 (current, self.best_of(&given, &others, &[]))
             })
