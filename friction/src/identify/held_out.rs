@@ -5,8 +5,8 @@ use super::normal_equations::NormalEquations;
 use super::{GlsError, GlsSample, GlsSettings};
 
 /// Least weighted square per sample that counts as friction: of an estimator that is off by some of its deviations, which of an arm without
-/// friction is all there is, three percent of this are left.
-const LEAST_SQUARE: f64 = 3000.0;
+/// friction is all there is, one percent of this is left.
+const LEAST_SQUARE: f64 = 1000.0;
 /// Contiguous parts that a log is cut into; samples in between would know their neighbours.
 const BLOCKS: usize = 10;
 
