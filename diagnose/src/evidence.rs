@@ -301,3 +301,56 @@ pub(crate) fn solve_ridge(square: &DMatrix<f64>, score: &DVector<f64>, ridge: &[
 const RIDGE: f64 = 1e-7;
 /// Norm of a column over the largest below which it is rounding.
 pub(crate) const ROUNDING: f64 = 1e-9;
+
+#[cfg(test)]
+mod tests {
+    use tribo_robot::presets;
+    use tribo_sim::excitation::{Envelope, Excitation};
+    use tribo_sim::{Effect, Recording, Truth, record};
+
+    use super::*;
+    use crate::Nominal;
+    use crate::cause::candidates;
+    use crate::scene::Scene;
+    use crate::system::EvaluatedColumns;
+
+    /// Second algorithm: all others projected out anew.
+    #[test]
+    fn leaving_one_member_out_is_projecting_out_the_others() {
+        let hidden = vec![Effect::Payload { mass_kg: 0.4, com_m: [0.0, 0.0, 0.05], inertia_kg_m2: [0.0; 6] }];
+        let plain = Truth::<7>::panda_coulomb_viscous();
+        let truth = Truth { effects: hidden, ..plain.clone() };
+        let around = Envelope::around(&plain.arm, presets::panda_ready_pose());
+        let motion = Excitation::Multisine.draw(&around, 15.0, 5);
+        let recording = Recording::default();
+        let log = record(&truth, 0.01, motion.as_ref(), &recording, 1).unwrap();
+        let Truth { arm, friction, .. } = plain;
+        let torque_side = recording.torque_side;
+        let nominal = Nominal { arm, friction, smoothing_rad_s: 0.01, effects: Vec::new(), torque_side };
+        let scene = Scene::of_logs(&[log], &nominal, None).unwrap();
+        let causes: Vec<_> = candidates::<7>().into_iter().map(Arc::from).collect();
+        let evaluated = EvaluatedColumns::of(&scene, &causes);
+        let left = evaluated.saturated_residual(&scene);
+        let system = System::new(&scene, &evaluated, &left);
+
+        let members: Vec<usize> = (0..system.groups.len()).step_by(system.groups.len() / 6).collect();
+        let columns = system.columns_of(&members);
+        let whole = Selection::of(&system, &columns);
+        let mut compared = 0;
+        for (place, member) in members.iter().enumerate() {
+            let others: Vec<usize> = members.iter().copied().filter(|other| other != member).collect();
+            let anew = Conditional::on(&system, &system.columns_of(&others));
+            let first = system.columns_of(&members[..place]).len();
+            let downdate = whole.without(first..first + system.groups[*member].columns.len()).unwrap();
+            for group in &system.groups {
+                let columns: Vec<usize> = group.columns.clone().collect();
+                let [one, other] = [&anew, &downdate].map(|given| given.gain(&system, &columns));
+                let size = one.explained.max(1.0);
+                assert!((one.explained - other.explained).abs() < 1e-5 * size, "{member}: {one:?} {other:?}");
+                assert_eq!(one.directions, other.directions, "{member}: {one:?} {other:?}");
+                compared += 1;
+            }
+        }
+        assert!(compared > 500, "{compared}");
+    }
+}
