@@ -6,9 +6,9 @@
 pub mod fuzz_inputs;
 
 use nalgebra::SVector;
+use tribo_campaign::{CostMeasure, PenaltyLimits, Trial};
 use tribo_control::{GuardSettings, ImpedanceSettings, PAPER_PHASES_RAD, SinusoidReference};
 use tribo_ekf::{WrenchEkf, WrenchEkfSettings};
-use tribo_experiments::{CostMeasure, PenaltyLimits, Trial};
 use tribo_friction::law::CoulombViscous;
 use tribo_friction::{BristlePart, Compensator, Curve, FrictionModel, JointEffects, Ripple, VelocitySource};
 use tribo_robot::{Kinematics, Plant, Pose, SensorFrame, presets};

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use clap::builder::PossibleValuesParser;
 use clap::{Args, Parser, Subcommand};
-use tribo_experiments::StopBelow;
+use tribo_campaign::StopBelow;
 
 /// Gives any robot arm without force sensors a trustworthy sense of touch.
 #[derive(Debug, Parser)]

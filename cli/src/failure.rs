@@ -1,10 +1,10 @@
 //! From errors to exit codes.
 
-use tribo_experiments::export::ExportError;
-use tribo_experiments::files::FileError;
-use tribo_experiments::strategy::StrategyError;
-use tribo_experiments::{CampaignError, ConfigError};
+use tribo_campaign::CampaignError;
+use tribo_campaign::strategy::StrategyError;
+use tribo_export::ExportError;
 use tribo_logs::LogError;
+use tribo_model::{ConfigError, FileError};
 
 /// A failed quality check that was asked for with `--check`.
 #[derive(Debug)]

@@ -5,8 +5,8 @@ use std::sync::OnceLock;
 
 use comfy_table::{CellAlignment, Table, presets};
 use serde_json::{Value, json};
-use tribo_experiments::files::FileError;
 use tribo_logs::LogSummary;
+use tribo_model::FileError;
 
 use crate::terminal::{Form, write_line};
 

@@ -3,9 +3,9 @@
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use indicatif::{ProgressBar, ProgressStyle};
-use tribo_experiments::strategy::FinishedTrial;
-use tribo_experiments::study::{Cell, StudyProgress};
-use tribo_experiments::{CampaignObserver, References};
+use tribo_campaign::strategy::FinishedTrial;
+use tribo_campaign::study::{Cell, StudyProgress};
+use tribo_campaign::{CampaignObserver, References};
 
 /// Set by Ctrl-C and SIGTERM: the campaign ends after the trials that are running.
 static STOP: AtomicBool = AtomicBool::new(false);

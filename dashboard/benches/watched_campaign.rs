@@ -18,8 +18,8 @@ use std::sync::mpsc::channel;
 use std::time::{Duration, Instant};
 
 use egui::{Context, Pos2, RawInput, Rect, ViewportId, vec2};
+use tribo_campaign::{Campaign, TuneConfig};
 use tribo_dashboard::{Dashboard, LogSource, Options, View};
-use tribo_experiments::{Campaign, TuneConfig};
 
 /// What a watched campaign may cost more than one alone.
 const MOST: f64 = 0.05;

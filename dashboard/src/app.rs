@@ -4,7 +4,7 @@ use std::path::PathBuf;
 use std::time::Duration;
 
 use egui::{CentralPanel, Context, Key, Panel, RichText, Theme, Ui};
-use tribo_experiments::journal::Clock;
+use tribo_campaign::journal::Clock;
 
 use crate::export;
 use crate::export_request;

@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use serde::{Deserialize, Serialize};
-use tribo_experiments::EstimatorName;
+use tribo_campaign::EstimatorName;
 
 use crate::view::View;
 

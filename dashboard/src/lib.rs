@@ -7,7 +7,7 @@
 //! [`Dashboard`] is the whole interface as a function of egui's input; [`run`] puts it into a window, [`screenshot()`] draws it
 //! into a PNG without display or graphics card, the tests click its labels. Views are handed an immutable [`Snapshot`] and
 //! write nothing. A campaign that is started here runs in a thread and is watched like any other: through its directory.
-//! Figures are those of the HTML report ([`tribo_experiments::watch`]).
+//! Figures are those of the HTML report ([`tribo_watch`]).
 
 mod app;
 mod diagnosis_snapshot;

@@ -3,10 +3,10 @@
 use std::path::PathBuf;
 
 use nalgebra::{SVector, Vector3};
-use tribo_experiments::files::{AnyModel, ModelChoice};
-use tribo_experiments::watch::skeleton;
 use tribo_figure::{Signal, Signals};
 use tribo_logs::{Quantity, RobotLog, read_log};
+use tribo_model::{AnyModel, ModelChoice};
+use tribo_watch::skeleton;
 
 /// A log, and how to read it.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]

@@ -5,8 +5,8 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{Receiver, TryRecvError, channel};
 use std::sync::{Arc, Condvar, Mutex, PoisonError};
 
-use tribo_experiments::journal::Clock;
-use tribo_experiments::{AnyTune, Campaign, CampaignError, CampaignObserver, Changes, TuneConfig};
+use tribo_campaign::journal::Clock;
+use tribo_campaign::{AnyTune, Campaign, CampaignError, CampaignObserver, Changes, TuneConfig};
 
 /// What the window wants of the thread.
 #[derive(Debug, Default)]

@@ -3,8 +3,8 @@
 use std::path::PathBuf;
 use std::sync::Arc;
 
-use tribo_experiments::watch::{CampaignSnapshot, LoopTimes, Surrogate, TrialColumns, TrialSnapshot};
-use tribo_experiments::{EstimatorName, References};
+use tribo_campaign::{EstimatorName, References};
+use tribo_watch::{CampaignSnapshot, LoopTimes, Surrogate, TrialColumns, TrialSnapshot};
 
 use crate::diagnosis_snapshot::DiagnosisSnapshot;
 use crate::log_snapshot::LogSnapshot;

@@ -4,9 +4,11 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::Instant;
 
-use tribo_experiments::journal::Clock;
-use tribo_experiments::watch::{CampaignSnapshot, CampaignWatch, Surrogate, TrialColumns, TrialSnapshot, write_report};
-use tribo_experiments::{EstimatorName, TuneConfig};
+use tribo_campaign::journal::Clock;
+use tribo_campaign::{EstimatorName, TuneConfig};
+use tribo_watch::{
+    CampaignSnapshot, CampaignWatch, Surrogate, TrialColumns, TrialSnapshot, any_loop_times, write_report,
+};
 
 use crate::diagnosis_snapshot::{DiagnosisSnapshot, Progress};
 use crate::jobs::Jobs;
@@ -217,7 +219,7 @@ impl Source {
         let Some(trial) = self.snapshot.trial.clone() else { return };
         self.jobs.start(ctx, move || {
             let finished = &trial.watched.trial;
-            let times = trial.tune.loop_times(&finished.theta).map(Arc::new);
+            let times = any_loop_times(&trial.tune, &finished.theta).map(Arc::new);
             Answer::LoopTimes(finished.number, times.map_err(|error| error.to_string()))
         });
     }

@@ -1,12 +1,10 @@
 //! The wrench along a log, as one estimator sees it.
 
+use tribo_campaign::{AnyEstimator, EstimatorName, LogWrench, WrenchSummary, believed_band, wrench_on_log};
 use tribo_ekf::WrenchEkfSettings;
-use tribo_experiments::files::{AnyModel, Model};
-use tribo_experiments::{
-    AnyEstimator, Believed, EstimatorName, LogWrench, WrenchSummary, believed_band, wrench_on_log,
-};
 use tribo_figure::{Signal, Signals};
 use tribo_logs::RobotLog;
+use tribo_model::{AnyModel, Believed, Model};
 
 use crate::log_snapshot::{LogSnapshot, single};
 

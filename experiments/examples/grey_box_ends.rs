@@ -10,8 +10,8 @@
 use std::error::Error;
 
 use rayon::prelude::*;
-use tribo_experiments::scenario::TruthName;
-use tribo_experiments::{AnyEstimator, InMemory, Phases, TuneConfig, ValidTune, run_in_memory, run_trial};
+use tribo_campaign::scenario::TruthName;
+use tribo_campaign::{AnyEstimator, InMemory, Phases, TuneConfig, ValidTune, run_in_memory, run_trial};
 use tribo_friction::FrictionModel;
 
 /// Draws of noise on which a compensator is judged.

@@ -6,8 +6,8 @@ use std::error::Error;
 use std::path::Path;
 
 use plotters::prelude::*;
-use tribo_experiments::files::YamlDocument;
 use tribo_experiments::reproduce::Linderoth2013;
+use tribo_model::YamlDocument;
 
 /// Two colours that also differ for colour-blind eyes (Okabe & Ito), and black for the truth.
 const STATIC: RGBColor = RGBColor(213, 94, 0);

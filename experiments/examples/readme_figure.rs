@@ -5,7 +5,7 @@
 use std::error::Error;
 
 use plotters::prelude::*;
-use tribo_experiments::{TuneConfig, run_in_memory, run_numbered};
+use tribo_campaign::{TuneConfig, run_in_memory, run_numbered};
 
 /// Two colours that also differ for colour-blind eyes (Okabe & Ito).
 const BEFORE: RGBColor = RGBColor(213, 94, 0);

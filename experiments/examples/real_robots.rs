@@ -11,8 +11,8 @@ use std::path::PathBuf;
 
 use serde_json::{Value, json};
 use tribo_diagnose::{Diagnosable, DiagnoseSettings, Diagnosis, Nominal, diagnose};
-use tribo_experiments::files::{AnyModel, Model, ModelFile};
 use tribo_logs::{RobotLog, read_log};
+use tribo_model::{AnyModel, Model, ModelFile};
 use tribo_sim::TorqueSide;
 
 /// A robot with its logs.

@@ -8,10 +8,10 @@ use std::path::Path;
 
 use plotters::coord::Shift;
 use plotters::prelude::*;
+use tribo_campaign::scenario::TruthName;
+use tribo_campaign::strategy::StrategyName;
+use tribo_campaign::{Phases, TrialLog, TuneConfig, run_in_memory, run_numbered};
 use tribo_experiments::reproduce::CellResult;
-use tribo_experiments::scenario::TruthName;
-use tribo_experiments::strategy::StrategyName;
-use tribo_experiments::{Phases, TrialLog, TuneConfig, run_in_memory, run_numbered};
 use tribo_friction::VelocitySource;
 
 /// Colours that also differ for colour-blind eyes (Okabe & Ito).

@@ -7,8 +7,8 @@ use std::path::Path;
 
 use plotters::coord::Shift;
 use plotters::prelude::*;
-use tribo_experiments::files::YamlDocument;
 use tribo_experiments::reproduce::{ObserverTrace, PolishingTrace, Simoni2017, Simoni2019, Simoni2019Trace};
+use tribo_model::YamlDocument;
 
 /// Colours that also differ for colour-blind eyes (Okabe & Ito).
 const BLUE: RGBColor = RGBColor(0, 114, 178);

@@ -9,8 +9,8 @@ use plotters::prelude::{
     BLACK, ChartBuilder, Color, DrawingArea, IntoDrawingArea, LineSeries, PathElement, Polygon, RGBColor, SVGBackend,
     SeriesLabelPosition, WHITE,
 };
-use tribo_experiments::files::YamlDocument;
 use tribo_experiments::reproduce::uhlmann2023::{Circle, Uhlmann2023, Variant};
+use tribo_model::YamlDocument;
 use tribo_robot::LAMBDA_95;
 
 /// Two colours that also differ for colour-blind eyes (Okabe & Ito), and black for what was measured.

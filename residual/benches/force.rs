@@ -13,9 +13,8 @@ use std::time::Instant;
 use common::prescribed::{samples, sway};
 use common::published_instances::{LAMBDA, instance, prior};
 use nalgebra::{SMatrix, SVector};
-use tribo_friction::FrictionModel;
 use tribo_friction::law::CoulombViscous;
-use tribo_friction::{BandError, FrictionBand, JointBand};
+use tribo_friction::{BandError, FrictionBand, FrictionModel, JointBand};
 use tribo_residual::{ForceProblem, ForceSolver, MomentumEstimator, MomentumSettings, QpEstimator, QpSettings};
 use tribo_robot::{Wrench, WrenchEstimator};
 

@@ -20,8 +20,8 @@
 //! | a trial in which most joints stood still | refused: what costs nothing is no trial | `cli/tests/command_line/wrong_logs.rs` |
 //! | one impossible number in a trial's log | its row is left out, and said: cost and next parameters are those of the good log | `cli/tests/command_line/taking_back.rs` |
 //! | the log of another trial, or of another compensator | refused: `tau_friction` or the positions say so | `cli/tests/command_line/taking_back.rs` |
-//! | every compensator is stopped; friction beyond the box | the campaign ends after five, the box is named | `experiments/tests/campaigns/standing_joints.rs` |
-//! | an exported compensator is given NaN, infinity, a negative period, garbage as memory | a torque within half of the joint's largest, also with `-O3 -ffast-math`; garbage is forgotten | `experiments/tests/export_bounds.rs` |
+//! | every compensator is stopped; friction beyond the box | the campaign ends after five, the box is named | `campaign/tests/campaigns/standing_joints.rs` |
+//! | an exported compensator is given NaN, infinity, a negative period, garbage as memory | a torque within half of the joint's largest, also with `-O3 -ffast-math`; garbage is forgotten | `export/tests/formats/bounds.rs` |
 //! | a file that claims more than it holds, or unpacks without end | refused before the memory is gone | `fuzz_inputs/bombs.rs`, `logs/tests/formats/bad_parquet.rs`, `logs/tests/formats/convert.rs` |
 //! | names in files with control characters | shown, not obeyed | `cli/tests/command_line/control_characters.rs` |
 //! | a processor from before 2013 | a sentence, exit code 2 | `cli/tests/command_line/old_processor.rs` |

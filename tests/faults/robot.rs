@@ -1,7 +1,7 @@
 //! Faults of the arm, of what the controller believes of it, and of those who stand beside it.
 
+use tribo_campaign::{AbortReason, Trial};
 use tribo_control::{PAPER_PHASES_RAD, SinusoidReference};
-use tribo_experiments::{AbortReason, Trial};
 use tribo_friction::{FrictionModel, VelocitySource};
 use tribo_robot::{Kinematics, presets};
 use tribo_runtime::TickFault;

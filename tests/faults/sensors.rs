@@ -2,7 +2,7 @@
 
 use std::collections::VecDeque;
 
-use tribo_experiments::AbortReason;
+use tribo_campaign::AbortReason;
 use tribo_friction::VelocitySource;
 use tribo_robot::SensorFrame;
 use tribo_runtime::TickFault;

@@ -1,7 +1,7 @@
 //! One trial with something broken in it.
 
+use tribo_campaign::{AbortReason, CostAccumulator, Trial, TrialMonitor, TuneConfig};
 use tribo_control::TorqueLimiter;
-use tribo_experiments::{AbortReason, CostAccumulator, Trial, TrialMonitor, TuneConfig};
 use tribo_friction::FrictionModel;
 use tribo_robot::{Plant, SensorFrame};
 use tribo_runtime::TickFault;

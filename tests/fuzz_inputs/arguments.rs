@@ -4,7 +4,7 @@ use std::cell::RefCell;
 use std::ffi::OsString;
 
 use clap::{CommandFactory, FromArgMatches};
-use tribo_experiments::study::Shard;
+use tribo_campaign::study::Shard;
 
 #[path = "../../cli/src/arguments.rs"]
 #[allow(missing_docs, dead_code, reason = "the command line as the binary has it, which has no library")]

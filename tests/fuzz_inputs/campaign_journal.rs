@@ -1,7 +1,7 @@
 //! The journal of a campaign whose trials the user runs, beside its settings.
 
-use tribo_experiments::UserCampaign;
-use tribo_experiments::watch::CampaignWatch;
+use tribo_campaign::UserCampaign;
+use tribo_watch::CampaignWatch;
 
 use super::scratch::{directory, put};
 

@@ -2,7 +2,7 @@
 
 use std::fmt::Display;
 
-use tribo_experiments::files::YamlDocument;
+use tribo_model::YamlDocument;
 
 /// What errors call the input.
 const NAME: &str = "input.yaml";

@@ -1,7 +1,7 @@
 //! Why a campaign ended early: `early_stop.yaml`.
 
-use tribo_experiments::EarlyStop;
-use tribo_experiments::files::to_yaml;
+use tribo_campaign::EarlyStop;
+use tribo_model::to_yaml;
 
 use super::document::{document, written};
 

@@ -1,9 +1,9 @@
 //! Settings of the reproduced experiments (`schema: tribo.reproduce/1`).
 
 use serde::de::DeserializeOwned;
-use tribo_experiments::files::FieldError;
 use tribo_experiments::reproduce::uhlmann2023::Uhlmann2023;
 use tribo_experiments::reproduce::{Linderoth2013, PushedTool, Roveda2022, Simoni2017, Simoni2019};
+use tribo_model::FieldError;
 
 use super::document::{document, names_the_input};
 

@@ -1,6 +1,6 @@
 //! Journals: every operation, torn ends, and who reads while another writes.
 
-use tribo_experiments::journal::{Journal, JournalTail, replay};
+use tribo_campaign::journal::{Journal, JournalTail, replay};
 
 use super::scratch::{directory, put};
 

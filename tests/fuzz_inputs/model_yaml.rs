@@ -1,6 +1,6 @@
 //! Models (`schema: tribo.model/1`) with friction, effects and a URDF within.
 
-use tribo_experiments::files::{ModelFile, to_yaml};
+use tribo_model::{ModelFile, to_yaml};
 
 use super::document::{document, names_the_input, written};
 

@@ -1,6 +1,6 @@
 //! What a campaign leaves for whoever watches it: `references.yaml`.
 
-use tribo_experiments::References;
+use tribo_campaign::References;
 
 use super::document::document;
 

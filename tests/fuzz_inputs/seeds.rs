@@ -7,9 +7,9 @@ use std::io::Cursor;
 use std::path::Path;
 
 use mcap::Compression;
-use tribo_experiments::files::{TunedFile, to_yaml};
-use tribo_experiments::{AnyTune, TuneConfig, UserTrials};
+use tribo_campaign::{AnyTune, TuneConfig, UserTrials};
 use tribo_logs::{LogColumns, LogTarget, RobotLog, read_log_from, write_log_to};
+use tribo_model::{TunedFile, to_yaml};
 use tribo_robot::presets;
 use tribo_robot::urdf::to_urdf;
 use tribo_tests::fuzz_inputs::recorder::{Cdr, JOINT_STATE, Recorded, franka_robot_state, mcap_file};
@@ -141,7 +141,7 @@ fn campaign(config: TuneConfig) -> Vec<u8> {
 fn tuned() -> Vec<u8> {
     let tune = TuneConfig::default().validate_any().expect("valid settings");
     let AnyTune::Seven(tune) = tune else { unreachable!("a Panda has seven joints") };
-    let file = TunedFile::of_trial(&tune, 2, &vec![0.25; tune.space.zero().len()]);
+    let file = tribo_campaign::trial_compensator(&tune, 2, &vec![0.25; tune.space.zero().len()]);
     let file = TunedFile { tribo_version: String::new(), cost: Some(2.5), uncompensated_cost: Some(24.0), ..file };
     to_yaml(&file).expect("tuned parameters can be written").into_bytes()
 }

@@ -2,8 +2,8 @@
 
 use std::cell::RefCell;
 
-use tribo_experiments::files::YamlDocument;
-use tribo_experiments::study::{Cell, Study, StudyStore, Work};
+use tribo_campaign::study::{Cell, Study, StudyStore, Work};
+use tribo_model::YamlDocument;
 
 use super::scratch::{directory, put};
 

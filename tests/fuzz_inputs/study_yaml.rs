@@ -1,7 +1,7 @@
 //! Studies (`schema: tribo.study/1`).
 
-use tribo_experiments::files::to_yaml;
-use tribo_experiments::study::Study;
+use tribo_campaign::study::Study;
+use tribo_model::to_yaml;
 
 use super::document::{document, written};
 

@@ -3,9 +3,7 @@
 use std::path::Path;
 use std::sync::LazyLock;
 
-use tribo_experiments::{
-    EstimatorName, SentTorque, TuneConfig, UserTrials, ValidTune, judge_log, reach, trial_remarks,
-};
+use tribo_campaign::{EstimatorName, SentTorque, TuneConfig, UserTrials, ValidTune, judge_log, reach, trial_remarks};
 use tribo_logs::read_log_from;
 use tribo_logs::recognise::{recognise, without_impossible_rows};
 

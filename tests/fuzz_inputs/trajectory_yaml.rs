@@ -1,6 +1,6 @@
 //! Joint-space motions (`schema: tribo.trajectory/1`).
 
-use tribo_experiments::files::{TrajectoryFile, to_yaml};
+use tribo_model::{TrajectoryFile, to_yaml};
 use tribo_robot::presets;
 use tribo_sim::excitation::JointTrajectory;
 

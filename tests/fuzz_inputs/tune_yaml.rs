@@ -1,7 +1,7 @@
 //! Settings of campaigns (`schema: tribo.tune/1`), simulated ones and those whose trials the user runs.
 
-use tribo_experiments::files::to_yaml;
-use tribo_experiments::{AnyTune, ConfigError, TuneConfig};
+use tribo_campaign::{AnyTune, TuneConfig};
+use tribo_model::{ConfigError, to_yaml};
 
 use super::document::{document, names_the_input, written};
 

@@ -1,7 +1,7 @@
 //! Tuned compensators (`schema: tribo.tuned/1`).
 
-use tribo_experiments::export::{Format, export};
-use tribo_experiments::files::{TunedFile, to_yaml};
+use tribo_export::{Format, export};
+use tribo_model::{TunedFile, to_yaml};
 
 use super::document::{document, names_the_input, written};
 

@@ -5,7 +5,7 @@
 //! rounding where the scheme is exact (impulse balance), first order in the period where it is not (energy).
 
 use nalgebra::{Matrix3, SVector, Vector3};
-use tribo_experiments::run_trial;
+use tribo_campaign::run_trial;
 use tribo_friction::law::{Asymmetric, CoulombViscous};
 use tribo_friction::{FrictionModel, JointFriction, VelocitySource};
 use tribo_robot::{

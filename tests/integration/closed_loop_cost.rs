@@ -6,7 +6,7 @@
 //! three of the prototype's own standard deviations.
 
 use nalgebra::Vector6;
-use tribo_experiments::{AbortReason, Trial, TrialOutcome, run_trial, run_trial_observed};
+use tribo_campaign::{AbortReason, Trial, TrialOutcome, run_trial, run_trial_observed};
 use tribo_friction::VelocitySource::{Hybrid, Measured, Reference};
 use tribo_friction::{FrictionModel, VelocitySource};
 use tribo_sim::Truth;

@@ -2,12 +2,12 @@
 //!
 //! The sweep of 0 to 300 % over truths, velocities, motions and null-space dampings is `experiments/09_overcompensation`; here are its corners.
 
+use tribo_campaign::strategy::{FinishedTrial, Origin};
+use tribo_campaign::{AbortReason, TuneConfig, run_in_memory};
 use tribo_control::{GuardSettings, GuardTrip, PAPER_PHASES_RAD, SinusoidReference};
-use tribo_experiments::files::YamlDocument;
 use tribo_experiments::reproduce::{OverCompensation, ScaleRow};
-use tribo_experiments::strategy::{FinishedTrial, Origin};
-use tribo_experiments::{AbortReason, TuneConfig, run_in_memory};
 use tribo_friction::{Compensator, VelocitySource};
+use tribo_model::YamlDocument;
 use tribo_robot::presets;
 use tribo_runtime::{ControlLoop, LoopSettings};
 use tribo_sim::{BoxFrictionPlant, Sensors, Truth};
@@ -80,12 +80,12 @@ fn a_trial_ends_with_its_reason() {
     let mut trial = TuneConfig::default().validate::<7>().unwrap().trial;
     trial.velocity = VelocitySource::Measured;
     let friction = trial.truth.friction.scaled(2.0);
-    let outcome = tribo_experiments::run_trial(&trial, &friction, default_ekf(), 1);
+    let outcome = tribo_campaign::run_trial(&trial, &friction, default_ekf(), 1);
     let reason = outcome.aborted.unwrap();
     assert!(matches!(reason, AbortReason::EnergySurplus | AbortReason::Oscillation), "{reason}");
     assert!(reason.to_string().starts_with("over-compensation"));
     trial.guard = None;
-    assert_eq!(tribo_experiments::run_trial(&trial, &friction, default_ekf(), 1).aborted, None);
+    assert_eq!(tribo_campaign::run_trial(&trial, &friction, default_ekf(), 1).aborted, None);
 }
 
 /// The paper's box holds five times the friction of this arm. With the guard nothing is tried that the first log, without
@@ -93,7 +93,7 @@ fn a_trial_ends_with_its_reason() {
 #[test]
 fn a_blind_search_tries_nothing_that_shakes() {
     let config = TuneConfig {
-        strategy: tribo_experiments::strategy::StrategyName::Random,
+        strategy: tribo_campaign::strategy::StrategyName::Random,
         velocity: VelocitySource::Measured,
         trials: 8,
         ..TuneConfig::default()

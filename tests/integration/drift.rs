@@ -1,13 +1,14 @@
 //! Story: a robot warms up while it is tuned, and the grey box keeps up.
 
-use tribo_experiments::scenario::TruthName;
-use tribo_experiments::strategy::StrategyName;
-use tribo_experiments::{AnyEstimator, Believed, StopBelow, TuneConfig, run_in_memory, run_trial};
+use tribo_campaign::scenario::TruthName;
+use tribo_campaign::strategy::StrategyName;
+use tribo_campaign::{AnyEstimator, StopBelow, TuneConfig, run_in_memory, run_trial};
 use tribo_friction::VelocitySource;
+use tribo_model::Believed;
 
 /// J of a controller that knows the friction of this moment, under the noise of the trial itself: a maximum over 30 s moves
 /// by several per cent with the noise alone.
-fn instantaneous_oracle(tune: &tribo_experiments::ValidTune<7>, number: usize) -> f64 {
+fn instantaneous_oracle(tune: &tribo_campaign::ValidTune<7>, number: usize) -> f64 {
     let (trial, noise) = tune.numbered(number);
     let warm_up = trial.truth.warm_up.expect("a truth that warms up");
     let scale = warm_up.scale(0.5 * trial.reference.total_s());

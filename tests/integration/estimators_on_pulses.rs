@@ -5,10 +5,9 @@
 //! fixed 1.7 / 0.2). The observer is told the band too: it takes the band's mean off, and its interval holds.
 
 use nalgebra::SVector;
+use tribo_campaign::run_trial_observed;
 use tribo_control::SinusoidReference;
-use tribo_experiments::run_trial_observed;
-use tribo_friction::{FrictionBand, JointBand};
-use tribo_friction::{FrictionModel, JointFriction, VelocitySource};
+use tribo_friction::{FrictionBand, FrictionModel, JointBand, JointFriction, VelocitySource};
 use tribo_residual::{MomentumEstimator, MomentumSettings, QpEstimator, QpSettings, diagonal_prior};
 use tribo_robot::WrenchEstimator;
 use tribo_sim::{Truth, WrenchPulses};

@@ -1,7 +1,7 @@
 //! The robust cost beside the paper's.
 
+use tribo_campaign::{CostMeasure, run_trial, run_trial_observed};
 use tribo_ekf::{WrenchEkf, WrenchEkfSettings};
-use tribo_experiments::{CostMeasure, run_trial, run_trial_observed};
 use tribo_friction::VelocitySource;
 use tribo_sim::Truth;
 use tribo_tests::tuning_trial;

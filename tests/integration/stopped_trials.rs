@@ -1,7 +1,7 @@
 //! Story: people stop trials; what they stopped is not taken for tried.
 
-use tribo_experiments::strategy::Origin;
-use tribo_experiments::{AbortReason, StopBelow, TuneConfig, run_in_memory};
+use tribo_campaign::strategy::Origin;
+use tribo_campaign::{AbortReason, StopBelow, TuneConfig, run_in_memory};
 
 /// Trials of least squares before the Bayesian ones.
 const FITS: usize = 3;

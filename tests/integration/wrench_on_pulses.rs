@@ -4,8 +4,8 @@
 //! three seeds; truth is what the plant felt during the period before the sample. Bars: notes §8 (frictionless
 //! 0.25 N / 0.05 Nm; hybrid oracle compensation moving 0.8 / 0.15, fixed 1.1 / 0.15).
 
+use tribo_campaign::run_trial_observed;
 use tribo_control::SinusoidReference;
-use tribo_experiments::run_trial_observed;
 use tribo_friction::{FrictionModel, VelocitySource};
 use tribo_sim::{Truth, WrenchPulses};
 use tribo_tests::{DT_S, default_ekf, no_friction, ready_flange, tuning_trial};

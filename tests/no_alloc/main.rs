@@ -10,8 +10,7 @@ use std::sync::Arc;
 use nalgebra::{SVector, Vector6};
 use tribo_control::{PAPER_PHASES_RAD, SinusoidReference};
 use tribo_friction::thermal::{HeatBalance, PolynomialStribeck, TemperatureFactor, ThermalJoint, ThermalLaw};
-use tribo_friction::{Compensator, JointEffects, VelocitySource};
-use tribo_friction::{FrictionBand, JointBand};
+use tribo_friction::{Compensator, FrictionBand, JointBand, JointEffects, VelocitySource};
 use tribo_residual::{
     DoubleEncoderEstimator, DoubleEncoderModel, DoubleEncoderSettings, LoadedRest, MomentumEstimator, MomentumSettings,
     QpEstimator, QpSettings, Rest, Rests, ThermalEstimator, ThermalSettings, calibrate,

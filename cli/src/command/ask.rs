@@ -3,12 +3,12 @@
 use std::path::Path;
 
 use serde_json::{Value, json};
-use tribo_experiments::files::{FileError, to_yaml};
-use tribo_experiments::strategy::StrategyName;
-use tribo_experiments::{AnyTune, Asked, CampaignError, TuneConfig, UserCampaign, UserTrials, first_difference};
+use tribo_campaign::strategy::StrategyName;
+use tribo_campaign::{AnyTune, Asked, CampaignError, TuneConfig, UserCampaign, UserTrials, first_difference};
 use tribo_logs::write_atomic;
+use tribo_model::{FileError, to_yaml};
 
-use super::{configured, now, set};
+use super::{configured, now, opened, set};
 use crate::arguments::{Ask, Common};
 use crate::failure::BadInput;
 use crate::output::{print, print_json};
@@ -34,8 +34,8 @@ pub fn run(arguments: &Ask, common: &Common) -> anyhow::Result<()> {
         }
     }
     match TuneConfig::joints_of_campaign(directory)? {
-        6 => ask(reopened(UserCampaign::<6>::open(directory, now)?, arguments)?, arguments, common),
-        _ => ask(reopened(UserCampaign::<7>::open(directory, now)?, arguments)?, arguments, common),
+        6 => ask(reopened(opened::<6>(directory)?, arguments)?, arguments, common),
+        _ => ask(reopened(opened::<7>(directory)?, arguments)?, arguments, common),
     }
 }
 
@@ -52,7 +52,7 @@ const TRIALS_OF_GREY_BOX: usize = 5;
 fn begun(arguments: &Ask) -> anyhow::Result<AnyTune> {
     configured(arguments.config.as_deref(), |config| {
         if arguments.config.is_none() {
-            config.truth = tribo_experiments::scenario::TruthName::Unknown;
+            config.truth = tribo_campaign::scenario::TruthName::Unknown;
         }
         arguments.settings.apply(config)?;
         let nobody_said = arguments.config.is_none() && arguments.settings.trials.is_none();

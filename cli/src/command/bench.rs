@@ -3,11 +3,11 @@
 use std::time::Duration;
 
 use serde_json::json;
-use tribo_experiments::bench::{
+use tribo_bench::{
     BenchReport, BenchSettings, Fitness, OverrunPolicy, Percentiles, RealTimeReport, RealTimeSettings, Rights, Stall,
-    Verdict,
+    Verdict, any_bench, any_real_time,
 };
-use tribo_experiments::{AnyTune, TuneConfig};
+use tribo_campaign::{AnyTune, TuneConfig};
 
 use crate::arguments::{Bench, Common};
 use crate::failure::{BadInput, CheckFailed};
@@ -30,7 +30,7 @@ pub fn run(arguments: &Bench, common: &Common) -> anyhow::Result<()> {
 fn speed(tune: &AnyTune, arguments: &Bench, common: &Common) -> anyhow::Result<()> {
     let usual = if arguments.quick { BenchSettings::QUICK } else { BenchSettings::FULL };
     let settings = BenchSettings { ticks: arguments.ticks.unwrap_or(usual.ticks), ..usual };
-    let report = tune.bench(settings, |stage| {
+    let report = any_bench(tune, settings, |stage| {
         if !(common.quiet || common.json) {
             message!("tribo: measuring: {stage}");
         }
@@ -61,7 +61,7 @@ fn settings(arguments: &Bench, seconds: f64) -> anyhow::Result<RealTimeSettings>
 }
 
 fn on_the_clock(tune: &AnyTune, settings: &RealTimeSettings, check: bool, common: &Common) -> anyhow::Result<()> {
-    let report = tune.real_time(settings)?;
+    let report = any_real_time(tune, settings)?;
     if common.json {
         print_json(&json!({"schema": "tribo.bench/1", "robot": tune.robot(), "realtime": report}));
     } else {

@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use serde_json::{Value, json};
-use tribo_experiments::switched_off_without;
+use tribo_campaign::switched_off_without;
 use tribo_logs::recognise::Use;
 use tribo_logs::{ColumnNames, LogError, LogSummary, LogTarget, RobotLog, convert};
 

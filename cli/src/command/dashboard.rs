@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use tribo_dashboard::{LogSource, Options, screenshot};
-use tribo_experiments::files::ModelChoice;
+use tribo_model::ModelChoice;
 
 use super::{CAMPAIGNS, named, now};
 use crate::arguments::Dashboard;

@@ -3,17 +3,17 @@
 use std::path::{Path, PathBuf};
 
 use serde_json::{Map, Value, json};
+use tribo_campaign::{
+    AnyEstimator, Calibration, ContactPrior, EstimatorError, EstimatorName, LogWrench, SETTLE_S, TransmissionFriction,
+    WrenchSummary, believed_band, wrench_on_log,
+};
 use tribo_diagnose::{BlockSettings, Diagnosable, FrictionReport, FrictionSettings, JointReport, Nominal};
 use tribo_ekf::WrenchEkfSettings;
-use tribo_experiments::files::{AnyModel, Model, ModelChoice, SIGN_SMOOTHING_RAD_S};
-use tribo_experiments::{
-    AnyEstimator, Believed, Calibration, ContactPrior, EstimatorError, EstimatorName, LogWrench, SETTLE_S,
-    TransmissionFriction, WrenchSummary, believed_band, wrench_on_log,
-};
 use tribo_friction::law::CoulombViscous;
 use tribo_friction::{FrictionBand, FrictionModel, JointBand, JointFriction};
 use tribo_logs::recognise::{self, Use};
 use tribo_logs::{LogSummary, RobotLog, Table, write_table};
+use tribo_model::{AnyModel, Believed, Model, ModelChoice, SIGN_SMOOTHING_RAD_S};
 use tribo_residual::{OBSERVER_GAIN_RAD_S, identify_band};
 use tribo_sim::{Effect, panda_gaz_joints};
 

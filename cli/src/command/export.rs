@@ -4,10 +4,10 @@ use std::path::{Path, PathBuf};
 
 use anyhow::Context;
 use serde_json::json;
-use tribo_experiments::export::export;
-use tribo_experiments::files::{FileError, TunedFile};
-use tribo_experiments::watch::{CampaignSnapshot, CampaignWatch};
+use tribo_export::export;
 use tribo_logs::write_atomic;
+use tribo_model::{FileError, TunedFile};
+use tribo_watch::{CampaignSnapshot, CampaignWatch};
 
 use super::named;
 use crate::arguments::{Common, Export};

@@ -1,7 +1,7 @@
 //! What a campaign has learnt about the friction of its robot.
 
 use serde_json::{Value, json};
-use tribo_experiments::Learnt;
+use tribo_campaign::Learnt;
 
 use crate::output::{print, significant, table};
 

@@ -21,10 +21,11 @@ pub mod tune;
 use std::path::Path;
 
 use serde::de::DeserializeOwned;
-use tribo_experiments::files::{AnyModel, YamlDocument};
-use tribo_experiments::strategy::BestTrial;
-use tribo_experiments::{AnyTune, Conclusion, ConfigError, NotCancelled, TuneConfig};
+use tribo_campaign::strategy::BestTrial;
+use tribo_campaign::{AnyTune, CampaignError, Conclusion, TuneConfig, UserCampaign};
 use tribo_logs::{LogError, LogSummary, RobotLog, read_log_watched};
+use tribo_model::{AnyModel, ConfigError, NotCancelled, YamlDocument};
+use tribo_watch::refresh_report;
 
 use crate::arguments::{CampaignSettings, Common, Scenario};
 use crate::failure::{BadInput, Stopped};
@@ -33,6 +34,13 @@ use crate::progress::StageProgress;
 
 /// Where campaigns go when nobody says where.
 const CAMPAIGNS: &str = "campaigns";
+
+/// Opens a campaign whose trials the user runs; a report beside it is made true again where somebody was killed before it was.
+fn opened<const N: usize>(directory: &Path) -> Result<UserCampaign<N>, CampaignError> {
+    let campaign = UserCampaign::open(directory, now)?;
+    refresh_report(directory)?;
+    Ok(campaign)
+}
 
 /// The time, for the stamps in the journal.
 fn now() -> String {

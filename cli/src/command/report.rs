@@ -1,7 +1,7 @@
 //! `tribo report`.
 
 use serde_json::json;
-use tribo_experiments::watch::write_report;
+use tribo_watch::write_report;
 
 use crate::arguments::{Common, Report};
 use crate::failure::BadInput;

@@ -1,8 +1,8 @@
 //! `tribo completions` and `tribo man`.
 
 use clap::CommandFactory;
-use tribo_experiments::files::FileError;
 use tribo_logs::write_atomic;
+use tribo_model::FileError;
 
 use crate::arguments::{Arguments, Common, Man};
 use crate::failure::BadInput;

@@ -3,10 +3,10 @@
 use std::path::{Path, PathBuf};
 
 use serde_json::{Map, Value, json};
-use tribo_experiments::files::{ModelFile, TrajectoryFile, TunedFile, YamlDocument};
-use tribo_experiments::{AnyEstimator, AnyTune, Believed, NotCancelled, ValidTune, follow, simulate_log};
+use tribo_campaign::{AnyEstimator, AnyTune, ValidTune, follow, simulate_log};
 use tribo_friction::{FrictionModel, JointEffects};
 use tribo_logs::RobotLog;
+use tribo_model::{Believed, ModelFile, NotCancelled, TrajectoryFile, TunedFile, YamlDocument};
 use tribo_sim::{WrenchPulses, not_simulated};
 
 use super::convert::{target_of, write_log};

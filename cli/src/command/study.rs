@@ -3,10 +3,10 @@
 use std::path::Path;
 
 use serde_json::json;
+use tribo_campaign::study::{Shard, Study, StudyRow, StudyStore, StudySummary, run_shard, study_page};
 use tribo_diagnose::report::number::probability;
-use tribo_experiments::files::FileError;
-use tribo_experiments::study::{Shard, Study, StudyRow, StudyStore, StudySummary, run_shard, study_page};
 use tribo_logs::write_atomic;
+use tribo_model::FileError;
 
 use crate::arguments::{Common, Study as Arguments};
 use crate::failure::{BadInput, Stopped};
@@ -52,7 +52,7 @@ pub fn run(arguments: &Arguments, common: &Common) -> anyhow::Result<()> {
 
 /// The slice asked for, or that of the job array.
 fn shard(arguments: &Arguments) -> anyhow::Result<Shard> {
-    let bad = |error: tribo_experiments::study::ShardError| BadInput(error.to_string());
+    let bad = |error: tribo_campaign::study::ShardError| BadInput(error.to_string());
     if let Some(text) = &arguments.shard {
         return Ok(text.parse().map_err(bad)?);
     }

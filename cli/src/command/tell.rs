@@ -3,14 +3,15 @@
 use std::path::Path;
 
 use serde_json::{Map, Value, json};
+use tribo_campaign::strategy::{BestTrial, LawCheck};
+use tribo_campaign::{AbortReason, JudgedLog, Told, TuneConfig, UserCampaign, judge_log, reach, trial_remarks};
 use tribo_diagnose::{Diagnosable, Nominal};
-use tribo_experiments::strategy::{BestTrial, LawCheck};
-use tribo_experiments::{AbortReason, JudgedLog, Told, TuneConfig, UserCampaign, judge_log, reach, trial_remarks};
 use tribo_logs::recognise::{Fault, Use, recognise, without_impossible_rows};
 use tribo_logs::{RobotLog, read_log};
+use tribo_watch::refresh_report;
 
 use super::believe::{Refused, believe};
-use super::{expected, learnt, now, show_remarks};
+use super::{expected, learnt, opened, show_remarks};
 use crate::arguments::{Common, Tell};
 use crate::failure::BadInput;
 use crate::output::{print, print_json, significant, table};
@@ -24,9 +25,10 @@ pub fn run(arguments: &Tell, common: &Common) -> anyhow::Result<()> {
         None => None,
     };
     match joints {
-        6 => tell(UserCampaign::<6>::open(&arguments.campaign, now)?, log, arguments, common),
-        _ => tell(UserCampaign::<7>::open(&arguments.campaign, now)?, log, arguments, common),
+        6 => tell(opened::<6>(&arguments.campaign)?, log, arguments, common)?,
+        _ => tell(opened::<7>(&arguments.campaign)?, log, arguments, common)?,
     }
+    Ok(refresh_report(&arguments.campaign)?)
 }
 
 fn tell<const N: usize>(

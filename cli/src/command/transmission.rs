@@ -1,7 +1,7 @@
 //! Friction of the gears, where `tribo estimate` finds torque on both of their sides.
 
 use serde_json::{Value, json};
-use tribo_experiments::TransmissionFriction;
+use tribo_campaign::TransmissionFriction;
 use tribo_logs::LogSummary;
 
 use crate::arguments::Common;
@@ -64,7 +64,7 @@ pub fn show(gears: &TransmissionFriction) {
 
 /// The same for programs.
 pub fn json(gears: &TransmissionFriction) -> Value {
-    let joint = |(number, joint): (usize, &tribo_experiments::TransmissionJoint)| {
+    let joint = |(number, joint): (usize, &tribo_campaign::TransmissionJoint)| {
         let fit = joint.fit.as_ref().ok();
         json!({
             "joint": number,

@@ -5,14 +5,14 @@ use std::time::Instant;
 
 use anyhow::Context;
 use serde_json::json;
-use tribo_experiments::files::FileError;
-use tribo_experiments::strategy::BestTrial;
-use tribo_experiments::watch::write_report;
-use tribo_experiments::{
+use tribo_campaign::strategy::BestTrial;
+use tribo_campaign::{
     AgainstEkf, AnyTune, Campaign, CampaignError, CampaignResult, Changes, CostName, EstimatorName, ParameterSpace,
     TuneConfig, against_ekf,
 };
+use tribo_model::FileError;
 use tribo_sim::not_simulated;
+use tribo_watch::write_report;
 
 use super::{CAMPAIGNS, configured, expected, now, show_remarks, warn_not_cancelled};
 use crate::arguments::{CampaignSettings, Common, Tune};

@@ -1,6 +1,6 @@
 //! Story: a tuned compensator goes to other programs, and the command says what they will not get.
 //!
-//! What is in the files is held against their consumers in `experiments/tests/export_*.rs`.
+//! What is in the files is held against their consumers in `export/tests/formats/`.
 
 #![allow(clippy::unwrap_used, clippy::panic, reason = "a test fails by panicking, in its helpers too")]
 

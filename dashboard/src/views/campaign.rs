@@ -1,8 +1,8 @@
 //! Cost, parameters and belief over the trials.
 
 use egui::{ComboBox, ProgressBar, RichText, ScrollArea, Ui};
-use tribo_experiments::watch::{CampaignSnapshot, campaign_figures, headline, surrogate_figures};
 use tribo_figure::number::{fixed, significant};
+use tribo_watch::{CampaignSnapshot, campaign_figures, headline, surrogate_figures};
 
 use super::memo::{Memo, address};
 use crate::layout::Layout;

@@ -3,8 +3,8 @@
 use std::path::{Path, PathBuf};
 
 use egui::{Grid, RichText, ScrollArea, Ui};
-use tribo_experiments::watch::{CampaignSnapshot, campaign_figures, expected};
 use tribo_figure::number::{quantity_and_unit, significant};
+use tribo_watch::{CampaignSnapshot, campaign_figures, expected};
 
 use super::memo::{Memo, address};
 use crate::plot::{Look, show};

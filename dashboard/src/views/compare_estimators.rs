@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use egui::{Grid, RichText, ScrollArea, Ui};
-use tribo_experiments::EstimatorName;
+use tribo_campaign::EstimatorName;
 use tribo_figure::number::significant;
 
 use super::log::components;

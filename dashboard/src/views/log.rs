@@ -1,7 +1,7 @@
 //! Channels and wrench of a log, of any length.
 
 use egui::{RichText, ScrollArea, Ui};
-use tribo_experiments::EstimatorName;
+use tribo_campaign::EstimatorName;
 use tribo_figure::Signals;
 use tribo_figure::number::significant;
 

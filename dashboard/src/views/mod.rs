@@ -21,7 +21,7 @@ pub use start::StartView;
 pub use trial::TrialView;
 
 use egui::{RichText, Ui};
-use tribo_experiments::EstimatorName;
+use tribo_campaign::EstimatorName;
 
 /// A view that has nothing to show yet, and what to do about it.
 fn empty(ui: &mut Ui, what: &str, todo: &str) {

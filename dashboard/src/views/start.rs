@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use egui::{ComboBox, Grid, RichText, Ui};
 use serde::de::DeserializeOwned;
-use tribo_experiments::TuneConfig;
+use tribo_campaign::TuneConfig;
 
 use crate::source::Source;
 
@@ -180,8 +180,8 @@ fn next_directory(campaigns: &Path) -> String {
 
 #[cfg(test)]
 mod tests {
-    use tribo_experiments::EstimatorName;
-    use tribo_experiments::strategy::StrategyName;
+    use tribo_campaign::EstimatorName;
+    use tribo_campaign::strategy::StrategyName;
 
     use super::*;
 
@@ -199,7 +199,7 @@ mod tests {
         assert_eq!(estimators, EstimatorName::ALL.map(EstimatorName::as_str));
         assert_eq!(ROBOTS.iter().map(|(name, _)| *name).collect::<Vec<_>>(), tribo_robot::presets::NAMES);
         for (name, _) in TRUTHS {
-            let _: tribo_experiments::scenario::TruthName = named(name).expect("a truth");
+            let _: tribo_campaign::scenario::TruthName = named(name).expect("a truth");
         }
     }
 }

@@ -1,8 +1,8 @@
 //! One trial: wrench, tracking, torques, friction, loop time.
 
 use egui::{RichText, ScrollArea, Ui};
-use tribo_experiments::watch::trial_figures;
 use tribo_figure::number::significant;
+use tribo_watch::trial_figures;
 
 use super::memo::{Memo, address};
 use crate::layout::Layout;

@@ -5,9 +5,9 @@ use std::path::Path;
 
 use crate::common::{FRAME_S, Window, campaign, options, settings, strict};
 use egui_kittest::kittest::{NodeT, Queryable};
+use tribo_campaign::{TuneConfig, TunedLaw, simulate_log};
 use tribo_dashboard::{Options, View};
 use tribo_ekf::{WrenchEkf, WrenchEkfSettings};
-use tribo_experiments::{TuneConfig, TunedLaw, simulate_log};
 use tribo_logs::write_parquet;
 
 /// Start → pause → go on → finish → save a figure in every format.

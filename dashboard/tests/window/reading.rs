@@ -5,9 +5,9 @@ use std::path::{Path, PathBuf};
 use crate::common::{Window, campaign, options, settings};
 use egui::{Event, Shape, pos2};
 use egui_kittest::kittest::Queryable;
+use tribo_campaign::simulate_log;
 use tribo_dashboard::{Options, View};
 use tribo_ekf::{WrenchEkf, WrenchEkfSettings};
-use tribo_experiments::simulate_log;
 use tribo_logs::write_parquet;
 
 /// A log of an arm whose friction nobody cancels.

@@ -1,9 +1,9 @@
 //! Watching changes nothing, and pictures need nothing.
 
 use crate::common::{Window, campaign, clock, options, settings};
+use tribo_campaign::strategy::StrategyName;
+use tribo_campaign::{Campaign, StopBelow, TuneConfig};
 use tribo_dashboard::{View, screenshot};
-use tribo_experiments::strategy::StrategyName;
-use tribo_experiments::{Campaign, StopBelow, TuneConfig};
 
 /// The journal of a campaign that a window watches is that of one that nobody watches, to the last byte.
 #[test]

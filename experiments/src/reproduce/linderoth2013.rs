@@ -14,8 +14,10 @@ use tribo_robot::{ControlTerms, EstimatorInput, LAMBDA_95, Wrench};
 use tribo_sim::{Pulse, Truth, WrenchPulses};
 
 use super::{ExperimentError, Quantity, SeedRun};
-use crate::files::FieldError;
-use crate::{AnyEstimator, EstimatorName, Phases, Trial, TuneConfig, noise_seed, run_trial_observed, simulate_log};
+use tribo_campaign::{
+    AnyEstimator, EstimatorName, Phases, Trial, TuneConfig, noise_seed, run_trial_observed, simulate_log,
+};
+use tribo_model::FieldError;
 
 /// Ticks between two estimates: 250 Hz, as the paper's samples.
 const DECIMATION: u64 = 4;
@@ -313,7 +315,7 @@ fn instants(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::files::YamlDocument;
+    use tribo_model::YamlDocument;
 
     fn shipped() -> Linderoth2013 {
         YamlDocument::embedded("config.yaml", crate::reproduce::shipped::LINDEROTH2013).parse().unwrap()

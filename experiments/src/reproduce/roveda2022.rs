@@ -4,10 +4,10 @@ use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 use tribo_friction::VelocitySource;
 
-use crate::files::FieldError;
-use crate::scenario::{POSES, TruthName};
-use crate::strategy::StrategyName;
-use crate::{CampaignError, ConfigError, Phases, StopBelow, TuneConfig, TunedLaw, references, run_in_memory};
+use tribo_campaign::scenario::{POSES, TruthName};
+use tribo_campaign::strategy::StrategyName;
+use tribo_campaign::{CampaignError, Phases, StopBelow, TuneConfig, TunedLaw, references, run_in_memory};
+use tribo_model::FieldError;
 
 /// Settings of the experiment, `schema: tribo.reproduce/1`.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -239,16 +239,10 @@ pub fn summarize(cells: &[CellResult]) -> Vec<RowSummary> {
         .collect()
 }
 
-impl From<FieldError> for CampaignError {
-    fn from(error: FieldError) -> Self {
-        Self::Config(ConfigError::Field(error))
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::files::YamlDocument;
+    use tribo_model::YamlDocument;
 
     /// Ten seeds and three poses of three strategies, four seeds of the fourth, on three truths.
     #[test]

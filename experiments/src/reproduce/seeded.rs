@@ -3,7 +3,7 @@
 use serde::de::DeserializeOwned;
 
 use super::{ExperimentError, Linderoth2013, Quantity, SeedRun, Simoni2017, Simoni2019};
-use crate::files::FieldError;
+use tribo_model::FieldError;
 
 /// An experiment with settings of `schema: tribo.reproduce/1` that measures the same quantities for every seed.
 pub trait SeededExperiment: DeserializeOwned + Sync {

@@ -8,12 +8,12 @@ use tribo_robot::WrenchEstimator;
 use tribo_sim::{Truth, WrenchPulses};
 
 use super::ExperimentError;
-use crate::files::FieldError;
-use crate::scenario::{ModelError, POSES};
-use crate::{
+use tribo_campaign::scenario::{ModelError, POSES};
+use tribo_campaign::{
     AnyEstimator, Calibration, ContactPrior, EstimatorName, LogWrench, Phases, Trial, TuneConfig, believed_band,
     noise_seed, run_trial_observed,
 };
+use tribo_model::FieldError;
 
 /// Push on each axis in turn: 15 N or 2.5 Nm for 2.5 s, 1.5 s apart, from 5 s on.
 const PUSH: [f64; 5] = [15.0, 2.5, 5.0, 2.5, 1.5];
@@ -306,7 +306,7 @@ fn free_mean(log: &LogWrench, before_s: f64) -> [f64; 6] {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::files::YamlDocument;
+    use tribo_model::YamlDocument;
 
     const SMOOTH: PushCase = PushCase { friction: false, compensated: false, moving: false, payload_kg: 0.0 };
 

@@ -5,8 +5,7 @@
 //! The nominal arm is the true one. Logs of another seed, never fitted, say whether 95 % is 95 %.
 
 use nalgebra::SVector;
-use tribo_friction::FrictionBand;
-use tribo_friction::JointFriction;
+use tribo_friction::{FrictionBand, JointFriction};
 use tribo_logs::RobotLog;
 use tribo_residual::{BandFitError, JointBandFit, QpEstimator, QpSettings, band_coverage, identify_band};
 use tribo_robot::{ControlTerms, EstimatorInput, SensorFrame, Wrench, WrenchEstimator, presets};

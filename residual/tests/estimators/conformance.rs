@@ -13,9 +13,8 @@ use std::sync::Arc;
 
 use crate::common::prescribed::{DT_S, Motion, STIFFNESS_NM_PER_RAD, Sample, hold, run, samples, slide, sway};
 use tribo_ekf::{WrenchEkf, WrenchEkfSettings};
-use tribo_friction::FrictionModel;
 use tribo_friction::law::CoulombViscous;
-use tribo_friction::{FrictionBand, JointBand};
+use tribo_friction::{FrictionBand, FrictionModel, JointBand};
 use tribo_residual::{
     DoubleEncoderEstimator, DoubleEncoderModel, DoubleEncoderSettings, MomentumEstimator, MomentumSettings,
     QpEstimator, QpSettings, ThermalEstimator, ThermalSettings, diagonal_prior,

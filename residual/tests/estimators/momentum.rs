@@ -5,9 +5,8 @@ use nalgebra::SVector;
 use rand::{RngExt, SeedableRng};
 use rand_distr::StandardNormal;
 use rand_pcg::Pcg64;
-use tribo_friction::FrictionModel;
 use tribo_friction::law::CoulombViscous;
-use tribo_friction::{FrictionBand, JointBand};
+use tribo_friction::{FrictionBand, FrictionModel, JointBand};
 use tribo_residual::{MomentumEstimator, MomentumObserver, MomentumSettings};
 use tribo_robot::{Wrench, WrenchEstimator};
 

@@ -1,10 +1,10 @@
 //! A diagnosis as one JSON document, `tribo.diagnosis/1`.
 
 use serde_json::{Map, Value, json};
+use tribo_campaign::ClosedLoopGain;
 use tribo_diagnose::{
     Alternative, CauseLabel, Diagnosis, Finding, JointMisfit, Location, NextExperiment, Rejected, Unseen,
 };
-use tribo_experiments::ClosedLoopGain;
 
 use super::Extras;
 

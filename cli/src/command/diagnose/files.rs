@@ -3,8 +3,8 @@
 use std::path::{Path, PathBuf};
 
 use tribo_diagnose::NextExperiment;
-use tribo_experiments::files::{ModelFile, TrajectoryFile, ViaPoint, YamlDocument, to_yaml};
 use tribo_logs::write_atomic;
+use tribo_model::{ModelFile, TrajectoryFile, ViaPoint, YamlDocument, to_yaml};
 use tribo_robot::Arm;
 
 use super::input::same_file;

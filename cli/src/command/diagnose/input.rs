@@ -2,9 +2,9 @@
 
 use std::path::{Path, PathBuf};
 
-use tribo_experiments::files::ModelChoice;
 use tribo_logs::RobotLog;
 use tribo_logs::recognise::{Use, recognise};
+use tribo_model::ModelChoice;
 
 use super::super::believe::{Refused, believe};
 use super::super::{named, read_log};

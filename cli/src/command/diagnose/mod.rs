@@ -7,15 +7,15 @@ mod show;
 
 use std::path::Path;
 
+use tribo_campaign::{ClosedLoopGain, closed_loop_gain};
 use tribo_diagnose::recognise::recognise;
 use tribo_diagnose::report::{ClosedLoop, ReportContext, html};
 use tribo_diagnose::{
     CauseLabel, Diagnosable, DiagnoseError, DiagnoseSettings, Diagnosis, Nominal, Verdict, diagnose_with_reference,
 };
-use tribo_experiments::files::{AnyModel, Model, ModelFile};
-use tribo_experiments::{Believed, ClosedLoopGain, closed_loop_gain, not_cancelled_sentences};
 use tribo_logs::RobotLog;
 use tribo_logs::recognise::Use;
+use tribo_model::{AnyModel, Believed, Model, ModelFile, not_cancelled_sentences};
 use tribo_robot::Arm;
 
 use super::believe::{Refused, believe};

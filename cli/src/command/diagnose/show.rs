@@ -184,7 +184,7 @@ fn show_elsewhere(diagnosis: &Diagnosis, extras: &Extras) {
     }
     if let Some(gain) = &extras.closed_loop {
         let mut rows = table(&["closed loop", "cost J [N + Nm]", "tracking [mm RMS]", "[mrad RMS]", "state"]);
-        let state = |aborted: Option<tribo_experiments::AbortReason>| {
+        let state = |aborted: Option<tribo_campaign::AbortReason>| {
             aborted.map_or("complete".to_owned(), |reason| format!("failed: {reason}"))
         };
         let lines = [

@@ -15,7 +15,7 @@ pub use table4::Table4Row;
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::files::YamlDocument;
+    use tribo_model::YamlDocument;
 
     fn shipped() -> (Simoni2017, Simoni2019) {
         let read = |text| YamlDocument::embedded("config.yaml", text);

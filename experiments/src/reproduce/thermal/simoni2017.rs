@@ -13,8 +13,8 @@ use tribo_sim::{JointWarmth, WarmJoint};
 use super::DutyCycleStudy;
 use super::observer_run::equivalent_c;
 use super::simoni2019::rounded;
-use crate::files::FieldError;
 use crate::reproduce::{ExperimentError, Quantity, SeedRun};
+use tribo_model::FieldError;
 
 type Joints = SVector<f64, 7>;
 

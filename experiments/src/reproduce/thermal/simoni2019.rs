@@ -10,8 +10,8 @@ use tribo_sim::{JointWarmth, WarmJoint};
 use super::observer_run::ObserverRun;
 use super::table4::validate;
 use super::{DutyCycleStudy, ObserverTrace, Table4Row};
-use crate::files::FieldError;
 use crate::reproduce::{ExperimentError, Quantity, SeedRun};
+use tribo_model::FieldError;
 
 /// α [1/K] and β [-] of joint 2 in the paper.
 const ALPHA_PER_K: f64 = -0.009_37;

@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 use tribo_residual::{DeflectionMean, DoubleEncoderSettings};
 
-use crate::files::FieldError;
+use tribo_model::FieldError;
 
 /// Settings of the experiment, `schema: tribo.reproduce/1`.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]

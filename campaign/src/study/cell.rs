@@ -1,0 +1,108 @@
+//! One cell of a study: the unit that is computed, written and lost as a whole.
+
+use serde::{Deserialize, Serialize};
+
+use super::settings::Study;
+use crate::{
+    AbortReason, AnyTune, CampaignError, EstimatorError, InMemory, References, ValidTune, references, run_in_memory,
+};
+use tribo_model::file_name;
+
+/// What a cell computes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Work {
+    /// The costs that the campaigns beside it are compared with.
+    References,
+    /// A campaign of the strategy of this number.
+    Campaign(usize),
+}
+
+/// A place in the grid, by index into its axes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Cell {
+    /// Case.
+    pub case: usize,
+    /// Estimator.
+    pub estimator: usize,
+    /// Pose.
+    pub pose: usize,
+    /// Seed.
+    pub seed: u64,
+    /// What is computed.
+    pub work: Work,
+}
+
+/// What came of a cell. No time and no machine is in it: who computes it makes no difference.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case", deny_unknown_fields)]
+pub enum CellResult {
+    /// Costs to compare with.
+    References {
+        /// Mean J without compensation.
+        uncompensated: f64,
+        /// Mean J of the true friction.
+        oracle: f64,
+        /// Mean J without friction.
+        frictionless: f64,
+    },
+    /// The trials of a campaign.
+    Campaign {
+        /// J of each trial, penalties included.
+        cost: Vec<f64>,
+        /// Why each was stopped, if it was.
+        aborted: Vec<Option<AbortReason>>,
+        /// Parameters of the best trial.
+        best: Vec<f64>,
+    },
+}
+
+impl Cell {
+    /// Its name, and that of its file.
+    pub fn name(&self, study: &Study) -> String {
+        let estimator = study.estimators[self.estimator].as_str();
+        let work = match self.work {
+            Work::References => "references".to_owned(),
+            Work::Campaign(k) => {
+                format!("{}_{}", file_name(&study.strategies[k].strategy), study.strategies[k].trials)
+            }
+        };
+        format!("case{}_{estimator}_pose{}_seed{:04}_{work}", self.case, self.pose, self.seed)
+    }
+
+    /// Computes it, on this thread but for the references.
+    ///
+    /// # Errors
+    /// Settings out of range, a strategy without an answer.
+    pub fn run(&self, study: &Study) -> Result<CellResult, CampaignError> {
+        match study.config_of(self).validate_any()? {
+            AnyTune::Six(tune) => self.run_on(study, &tune),
+            AnyTune::Seven(tune) => self.run_on(study, &tune),
+        }
+    }
+
+    fn run_on<const N: usize>(&self, study: &Study, tune: &ValidTune<N>) -> Result<CellResult, CampaignError> {
+        match self.work {
+            Work::References => Ok(mean_references(tune, study.oracle_runs)?),
+            Work::Campaign(_) => {
+                let InMemory { trials, conclusion, .. } = run_in_memory(tune)?;
+                Ok(CellResult::Campaign {
+                    cost: trials.iter().map(|trial| trial.cost.total()).collect(),
+                    aborted: trials.iter().map(|trial| trial.aborted).collect(),
+                    best: conclusion.best.map_or(Vec::new(), |best| trials[best.trial].theta.clone()),
+                })
+            }
+        }
+    }
+}
+
+fn mean_references<const N: usize>(tune: &ValidTune<N>, runs: u64) -> Result<CellResult, EstimatorError> {
+    let mut sum = [0.0; 3];
+    for run in 0..runs {
+        let mut other_noise = tune.clone();
+        other_noise.config.seed = tune.config.seed + 1_000_003 * (run + 1);
+        let References { uncompensated, oracle, frictionless, .. } = references(&other_noise)?;
+        sum.iter_mut().zip([uncompensated, oracle, frictionless]).for_each(|(sum, cost)| *sum += cost);
+    }
+    let [uncompensated, oracle, frictionless] = sum.map(|sum| sum / runs as f64);
+    Ok(CellResult::References { uncompensated, oracle, frictionless })
+}

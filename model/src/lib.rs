@@ -1,0 +1,30 @@
+//! The files that say what a robot is like, and what the controller believes of it: arm, friction, effects, trajectories, tuned compensators.
+//!
+//! Every file is YAML with a `schema`; an error names file, line, field and the allowed range ([`FileError`]).
+
+mod believed;
+mod by_joints;
+mod effects_section;
+mod error;
+mod friction_section;
+mod model;
+mod model_choice;
+mod model_file;
+mod robot;
+mod robot_section;
+mod trajectory_file;
+mod tuned_file;
+mod yaml;
+
+pub use believed::{Believed, NotCancelled, joint_effects, not_cancelled_sentences};
+pub use by_joints::ByJoints;
+pub use error::{ConfigError, FileError};
+pub use friction_section::{FrictionSection, JointParameters, LawName};
+pub use model::{AnyModel, Model, SIGN_SMOOTHING_RAD_S};
+pub use model_choice::ModelChoice;
+pub use model_file::{ModelFile, PayloadSection};
+pub use robot::{POSES, Robot, joints_of_preset};
+pub use robot_section::LimitsSection;
+pub use trajectory_file::{TrajectoryFile, ViaPoint};
+pub use tuned_file::TunedFile;
+pub use yaml::{FieldError, YamlDocument, file_name, read_text, to_yaml};

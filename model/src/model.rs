@@ -1,0 +1,115 @@
+//! A robot model, validated.
+
+use std::path::Path;
+
+use tribo_diagnose::Nominal;
+use tribo_friction::FrictionModel;
+use tribo_robot::Arm;
+use tribo_sim::{Effect, TorqueSide, Truth};
+
+use crate::{ByJoints, Robot};
+use crate::{FileError, ModelFile};
+
+/// What a model file says, `tau = M qdd + C qd + g + Ir qdd + friction(qd) + effects`.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Model<const N: usize> {
+    /// The robot, bare and with its motors.
+    pub robot: Robot<N>,
+    /// The arm with the file's payload, but without its effects; without rotor inertia if the torques are link-side.
+    pub arm: Arm<N>,
+    /// Side of the gears on which torques are meant.
+    pub torque_side: TorqueSide,
+    /// Friction, zero if the file has none.
+    pub friction: FrictionModel<N>,
+    /// Width of the smooth sign on logs [rad/s].
+    pub smoothing_rad_s: f64,
+    /// Causes on top of arm and friction.
+    pub effects: Vec<Effect>,
+}
+
+/// A model of an arm with as many joints as it happens to have.
+pub type AnyModel = ByJoints<Model<6>, Model<7>>;
+
+/// Width of the smooth sign on logs (rad/s) where no model says another: above the noise of a velocity.
+pub const SIGN_SMOOTHING_RAD_S: f64 = 0.005;
+
+impl<const N: usize> Model<N> {
+    /// The bare robot without friction, torques on the given side.
+    pub fn bare(robot: Robot<N>, torque_side: TorqueSide) -> Self {
+        let arm = match torque_side {
+            TorqueSide::Motor => robot.arm.clone(),
+            TorqueSide::Link => robot.arm.clone().link_side(),
+        };
+        let friction = FrictionModel::none();
+        Self { robot, arm, torque_side, friction, smoothing_rad_s: SIGN_SMOOTHING_RAD_S, effects: Vec::new() }
+    }
+
+    /// The model as a diagnosis holds a log against it.
+    pub fn to_nominal(&self) -> Nominal<N> {
+        Nominal {
+            arm: self.arm.clone(),
+            friction: self.friction,
+            smoothing_rad_s: self.smoothing_rad_s,
+            effects: self.effects.clone(),
+            torque_side: self.torque_side,
+        }
+    }
+
+    /// The plant that the model describes. A plant is always driven by its motors: a link-side model, which has no rotor
+    /// inertia, gets the robot's.
+    pub fn to_truth(&self) -> Truth<N> {
+        let mut arm = self.arm.clone();
+        if arm.rotor_inertia_kg_m2.amax() == 0.0 {
+            arm.rotor_inertia_kg_m2 = self.robot.arm.rotor_inertia_kg_m2;
+        }
+        Truth { effects: self.effects.clone(), ..Truth::new(arm, self.friction) }
+    }
+
+    /// The plant to the letter of the file: a motor-side model whose rotors weigh nothing has none to turn. (A controller does not
+    /// believe that: see [`Self::to_truth`].)
+    pub fn to_plant(&self) -> Truth<N> {
+        match self.torque_side {
+            TorqueSide::Motor => Truth { arm: self.arm.clone(), ..self.to_truth() },
+            TorqueSide::Link => self.to_truth(),
+        }
+    }
+}
+
+impl Model<7> {
+    /// The bare Panda without friction, torques on the given side.
+    pub fn panda(torque_side: TorqueSide) -> Self {
+        Self::bare(Robot::panda(), torque_side)
+    }
+}
+
+impl AnyModel {
+    /// Reads and validates a model file.
+    pub fn read(path: &Path) -> Result<Self, FileError> {
+        let (file, document) = ModelFile::read(path)?;
+        file.validate_any().map_err(|error| document.explain(error))
+    }
+
+    /// Width of the smooth sign on logs (rad/s).
+    pub fn smoothing_rad_s(&self) -> f64 {
+        match self {
+            Self::Six(model) => model.smoothing_rad_s,
+            Self::Seven(model) => model.smoothing_rad_s,
+        }
+    }
+
+    /// Number of joints.
+    pub fn joints(&self) -> usize {
+        match self {
+            Self::Six(_) => 6,
+            Self::Seven(_) => 7,
+        }
+    }
+
+    /// Name of the arm.
+    pub fn robot(&self) -> &str {
+        match self {
+            Self::Six(model) => &model.robot.arm.name,
+            Self::Seven(model) => &model.robot.arm.name,
+        }
+    }
+}

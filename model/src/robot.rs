@@ -1,0 +1,63 @@
+//! The robot of a campaign.
+
+use nalgebra::SVector;
+use tribo_robot::presets::{AnyPreset, Preset};
+use tribo_robot::urdf::UrdfArm;
+use tribo_robot::{Arm, presets, well_conditioned_poses};
+use tribo_sim::{AnyTypicalFriction, TypicalFriction};
+
+/// An arm, where to try it, and how much friction its joints are taken to have.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Robot<const N: usize> {
+    /// The bare arm.
+    pub arm: Arm<N>,
+    /// Configurations (rad) about which the tool moves, by the number of the pose.
+    pub poses_rad: [SVector<f64, N>; 3],
+    /// Friction of its joints, as the named truths have it; none where nobody says.
+    pub friction: Option<TypicalFriction<N>>,
+}
+
+/// Number of poses.
+pub const POSES: usize = 3;
+/// Largest torque limit of a Panda's joint (Nm).
+const PANDA_TORQUE_NM: f64 = 87.0;
+
+impl<const N: usize> Robot<N> {
+    /// The preset of a name, if there is one with N joints.
+    pub fn preset(name: &str) -> Option<Self> {
+        let preset = presets::find(name)?;
+        let Preset { arm, poses_rad, .. } = preset.with_joints::<N>()?.clone();
+        let friction = AnyTypicalFriction::find(name).and_then(|friction| friction.with_joints::<N>().copied());
+        Some(Self { arm, poses_rad, friction })
+    }
+
+    /// The arm of a URDF: poses well away from its singularities, friction from its `<dynamics>` unless all are zero.
+    pub fn of_urdf(urdf: UrdfArm<N>) -> Self {
+        let UrdfArm { arm, coulomb_nm, viscous_nm_s_per_rad, .. } = urdf;
+        let known = coulomb_nm.iter().chain(&viscous_nm_s_per_rad).any(|value| *value > 0.0);
+        let poses_rad = well_conditioned_poses(&arm);
+        Self { arm, poses_rad, friction: known.then(|| TypicalFriction::new(coulomb_nm, viscous_nm_s_per_rad)) }
+    }
+
+    /// How many times a Panda's friction each joint is taken to have: as its friction goes, else as its torque limit (over 87 Nm); at
+    /// least 1.
+    pub fn friction_times_panda(&self) -> [f64; N] {
+        match &self.friction {
+            Some(friction) => friction.times_panda(),
+            None => std::array::from_fn(|j| (self.arm.limits.tau_max_nm[j] / PANDA_TORQUE_NM).max(1.0)),
+        }
+    }
+}
+
+impl Robot<7> {
+    /// The Panda.
+    pub fn panda() -> Self {
+        let preset = presets::panda_preset();
+        Self { arm: preset.arm, poses_rad: preset.poses_rad, friction: Some(TypicalFriction::panda()) }
+    }
+}
+
+/// Number of joints of a preset; none if there is no such preset.
+pub fn joints_of_preset(name: &str) -> Option<usize> {
+    presets::find(name).map(|preset: AnyPreset| preset.joints())
+}

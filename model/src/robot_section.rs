@@ -1,0 +1,188 @@
+//! Which robot a model file is about.
+
+use std::path::Path;
+
+use nalgebra::SVector;
+use serde::{Deserialize, Serialize};
+use tribo_robot::urdf::{UrdfChain, UrdfError};
+use tribo_robot::{Limits, presets};
+
+use crate::{ConfigError, Robot};
+use crate::{FieldError, FileError, ModelFile, read_text};
+use crate::{POSES, joints_of_preset};
+
+/// `limits: {q_min_rad, …}`: those given take the place of the robot's, one value per joint.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct LimitsSection {
+    /// Lower joint limits (rad).
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub q_min_rad: Option<Vec<f64>>,
+    /// Upper joint limits (rad).
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub q_max_rad: Option<Vec<f64>>,
+    /// Speed limits [rad/s].
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub qd_max_rad_s: Option<Vec<f64>>,
+    /// Torque limits (Nm).
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub tau_max_nm: Option<Vec<f64>>,
+    /// Torque-rate limits [Nm/s].
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub tau_rate_max_nm_s: Option<Vec<f64>>,
+}
+
+/// What a field `robot` may hold.
+fn allowed_robots() -> String {
+    format!("{} or the path of a URDF", presets::NAMES.join(", "))
+}
+
+impl ModelFile {
+    /// Whether the robot is described by a URDF.
+    fn is_urdf(&self) -> bool {
+        joints_of_preset(&self.robot).is_none()
+    }
+
+    /// Reads the URDF that `robot` names, relative to `directory`, into the field `urdf`, unless it is there already.
+    ///
+    /// # Errors
+    /// [`FileError::Urdf`] of a file that cannot be used, a range error of a name that is neither preset nor file.
+    pub fn resolve(&mut self, directory: &Path) -> Result<(), ConfigError> {
+        if self.urdf.is_some() || !self.is_urdf() {
+            return Ok(());
+        }
+        let path = directory.join(&self.robot);
+        if !path.is_file() {
+            return Err(FieldError::new("robot", &self.robot, allowed_robots()).into());
+        }
+        let text = read_text(&path)?;
+        self.chain(&text).map_err(|source| FileError::Urdf { path, source: Box::new(source) })?;
+        self.urdf = Some(text);
+        Ok(())
+    }
+
+    fn chain(&self, urdf: &str) -> Result<UrdfChain, UrdfError> {
+        UrdfChain::parse(urdf, self.base_link.as_deref(), self.tip_link.as_deref())
+    }
+
+    /// The chain of a robot that is no preset.
+    fn read_chain(&self) -> Result<UrdfChain, FieldError> {
+        let Some(urdf) = &self.urdf else { return Err(FieldError::new("robot", &self.robot, allowed_robots())) };
+        self.chain(urdf)
+            .map_err(|error| FieldError::new("robot", &self.robot, format!("a URDF that can be used, where {error}")))
+    }
+
+    /// Names of the joints of a robot that is described by a URDF, from the base.
+    pub fn joint_names<const N: usize>(&self) -> Option<[String; N]> {
+        let urdf = self.urdf.as_ref().filter(|_| self.is_urdf())?;
+        Some(self.chain(urdf).ok()?.arm::<N>()?.joint_names)
+    }
+
+    /// Number of joints of the robot.
+    ///
+    /// # Errors
+    /// A robot that is not there.
+    pub fn arm_joints(&self) -> Result<usize, FieldError> {
+        match joints_of_preset(&self.robot) {
+            Some(joints) => Ok(joints),
+            None => Ok(self.read_chain()?.joints()),
+        }
+    }
+
+    /// The robot with the rotor inertia, limits and poses that the file gives.
+    pub(crate) fn to_robot<const N: usize>(&self) -> Result<Robot<N>, FieldError> {
+        let joints = self.arm_joints()?;
+        for (field, value) in [("base_link", &self.base_link), ("tip_link", &self.tip_link)] {
+            if let Some(value) = value.as_ref().filter(|_| !self.is_urdf()) {
+                return Err(FieldError::new(field, value, "only where robot is a URDF"));
+            }
+        }
+        let wrong =
+            || FieldError::new("robot", format!("{} with {joints} joints", self.robot), format!("a robot with {N}"));
+        let mut robot = match Robot::preset(&self.robot) {
+            Some(robot) => robot,
+            None if self.is_urdf() => self.read_chain()?.arm::<N>().map(Robot::of_urdf).ok_or_else(wrong)?,
+            None => return Err(wrong()),
+        };
+        if let Some(stated) = self.joints.filter(|stated| *stated != N) {
+            return Err(FieldError::new("joints", stated, N.to_string()));
+        }
+        if let Some(limits) = &self.limits {
+            limits.put_over(&mut robot.arm.limits)?;
+        }
+        if let Some(inertia) = &self.rotor_inertia_kg_m2 {
+            let inertia = per_joint::<N>("rotor_inertia_kg_m2", inertia, 0.0, 1e3)?;
+            // No inertia at all describes the link side; its motors have what the preset says.
+            if inertia.amax() > 0.0 {
+                robot.arm.rotor_inertia_kg_m2 = inertia;
+            }
+        }
+        if let Some(poses) = &self.poses_rad {
+            if !(1..=POSES).contains(&poses.len()) {
+                return Err(FieldError::new(
+                    "poses_rad",
+                    format!("{} entries", poses.len()),
+                    format!("1 to {POSES} entries"),
+                ));
+            }
+            for (k, pose) in poses.iter().enumerate() {
+                let field = format!("poses_rad[{k}]");
+                let q = per_joint::<N>(&field, pose, -1e3, 1e3)?;
+                if let Some(j) = robot.arm.first_joint_outside_limits(&q) {
+                    let limits = &robot.arm.limits;
+                    let allowed = format!("{} to {} in joint {j}", limits.q_min_rad[j], limits.q_max_rad[j]);
+                    return Err(FieldError::new(field, q[j], allowed));
+                }
+                robot.poses_rad[k] = q;
+            }
+        }
+        Ok(robot)
+    }
+
+    /// The part of the file that says which robot it is, and nothing of what is on it or in its joints.
+    pub fn robot_alone(&self) -> Self {
+        Self {
+            torque_side: Default::default(),
+            gravity_m_s2: None,
+            friction: None,
+            payload: None,
+            effects: Vec::new(),
+            ..self.clone()
+        }
+    }
+}
+
+/// N values, each within [low, high].
+fn per_joint<const N: usize>(field: &str, values: &[f64], low: f64, high: f64) -> Result<SVector<f64, N>, FieldError> {
+    if values.len() != N {
+        return Err(FieldError::new(field, format!("{} entries", values.len()), format!("{N} entries")));
+    }
+    for &value in values {
+        FieldError::check(field, value, low, high)?;
+    }
+    Ok(SVector::from_column_slice(values))
+}
+
+impl LimitsSection {
+    fn put_over<const N: usize>(&self, limits: &mut Limits<N>) -> Result<(), FieldError> {
+        let given = [
+            ("limits.q_min_rad", &self.q_min_rad, &mut limits.q_min_rad, -1e3),
+            ("limits.q_max_rad", &self.q_max_rad, &mut limits.q_max_rad, -1e3),
+            ("limits.qd_max_rad_s", &self.qd_max_rad_s, &mut limits.qd_max_rad_s, 1e-3),
+            ("limits.tau_max_nm", &self.tau_max_nm, &mut limits.tau_max_nm, 1e-3),
+            ("limits.tau_rate_max_nm_s", &self.tau_rate_max_nm_s, &mut limits.tau_rate_max_nm_s, 1e-3),
+        ];
+        for (field, given, place, low) in given {
+            if let Some(values) = given {
+                *place = per_joint(field, values, low, 1e6)?;
+            }
+        }
+        match (0..N).find(|&j| limits.q_min_rad[j] >= limits.q_max_rad[j]) {
+            Some(j) => {
+                let allowed = format!("below {}, the upper limit of joint {j}", limits.q_max_rad[j]);
+                Err(FieldError::new("limits.q_min_rad", limits.q_min_rad[j], allowed))
+            }
+            None => Ok(()),
+        }
+    }
+}
