@@ -38,7 +38,7 @@ impl AnyTune {
         }
     }
 
-    /// [`ValidTune::true_parameters`].
+    /// [`ValidTune::true_parameters`](crate::ValidTune::true_parameters).
     pub fn true_parameters(&self) -> Option<Vec<f64>> {
         match self {
             Self::Six(tune) => tune.true_parameters(),

@@ -1,9 +1,15 @@
-//! Trial logs on disk: `trials/NNNN.parquet`.
+//! Trial logs on disk: `trials/NNNN.parquet`, robot logs like any other ([`tribo_logs::Quantity`]) with the columns of the loop beside.
+//!
+//! ```text
+//! time  q_i  dq_i  tau_J_i  tau_friction_i | tau_task_nm_i … wrench_fx_n … reference_x_m … error_x_m …
+//! ```
+//!
+//! `tau_J_i` is the torque that the motors were sent, which in the simulation is what they give.
 
 use std::path::{Path, PathBuf};
 
 use nalgebra::{SMatrix, SVector};
-use tribo_logs::{Table, read_table, seal_of, write_table};
+use tribo_logs::{Quantity, Table, read_table, seal_of, write_table};
 
 use crate::TrialLog;
 use tribo_model::FileError;
@@ -13,17 +19,8 @@ pub fn trial_log_path(campaign: &Path, number: usize) -> PathBuf {
     campaign.join("trials").join(format!("{number:04}.parquet"))
 }
 
-/// Name stems of the columns with one entry per joint, in the order of the fields of [`TrialLog`].
-const JOINT_GROUPS: [&str; 8] = [
-    "q_rad",
-    "qd_rad_s",
-    "tau_command_nm",
-    "tau_friction_nm",
-    "tau_task_nm",
-    "tau_nullspace_nm",
-    "tau_gravity_nm",
-    "tau_coriolis_nm",
-];
+/// Name stems of the columns with one entry per joint that only the loop knows, in the order of the fields of [`TrialLog`].
+const LOOP_GROUPS: [&str; 4] = ["tau_task_nm", "tau_nullspace_nm", "tau_gravity_nm", "tau_coriolis_nm"];
 
 /// Components of the wrench in file order, and their places in `[moment; force]`.
 const WRENCH: [(&str, usize); 6] = [("fx_n", 3), ("fy_n", 4), ("fz_n", 5), ("mx_nm", 0), ("my_nm", 1), ("mz_nm", 2)];
@@ -32,18 +29,18 @@ const ERROR: [(&str, usize); 6] = [("x_m", 3), ("y_m", 4), ("z_m", 5), ("rx_rad"
 
 /// Writes a log atomically, to the last bit.
 pub fn write_trial_log<const N: usize>(path: &Path, log: &TrialLog<N>) -> Result<(), FileError> {
-    let mut columns = vec![("time_s".to_owned(), log.time_s.clone())];
-    let joint_groups = [
-        &log.q,
-        &log.qd,
-        &log.tau_command,
-        &log.tau_friction,
-        &log.tau_task,
-        &log.tau_nullspace,
-        &log.tau_gravity,
-        &log.tau_coriolis,
+    let mut columns = vec![(Quantity::Time.column_name(0), log.time_s.clone())];
+    let measured = [
+        (Quantity::Position, &log.q),
+        (Quantity::Velocity, &log.qd),
+        (Quantity::Torque, &log.tau_command),
+        (Quantity::FrictionCompensation, &log.tau_friction),
     ];
-    for (name, rows) in JOINT_GROUPS.iter().zip(joint_groups) {
+    for (quantity, rows) in measured {
+        columns.extend((0..N).map(|j| (quantity.column_name(j), component(rows, j))));
+    }
+    let of_the_loop = [&log.tau_task, &log.tau_nullspace, &log.tau_gravity, &log.tau_coriolis];
+    for (name, rows) in LOOP_GROUPS.iter().zip(of_the_loop) {
         columns.extend((0..N).map(|j| (format!("{name}_{j}"), component(rows, j))));
     }
     for (axis, place) in WRENCH {
@@ -88,10 +85,12 @@ pub fn read_trial_log<const N: usize>(path: &Path) -> Result<TrialLog<N>, FileEr
     };
     let column = |name: String| table.column(&name).ok_or_else(|| missing(&name));
     let rows = table.rows();
-    let joints = |stem: &str| -> Result<Vec<SVector<f64, N>>, FileError> {
-        let columns: Vec<&[f64]> = (0..N).map(|j| column(format!("{stem}_{j}"))).collect::<Result<_, _>>()?;
+    let joints = |name: &dyn Fn(usize) -> String| -> Result<Vec<SVector<f64, N>>, FileError> {
+        let columns: Vec<&[f64]> = (0..N).map(|j| column(name(j))).collect::<Result<_, _>>()?;
         Ok((0..rows).map(|r| SVector::from_fn(|j, _| columns[j][r])).collect())
     };
+    let measured = |quantity: Quantity| joints(&|j| quantity.column_name(j));
+    let of_the_loop = |stem: &str| joints(&|j| format!("{stem}_{j}"));
     let six = |stem: &str, axes: &[(&str, usize); 6]| -> Result<Vec<SVector<f64, 6>>, FileError> {
         let mut vectors = vec![SVector::<f64, 6>::zeros(); rows];
         for (axis, place) in axes {
@@ -114,15 +113,15 @@ pub fn read_trial_log<const N: usize>(path: &Path) -> Result<TrialLog<N>, FileEr
         .ok_or_else(|| missing("period_s"))?;
     Ok(TrialLog {
         period_s,
-        time_s: column("time_s".to_owned())?.to_vec(),
-        q: joints(JOINT_GROUPS[0])?,
-        qd: joints(JOINT_GROUPS[1])?,
-        tau_command: joints(JOINT_GROUPS[2])?,
-        tau_friction: joints(JOINT_GROUPS[3])?,
-        tau_task: joints(JOINT_GROUPS[4])?,
-        tau_nullspace: joints(JOINT_GROUPS[5])?,
-        tau_gravity: joints(JOINT_GROUPS[6])?,
-        tau_coriolis: joints(JOINT_GROUPS[7])?,
+        time_s: column(Quantity::Time.column_name(0))?.to_vec(),
+        q: measured(Quantity::Position)?,
+        qd: measured(Quantity::Velocity)?,
+        tau_command: measured(Quantity::Torque)?,
+        tau_friction: measured(Quantity::FrictionCompensation)?,
+        tau_task: of_the_loop(LOOP_GROUPS[0])?,
+        tau_nullspace: of_the_loop(LOOP_GROUPS[1])?,
+        tau_gravity: of_the_loop(LOOP_GROUPS[2])?,
+        tau_coriolis: of_the_loop(LOOP_GROUPS[3])?,
         wrench: six("wrench", &WRENCH)?,
         wrench_sd: six("wrench_sd", &WRENCH)?,
         reference_position,

@@ -75,7 +75,7 @@ pub(crate) fn theta(space: &ParameterSpace, trial: &JournalTrial) -> Result<Vec<
     }
 }
 
-/// The inverse of [`finish`].
+/// The trial as its strategy knows it: what was written when it ended.
 pub fn finished_trial(
     space: &ParameterSpace,
     path: &Path,

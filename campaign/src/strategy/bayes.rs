@@ -82,7 +82,7 @@ impl<const N: usize> Strategy<N> for Search {
 }
 
 /// Trials as the optimiser takes them, by number: an aborted one has failed, its penalised cost beside it. One that was stopped
-/// for reasons of its own says nothing against its parameters: what it cost (completed, see [`Completion`]) counts without penalty, and a
+/// for reasons of its own says nothing against its parameters: what it cost (completed, see `completion.rs`) counts without penalty, and a
 /// glimpse counts for nothing.
 pub fn observations(finished: &[FinishedTrial], running: &[RunningTrial]) -> History {
     observations_with_parts(finished, running).0
