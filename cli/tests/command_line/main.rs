@@ -33,6 +33,7 @@ mod storage_faults;
 mod streams_and_signals;
 mod study;
 mod taking_back;
+mod trial_logs;
 #[cfg(unix)]
 mod tutorials;
 mod wrong_logs;

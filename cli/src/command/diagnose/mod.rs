@@ -130,7 +130,12 @@ where
         extras.remarks.push(format!("--band-hz {asked} does not fit these logs; the band used is {used:.1} Hz"));
     }
     if let Ok(better) = &valid {
-        extras.not_cancelled = not_cancelled_sentences(&Believed::by_controller(better).not_cancelled);
+        let mut left = Believed::by_controller(better).not_cancelled;
+        left.retain(|left| {
+            let cause = left.effect.cause();
+            is_told(&diagnosis, cause) || model.effects.iter().any(|effect| effect.cause() == cause)
+        });
+        extras.not_cancelled = not_cancelled_sentences(&left);
         if arguments.closed_loop {
             progress.stage("closed loop", 0.0);
             extras.closed_loop = pool.install(|| closed_loop(model, better, arguments.seed, &mut extras.remarks));
@@ -162,6 +167,12 @@ where
         );
     }
     Ok(())
+}
+
+/// Whether the answer tells of this cause: the means of all other parameters are in the file too, and are next to nothing.
+fn is_told(diagnosis: &Diagnosis, cause: &str) -> bool {
+    let nameless = CauseLabel::ALL.iter().all(|label| label.name() != cause);
+    nameless || diagnosis.findings.iter().any(|finding| finding.label.name() == cause)
 }
 
 /// Runs the closed loop where there is a difference to measure.
