@@ -12,7 +12,7 @@ use tribo_robot::Kinematics;
 use tribo_sim::{DEFAULT_SUB_STEPS, TorqueSide, WrenchPulses};
 
 use crate::scenario::{LoadedTruth, ModelError, TruthName, freeze, random_phases, within};
-use crate::strategy::StrategyName;
+use crate::strategy_name::StrategyName;
 use crate::{
     Batches, Bounds, CostMeasure, CostName, EstimatorName, ParameterSpace, PenaltyLimits, StopBelow, Trial, TunedLaw,
     UserTrials,

@@ -53,6 +53,7 @@ mod simulate;
 mod stop_below;
 mod stored_logs;
 pub mod strategy;
+mod strategy_name;
 pub mod study;
 mod switched_off;
 mod transmission_friction;

@@ -6,7 +6,7 @@ use tribo_bayesopt::{BayesoptError, Domain};
 use tribo_friction::law::{CoulombViscous, GazSigmoid, Stribeck};
 use tribo_friction::{FrictionModel, JointFriction};
 
-use crate::strategy::StrategyName;
+use crate::strategy_name::StrategyName;
 
 /// Friction law of the compensator that is tuned.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]

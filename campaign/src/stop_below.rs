@@ -6,7 +6,7 @@ use std::str::FromStr;
 use serde::{Deserialize, Serialize};
 use tribo_bayesopt::{LeastGain, StopRule};
 
-use crate::strategy::StrategyName;
+use crate::strategy_name::StrategyName;
 
 /// Expected gain of the next trial below which a campaign ends before its last trial; in files `never`, `repeatability` or a number.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]

@@ -4,7 +4,8 @@ use nalgebra::{SVector, Vector6};
 use serde::{Deserialize, Serialize};
 use tribo_robot::{ControlTerms, Pose, product};
 
-use crate::{DampedPseudoInverse, reference_model::pose_error};
+use crate::DampedPseudoInverse;
+use crate::pose_error::pose_error;
 
 /// Gains of the impedance, isotropic in translation and in rotation.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]

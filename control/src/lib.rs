@@ -26,6 +26,7 @@ mod compensation_guard;
 mod impedance;
 mod joint_tracking;
 mod limiter;
+mod pose_error;
 mod pseudo_inverse;
 mod reference;
 mod reference_model;

@@ -4,6 +4,7 @@ use nalgebra::{Matrix3, Vector3, Vector6};
 use tribo_robot::{Pose, so3};
 
 use crate::ImpedanceSettings;
+use crate::pose_error::pose_error;
 
 /// Nominal impedance, integrated on its own (no feedback from the arm):
 ///
@@ -41,14 +42,6 @@ impl ReferenceModel {
         self.position += self.twist.fixed_rows::<3>(3) * dt_s;
         self.twist
     }
-}
-
-/// `e = [log(R R_dᵀ); p − p_d]`, base axes [rad; m].
-#[inline]
-pub(crate) fn pose_error(position: &Vector3<f64>, rotation: &Matrix3<f64>, reference: &Pose) -> Vector6<f64> {
-    let r = so3::log(&(rotation * reference.rotation.matrix().transpose()));
-    let p = position - reference.translation.vector;
-    Vector6::new(r.x, r.y, r.z, p.x, p.y, p.z)
 }
 
 #[cfg(test)]

@@ -9,6 +9,7 @@
 //! Comparisons of bits hold where a compiler is told that nothing is ever NaN (`-ffast-math`); in C they look at memory that it must
 //! read, since it may take an argument or a result for finite.
 
+use super::float::MOST_FINITE;
 use super::terms::Statement;
 use super::{Loss, TunedCompensator};
 
@@ -20,8 +21,6 @@ const TOP_SPEED_RAD_S: f64 = std::f64::consts::TAU;
 const ARGUMENTS: [(&str, &str, &str); 2] = [("q", "q_j", "1.0e+06"), ("load", "load_j", "1.0e+06")];
 /// The largest velocity believed [rad/s].
 const MOST_RAD_S: &str = "1.0e+03";
-/// The largest finite number, in C.
-pub(super) const MOST_FINITE: &str = "1.7976931348623157e+308";
 
 /// The largest torque (Nm) that joint's compensation has.
 pub(super) fn most_nm<const N: usize>(tuned: &TunedCompensator<N>, joint: usize) -> f64 {

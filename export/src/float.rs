@@ -1,5 +1,8 @@
 //! Numbers in the text of another program.
 
+/// The largest finite number, in C.
+pub(super) const MOST_FINITE: &str = "1.7976931348623157e+308";
+
 /// The shortest text that reads back as `value`, in a form that every target takes for a floating-point number: YAML 1.1
 /// (and with it ROS, where `3` is an integer and `1e-5` a string to some readers), C99, Rust, XML.
 ///

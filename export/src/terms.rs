@@ -3,9 +3,8 @@
 use tribo_friction::{JointEffects, MAX_BRISTLES, MAX_CURVES, MAX_RIPPLES, VelocitySource};
 
 use super::TunedCompensator;
-use super::bounds::MOST_FINITE;
 use super::columns::law_columns;
-use super::float::float;
+use super::float::{MOST_FINITE, float};
 
 /// One term of the torque of joint j: its tables, one value per joint, and the statement that adds it to `torque`, in both
 /// languages. Statements know `j`, `dq` [rad/s], `s` (the smoothed sign of dq), `q_j` (rad), `load_j` (Nm), `step` (s), all of

@@ -2,8 +2,6 @@
 
 use std::path::PathBuf;
 
-use crate::FieldError;
-
 /// A file that cannot be used. Every variant names the file; those about content name line and field too.
 #[derive(Debug, thiserror::Error)]
 pub enum FileError {
@@ -86,15 +84,4 @@ impl FileError {
         let path = path.into();
         move |source| Self::Io { path, source }
     }
-}
-
-/// Why settings cannot be used.
-#[derive(Debug, thiserror::Error)]
-pub enum ConfigError {
-    /// A field is out of range.
-    #[error(transparent)]
-    Field(#[from] FieldError),
-    /// A file that the settings name cannot be used.
-    #[error(transparent)]
-    File(#[from] FileError),
 }

@@ -4,8 +4,10 @@
 
 mod believed;
 mod by_joints;
+mod config_error;
 mod effects_section;
 mod error;
+mod field_error;
 mod friction_section;
 mod model;
 mod model_choice;
@@ -18,7 +20,9 @@ mod yaml;
 
 pub use believed::{Believed, NotCancelled, joint_effects, not_cancelled_sentences};
 pub use by_joints::ByJoints;
-pub use error::{ConfigError, FileError};
+pub use config_error::ConfigError;
+pub use error::FileError;
+pub use field_error::FieldError;
 pub use friction_section::{FrictionSection, JointParameters, LawName};
 pub use model::{AnyModel, Model, SIGN_SMOOTHING_RAD_S};
 pub use model_choice::ModelChoice;
@@ -27,4 +31,4 @@ pub use robot::{POSES, Robot, joints_of_preset};
 pub use robot_section::LimitsSection;
 pub use trajectory_file::{TrajectoryFile, ViaPoint};
 pub use tuned_file::TunedFile;
-pub use yaml::{FieldError, YamlDocument, file_name, read_text, to_yaml};
+pub use yaml::{YamlDocument, file_name, read_text, to_yaml};

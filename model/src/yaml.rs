@@ -7,31 +7,7 @@ use std::path::{Path, PathBuf};
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 
-use crate::FileError;
-
-/// A value outside its range, before the file and line are known.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
-#[error("field `{field}` is {value}; allowed: {allowed}")]
-pub struct FieldError {
-    /// Dotted path of the field.
-    pub field: String,
-    /// The value given.
-    pub value: String,
-    /// The allowed range.
-    pub allowed: String,
-}
-
-impl FieldError {
-    /// An error about `field`.
-    pub fn new(field: impl Into<String>, value: impl ToString, allowed: impl Into<String>) -> Self {
-        Self { field: field.into(), value: value.to_string(), allowed: allowed.into() }
-    }
-
-    /// `Ok` if `value` lies in [low, high]; NaN never does.
-    pub fn check(field: &str, value: f64, low: f64, high: f64) -> Result<(), Self> {
-        if value >= low && value <= high { Ok(()) } else { Err(Self::new(field, value, format!("{low} to {high}"))) }
-    }
-}
+use crate::{FieldError, FileError};
 
 /// The largest text that is read (bytes), a thousand times that of any file of ours: `/dev/zero` has no end.
 const LARGEST: u64 = 64 << 20;

@@ -7,10 +7,11 @@ use tribo_logs::{GAP_TOLERANCE, Quantity, RobotLog, bursts, median_period_s};
 use tribo_robot::{ControlTerms, EstimatorInput, Pose, SensorFrame, WrenchEstimate, WrenchEstimator};
 use tribo_runtime::TickRecord;
 
+use super::judge_error::{JudgeError, LEAST_USED};
 use super::logged_compensation::LoggedCompensation;
 use super::{SentTorque, UserTrials};
 use crate::log_wrench::{LONGEST_GAP_PERIODS, at, frame_at};
-use crate::{AnyEstimator, Cost, CostAccumulator, EstimatorError, EstimatorName, TrialLog, ValidTune};
+use crate::{AnyEstimator, Cost, CostAccumulator, EstimatorName, TrialLog, ValidTune};
 
 /// A trial that ran elsewhere, judged.
 #[derive(Clone, Debug, PartialEq)]
@@ -29,78 +30,6 @@ pub struct JudgedLog<const N: usize> {
     pub logged_compensation: bool,
 }
 
-/// Why a log cannot be judged.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
-pub enum JudgeError {
-    /// Another robot.
-    #[error("{found} joints; the robot of the campaign has {expected}")]
-    Joints {
-        /// Joints of the log.
-        found: usize,
-        /// Joints of the campaign's robot.
-        expected: usize,
-    },
-    /// A column is missing.
-    #[error("missing columns {column}, {why}")]
-    Missing {
-        /// The columns.
-        column: Quantity,
-        /// What for, and what to do.
-        why: &'static str,
-    },
-    /// The log ends before the trial should.
-    #[error("ends after {found_s:.3} s, a trial takes {expected_s} s; if it was stopped, say so: --failed REASON")]
-    Short {
-        /// Length of the log (s).
-        found_s: f64,
-        /// Length of run-in and judged part (s).
-        expected_s: f64,
-    },
-    /// A stretch is missing.
-    #[error(
-        "a gap of {gap_s:.3} s at time {at_s:.3} s; a trial needs one stretch without gaps beyond {allowed_s:.3} s"
-    )]
-    Gap {
-        /// Time before the gap (s).
-        at_s: f64,
-        /// Its length (s).
-        gap_s: f64,
-        /// The longest that is bridged (s).
-        allowed_s: f64,
-    },
-    /// An estimate that stands still costs nothing.
-    #[error("the estimator could use {} of {samples} judged samples; a trial needs {} %", samples - faults, 100.0 * LEAST_USED)]
-    Unused {
-        /// Judged samples.
-        samples: usize,
-        /// Those that could not be used.
-        faults: usize,
-    },
-    /// The trial of another compensator.
-    #[error(
-        "tau_friction_{joint} is not what was asked for: {logged_nm:.3} Nm RMS where the joint moves, {asked_nm:.3} Nm asked, {apart_nm:.3} Nm apart; \
-         is it the log of another trial, or its sign or unit another?"
-    )]
-    OtherCompensation {
-        /// The joint.
-        joint: usize,
-        /// RMS of what the log says was added (Nm).
-        logged_nm: f64,
-        /// RMS of what the asked compensator adds at the speeds of the log (Nm).
-        asked_nm: f64,
-        /// RMS of the difference (Nm).
-        apart_nm: f64,
-    },
-    /// Positions or torques that are no arm's.
-    #[error("its cost is {0}: no arm has such positions, speeds or torques")]
-    NotFinite(f64),
-    /// No estimator.
-    #[error(transparent)]
-    Estimator(#[from] EstimatorError),
-}
-
-/// Least share of the judged samples that the estimator uses.
-const LEAST_USED: f64 = 0.95;
 /// Period of the decimated log (s).
 const LOG_PERIOD_S: f64 = 0.01;
 

@@ -1,5 +1,6 @@
 //! Campaigns whose trials the user runs: ask for parameters, tell what came of them.
 
+mod judge_error;
 mod judged_log;
 mod learnt;
 mod logged_compensation;
@@ -7,7 +8,8 @@ mod trial_remarks;
 mod user_campaign;
 mod user_trials;
 
-pub use judged_log::{JudgeError, JudgedLog, judge_log};
+pub use judge_error::JudgeError;
+pub use judged_log::{JudgedLog, judge_log};
 pub use learnt::Learnt;
 pub use trial_remarks::{reach, trial_remarks};
 pub use user_campaign::{Asked, Told, UserCampaign};

@@ -9,7 +9,7 @@ use tribo_friction::identify::{Basis, GlsError, GlsFit, GlsSample, GlsSettings, 
 use tribo_friction::law::CoulombViscous;
 use tribo_robot::{Arm, ControlTerms, WrenchEstimator};
 
-use super::replay::Replay;
+use super::replay::{Replay, STUCK_RAD_S};
 use super::{LawCheck, LogSource, Standing, StrategyError};
 use crate::{AnyEstimator, Batches, CostMeasure, TrialLog, TunedLaw, ValidTune};
 
@@ -297,8 +297,6 @@ fn largest_joint_torque<const N: usize>(log: &TrialLog<N>) -> SVector<f64, N> {
 
 /// Time the estimator is given to forget its start (s).
 const SETTLE_S: f64 = 0.5;
-/// Speed below which a joint counts as standing [rad/s].
-pub(super) const STUCK_RAD_S: f64 = 0.004;
 /// Half-width of the Savitzky–Golay window, in samples of 10 ms.
 const DERIVATIVE_HALF_WIDTH: usize = 10;
 

@@ -5,8 +5,10 @@ use tribo_friction::FrictionModel;
 use tribo_friction::identify::GlsSample;
 use tribo_robot::Wrench;
 
-use super::identification::STUCK_RAD_S;
 use crate::{CostAccumulator, CostMeasure};
+
+/// Speed below which a joint counts as standing [rad/s].
+pub(super) const STUCK_RAD_S: f64 = 0.004;
 
 /// The judged part of one log, from which J of other compensators follows:
 ///

@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 
 use super::cell::{Cell, Work};
 use crate::scenario::{TruthName, freeze};
-use crate::strategy::StrategyName;
+use crate::strategy_name::StrategyName;
 use crate::{EstimatorName, Phases, StopBelow, TuneConfig, TunedLaw};
 use tribo_model::{ConfigError, FieldError, FileError, ModelFile, POSES, YamlDocument, file_name};
 

@@ -8,6 +8,7 @@ mod held_out;
 mod normal_equations;
 mod savitzky_golay;
 mod torque_fit;
+mod torque_fit_error;
 
 pub use basis::{Basis, STRIBECK_BASIS_INVERSE_VELOCITY_S_PER_RAD, STRIBECK_BASIS_SHAPE};
 pub use box_least_squares::{BoxLeastSquares, minimize_in_box};
@@ -15,4 +16,5 @@ pub use column_fit::{ColumnFit, fit_columns};
 pub use gls::{GlsError, GlsFit, GlsSample, GlsSettings, fit_from_wrench};
 pub use held_out::unexplained_on_held_out;
 pub use savitzky_golay::SavitzkyGolay;
-pub use torque_fit::{JointTorqueFit, TorqueFitError, fit_joint_torque};
+pub use torque_fit::{JointTorqueFit, fit_joint_torque};
+pub use torque_fit_error::TorqueFitError;

@@ -1,6 +1,6 @@
 //! Coulomb-viscous friction and offset of one joint from its torque residual.
 
-use super::fit_columns;
+use super::{TorqueFitError, fit_columns};
 use crate::law::smooth_sign;
 
 /// `residual = Fc tanh(qd/ε) + Fv qd + offset`, fitted by least squares.
@@ -14,27 +14,6 @@ pub struct JointTorqueFit {
     pub offset_nm: f64,
     /// Condition number of the normal matrix with unit columns: large when, e.g., the joint moved in one direction only.
     pub condition: f64,
-}
-
-/// Why a joint's friction could not be fitted.
-#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
-pub enum TorqueFitError {
-    /// Fewer samples than needed.
-    #[error("friction of a joint needs at least {need} samples, got {got}")]
-    TooFewSamples {
-        /// Samples needed.
-        need: usize,
-        /// Samples given.
-        got: usize,
-    },
-    /// The joint hardly moved, or in one direction only: the columns cannot be told apart.
-    #[error(
-        "the joint's motion cannot separate Coulomb friction, viscous friction and offset (condition {condition:.1e})"
-    )]
-    NotSeparable {
-        /// Condition number of the scaled normal matrix.
-        condition: f64,
-    },
 }
 
 impl JointTorqueFit {

@@ -4,7 +4,8 @@ use nalgebra::{SVector, Vector3};
 use urdf_rs::JointType;
 
 use super::UrdfError;
-use super::body::{Frame, chained, same, welded};
+use super::body::welded;
+use super::frame::{Frame, chained, same};
 use super::joint::{ChainJoint, axis_from_z, origin, unsupported};
 use super::tree::Tree;
 use crate::{Arm, JointPlacement, Limits, LinkInertia};

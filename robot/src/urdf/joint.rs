@@ -5,7 +5,7 @@ use std::f64::consts::PI;
 use urdf_rs::{Joint, JointType};
 
 use super::UrdfError;
-use super::body::{Frame, frame_of};
+use super::frame::{Frame, frame_of};
 
 /// Position limit (rad) of a joint that may turn without end: five turns.
 const ENDLESS_RAD: f64 = 10.0 * PI;

@@ -14,6 +14,7 @@
 mod body;
 mod chain;
 mod error;
+mod frame;
 mod joint;
 mod tree;
 mod write;
