@@ -3,7 +3,6 @@
 //! Every file is YAML with a `schema`; an error names file, line, field and the allowed range ([`FileError`]).
 
 mod believed;
-mod by_joints;
 mod config_error;
 mod effects_section;
 mod error;
@@ -19,7 +18,6 @@ mod tuned_file;
 mod yaml;
 
 pub use believed::{Believed, NotCancelled, joint_effects, not_cancelled_sentences};
-pub use by_joints::ByJoints;
 pub use config_error::ConfigError;
 pub use error::FileError;
 pub use field_error::FieldError;

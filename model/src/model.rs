@@ -7,7 +7,7 @@ use tribo_friction::FrictionModel;
 use tribo_robot::Arm;
 use tribo_sim::{Effect, TorqueSide, Truth};
 
-use crate::{ByJoints, Robot};
+use crate::Robot;
 use crate::{FileError, ModelFile};
 
 /// What a model file says, `tau = M qdd + C qd + g + Ir qdd + friction(qd) + effects`.
@@ -28,7 +28,14 @@ pub struct Model<const N: usize> {
 }
 
 /// A model of an arm with as many joints as it happens to have.
-pub type AnyModel = ByJoints<Model<6>, Model<7>>;
+#[derive(Clone, Debug, PartialEq)]
+#[allow(clippy::large_enum_variant, reason = "both are large, and few exist")]
+pub enum AnyModel {
+    /// Of an arm with six joints.
+    Six(Model<6>),
+    /// Of an arm with seven joints.
+    Seven(Model<7>),
+}
 
 /// Width of the smooth sign on logs (rad/s) where no model says another: above the noise of a velocity.
 pub const SIGN_SMOOTHING_RAD_S: f64 = 0.005;

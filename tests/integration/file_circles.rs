@@ -6,6 +6,8 @@
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 
+use crate::architecture::rust_files;
+
 /// Circles that are left, by crate. One that goes is taken off the list, none is added.
 const KNOWN: &[(&str, &[&str])] = &[
     ("bayesopt", &["acquisition/worth", "belief", "search/maximise", "settings"]),
@@ -31,20 +33,13 @@ type Module = Vec<String>;
 
 /// The files of a crate by module, without comments and unit tests.
 fn modules(source: &Path) -> BTreeMap<Module, String> {
-    let mut found = BTreeMap::new();
-    let mut folders = vec![source.to_owned()];
-    while let Some(folder) = folders.pop() {
-        for entry in std::fs::read_dir(&folder).expect("sources can be read") {
-            let path = entry.expect("sources can be read").path();
-            if path.is_dir() {
-                folders.push(path);
-            } else if path.extension().is_some_and(|ending| ending == "rs") {
-                let text = std::fs::read_to_string(&path).expect("sources can be read");
-                found.insert(module_of(path.strip_prefix(source).expect("sources can be read")), bare(&text));
-            }
-        }
-    }
-    found
+    let mut files = Vec::new();
+    rust_files(source, &mut files);
+    let module = |path: &PathBuf| {
+        let text = std::fs::read_to_string(path).expect("sources can be read");
+        (module_of(path.strip_prefix(source).expect("a file of this folder")), bare(&text))
+    };
+    files.iter().map(module).collect()
 }
 
 fn module_of(file: &Path) -> Module {

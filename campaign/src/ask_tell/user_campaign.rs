@@ -91,7 +91,8 @@ impl<const N: usize> UserCampaign<N> {
         Ok(Self { directory: directory.to_owned(), tune, user_trials, journal, trials, seals, chooser })
     }
 
-    /// Opens the campaign of a directory; waits while another process holds it. What follows from the journal, `tuned.yaml`, is made true again where somebody was killed before it was.
+    /// Opens the campaign of a directory; waits while another process holds it. `tuned.yaml`, which follows from the journal, is written anew where
+    /// somebody was killed before it was.
     ///
     /// # Errors
     /// No campaign, one whose trials Tribo runs, or a damaged one.
@@ -111,7 +112,7 @@ impl<const N: usize> UserCampaign<N> {
         Ok(campaign)
     }
 
-    /// Makes true what follows from the journal.
+    /// Writes what follows from the journal.
     fn refresh(&mut self) -> Result<(), CampaignError> {
         let finished: Vec<FinishedTrial> = self.finished().cloned().collect();
         let best = self.conclude(&finished)?.best;
