@@ -1,0 +1,151 @@
+//! The control unit on the network.
+
+mod inbox;
+mod session;
+mod wait;
+
+use std::net::{IpAddr, SocketAddr, TcpListener};
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::Duration;
+
+use tribo_robot::Plant;
+
+pub(crate) use inbox::{Arrival, Inbox};
+use session::Session;
+pub(crate) use wait::wait_for;
+
+use crate::unit::ControlUnit;
+use crate::wire::{ErrorFlags, FciVersion, MotionRequest, MoveEnd};
+
+/// TCP port of the robot's commands.
+const COMMAND_PORT: u16 = franka::wire::ROBOT_COMMAND_PORT;
+/// How long the server may sleep before it looks whether it shall stop.
+const ATTENTION: Duration = Duration::from_millis(100);
+
+/// What makes time pass.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Pace {
+    /// A period each millisecond, with or without a command.
+    RealTime,
+    /// A period for each command; without one, time stands still. Between motions states come each millisecond, of an arm
+    /// that does not move.
+    Lockstep,
+}
+
+/// Where and how to serve.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct ServerSettings {
+    /// Version of the interface.
+    pub version: FciVersion,
+    /// Address to listen on; whoever reaches it can move the arm.
+    pub address: IpAddr,
+    /// TCP port; `None` is the interface's own, 1337, the only one that libfranka knows.
+    pub port: Option<u16>,
+    /// What makes time pass.
+    pub pace: Pace,
+}
+
+/// What happens at a server, for its user.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum ServerEvent {
+    /// A client is there.
+    Connected(SocketAddr),
+    /// A client of another version was sent away.
+    OtherVersion(u16),
+    /// A second client was sent away.
+    Busy(SocketAddr),
+    /// The client has gone; the arm is stopped.
+    Disconnected,
+    /// A message that is none of this interface; its client was sent away.
+    Nonsense,
+    /// A motion began.
+    MoveStarted(MotionRequest),
+    /// A motion ended, with the flags that say why.
+    MoveEnded(MoveEnd, ErrorFlags),
+}
+
+/// Why a server cannot start or go on.
+#[derive(Debug, thiserror::Error)]
+pub enum ServeError {
+    /// The address cannot be had.
+    #[error("cannot listen on {address}: {source}")]
+    Listen {
+        /// The address.
+        address: SocketAddr,
+        /// The operating system's reason.
+        source: std::io::Error,
+    },
+    /// The network failed.
+    #[error("network: {0}")]
+    Network(#[from] std::io::Error),
+}
+
+/// A server for one client at a time.
+#[derive(Debug)]
+pub struct Server<P> {
+    settings: ServerSettings,
+    listener: TcpListener,
+    unit: ControlUnit<P>,
+    model: Vec<u8>,
+    message_id: u64,
+}
+
+impl<P: Plant<7>> Server<P> {
+    /// A server of this unit. `model` is what clients download: the URDF in version 10 ([`crate::model::urdf`]), a shared
+    /// object in version 5 ([`crate::model::library`]); empty where there is none, which clients are told.
+    ///
+    /// # Errors
+    ///
+    /// [`ServeError::Listen`] where the address or port is taken or not this machine's.
+    pub fn bind(settings: ServerSettings, unit: ControlUnit<P>, model: Vec<u8>) -> Result<Self, ServeError> {
+        let address = SocketAddr::new(settings.address, settings.port.unwrap_or(COMMAND_PORT));
+        let listener = TcpListener::bind(address).map_err(|source| ServeError::Listen { address, source })?;
+        listener.set_nonblocking(true)?;
+        Ok(Self { settings, listener, unit, model, message_id: 0 })
+    }
+
+    /// Where clients connect.
+    ///
+    /// # Errors
+    ///
+    /// [`ServeError::Network`] where the operating system does not tell.
+    pub fn address(&self) -> Result<SocketAddr, ServeError> {
+        Ok(self.listener.local_addr()?)
+    }
+
+    /// The unit.
+    pub fn unit(&self) -> &ControlUnit<P> {
+        &self.unit
+    }
+
+    /// Serves clients one after the other until `stop` is true, which is looked at ten times a second.
+    ///
+    /// # Errors
+    ///
+    /// [`ServeError::Network`] where sockets can no longer be had. What a client does is never an error of the server.
+    pub fn run(&mut self, stop: &AtomicBool, mut event: impl FnMut(ServerEvent)) -> Result<(), ServeError> {
+        while !stop.load(Ordering::Relaxed) {
+            wait_for(&[&self.listener], ATTENTION)?;
+            let (stream, client) = match self.listener.accept() {
+                Ok(accepted) => accepted,
+                Err(error) if is_nothing_yet(&error) => continue,
+                Err(error) => return Err(error.into()),
+            };
+            event(ServerEvent::Connected(client));
+            let message_id = self.message_id;
+            let session = Session::new(self.settings, stream, &self.listener, &mut self.unit, &self.model, message_id);
+            // A client that fails is gone, whatever the reason.
+            if let Ok(mut session) = session {
+                self.message_id = session.run(stop, &mut event);
+            }
+            event(ServerEvent::Disconnected);
+        }
+        Ok(())
+    }
+}
+
+/// Whether a non-blocking call has nothing to tell, or a client took its connection back before it was accepted.
+pub(crate) fn is_nothing_yet(error: &std::io::Error) -> bool {
+    use std::io::ErrorKind::{ConnectionAborted, ConnectionReset, Interrupted, TimedOut, WouldBlock};
+    matches!(error.kind(), WouldBlock | Interrupted | TimedOut | ConnectionAborted | ConnectionReset)
+}
