@@ -74,6 +74,11 @@ pub enum Command {
     Tell(Tell),
     /// Run one trial on the simulated arm and write it as a robot log.
     Simulate(Simulate),
+    /// Serve a simulated Panda or FR3 to programs written for libfranka, as if it were the robot.
+    ///
+    /// The program connects to --address and runs unchanged: states, motions, torques, reflexes, model, hand. The arm has the friction of
+    /// --truth, and its external wrench knows nothing of it. Ctrl-C ends.
+    Serve(Serve),
     /// Estimate the tool wrench and the joints' torque residual from a robot log.
     Estimate(Estimate),
     /// Say what a model gets wrong about measured logs, why, and what the extended model is worth on unseen data.
@@ -312,6 +317,36 @@ pub struct Simulate {
     /// Moment of the pulses (Nm).
     #[arg(long, value_name = "NM", default_value_t = 0.0, allow_negative_numbers = true)]
     pub pulse_moment: f64,
+}
+
+/// Arguments of `serve`.
+#[derive(Debug, Args)]
+pub struct Serve {
+    /// The robot: a Panda speaks version 5 of the interface (libfranka 0.8 and 0.9), an FR3 version 10 (libfranka 0.18 and later).
+    #[arg(long, default_value = "panda", value_parser = PossibleValuesParser::new(["panda", "fr3"]))]
+    pub robot: String,
+    /// What the simulated arm is like: coulomb_viscous, stribeck, lugre, gaz, soft, thermal, frictionless or a model file.
+    #[arg(long, default_value = "coulomb_viscous", value_name = "NAME|FILE")]
+    pub truth: String,
+    /// Configuration of the arm at the start; 0 is the ready pose.
+    #[arg(long, default_value_t = 0, value_parser = clap::value_parser!(u8).range(0..=2))]
+    pub pose: u8,
+    /// Seed of the sensors' noise.
+    #[arg(long, default_value_t = 0)]
+    pub seed: u64,
+    /// Move the arm one millisecond for each command that comes, without a clock: programs run as fast as they can, the same
+    /// bits each time. Without this the arm lives in real time.
+    #[arg(long)]
+    pub lockstep: bool,
+    /// Who pushes the tool, when (YAML, schema tribo.pushes/1).
+    #[arg(long, value_name = "FILE")]
+    pub pushes: Option<PathBuf>,
+    /// Address to listen on. Whoever reaches it can move the arm.
+    #[arg(long, default_value = "127.0.0.1", value_name = "IP")]
+    pub address: std::net::IpAddr,
+    /// TCP port of the robot, the hand's being the next; 0 takes any two. libfranka knows only 1337.
+    #[arg(long, default_value_t = 1337)]
+    pub port: u16,
 }
 
 /// Arguments of `estimate`.

@@ -21,6 +21,11 @@ pub fn stop_on_signal() {
     let _ = ctrlc::set_handler(handler);
 }
 
+/// Whether a signal asked to stop.
+pub fn stop_requested() -> &'static AtomicBool {
+    &STOP
+}
+
 /// A progress bar that shows the incumbent. Hidden when standard error is not a terminal or `--quiet` is given.
 pub struct TrialProgress {
     bar: ProgressBar,

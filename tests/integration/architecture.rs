@@ -1,7 +1,7 @@
 //! Crates point one way (DESIGN §2), and files keep a friendly size.
 //!
 //! ```text
-//! robot friction bayesopt logs figure  ←  control ekf residual sim  ←  runtime diagnose  ←  model  ←  campaign export
+//! robot friction bayesopt logs figure  ←  control ekf residual sim  ←  runtime diagnose  ←  model  ←  campaign export fci
 //!                                      ←  watch bench experiments  ←  dashboard  ←  cli
 //! ```
 //!
@@ -18,7 +18,7 @@ const LAYERS: [&[&str]; 8] = [
     &["control", "ekf", "residual", "sim"],
     &["runtime", "diagnose"],
     &["model"],
-    &["campaign", "export"],
+    &["campaign", "export", "fci"],
     &["watch", "bench", "experiments"],
     &["dashboard"],
     &["cli"],

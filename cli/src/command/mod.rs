@@ -11,6 +11,7 @@ pub mod export;
 mod learnt;
 pub mod report;
 pub mod reproduce;
+pub mod serve;
 pub mod shell;
 pub mod simulate;
 pub mod study;

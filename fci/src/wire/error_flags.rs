@@ -56,6 +56,11 @@ impl ErrorFlags {
         Self(self.0 | other.0)
     }
 
+    /// Names of the flags, as libfranka prints them.
+    pub fn names(self) -> impl Iterator<Item = &'static str> {
+        franka::ERROR_NAMES.into_iter().enumerate().filter(move |&(flag, _)| self.0 >> flag & 1 == 1).map(|(_, name)| name)
+    }
+
     /// One byte per flag, as on the wire.
     pub fn bytes(self) -> [u8; 41] {
         std::array::from_fn(|flag| u8::from(self.0 >> flag & 1 == 1))
