@@ -20,22 +20,34 @@ pub struct Served {
 
 /// A robot with typical friction; `seed` feeds its sensors.
 pub fn served(version: FciVersion, pace: Pace, seed: u64) -> Served {
-    let arm = if version == FciVersion::V5 { presets::panda() } else { presets::fr3() };
-    let truth = Truth { arm: arm.clone(), ..Truth::panda_coulomb_viscous() };
-    served_with(version, pace, truth, seed)
+    served_with(version, pace, friction_of(version), seed)
+}
+
+/// A robot with typical friction at this address, on the interface's own port unless another is given.
+pub fn served_at(version: FciVersion, pace: Pace, address: Ipv4Addr, port: Option<u16>) -> Served {
+    serve(ServerSettings { version, address: IpAddr::V4(address), port, pace }, friction_of(version), 1)
 }
 
 /// A robot with this truth.
 pub fn served_with(version: FciVersion, pace: Pace, truth: Truth<7>, seed: u64) -> Served {
+    serve(ServerSettings { version, address: IpAddr::V4(Ipv4Addr::LOCALHOST), port: Some(0), pace }, truth, seed)
+}
+
+fn friction_of(version: FciVersion) -> Truth<7> {
+    let arm = if version == FciVersion::V5 { presets::panda() } else { presets::fr3() };
+    Truth { arm, ..Truth::panda_coulomb_viscous() }
+}
+
+fn serve(settings: ServerSettings, truth: Truth<7>, seed: u64) -> Served {
     let arm = truth.arm.clone();
     let sensors = Sensors { torque_side: TorqueSide::Link, ..Sensors::default() };
     let plant = BoxFrictionPlant::new(truth, sensors, presets::panda_ready_pose(), seed);
-    let unit = ControlUnit::new(version, arm.clone(), plant).unwrap();
-    let model = match version {
-        FciVersion::V5 => Vec::new(),
+    let unit = ControlUnit::new(settings.version, arm.clone(), plant).unwrap();
+    let model = match settings.version {
+        // Only a client at the interface's own port asks for it, and compiling takes a while.
+        FciVersion::V5 => settings.port.map_or_else(|| model::library(&arm).unwrap(), |_| Vec::new()),
         FciVersion::V10 => model::urdf(&arm).into_bytes(),
     };
-    let settings = ServerSettings { version, address: IpAddr::V4(Ipv4Addr::LOCALHOST), port: Some(0), pace };
     let mut server = Server::bind(settings, unit, model).unwrap();
     let address = server.address().unwrap();
     let stop = Arc::new(AtomicBool::new(false));
