@@ -11,7 +11,7 @@ use tribo_control::{GuardSettings, ImpedanceSettings, PAPER_PHASES_RAD, Sinusoid
 use tribo_ekf::{WrenchEkf, WrenchEkfSettings};
 use tribo_friction::law::CoulombViscous;
 use tribo_friction::{BristlePart, Compensator, Curve, FrictionModel, JointEffects, Ripple, VelocitySource};
-use tribo_robot::{Kinematics, Plant, Pose, SensorFrame, presets};
+use tribo_robot::{Kinematics, Plant, PlantLost, Pose, SensorFrame, presets};
 use tribo_runtime::{ControlLoop, LoopSettings};
 use tribo_sim::{BoxFrictionPlant, DEFAULT_SUB_STEPS, Sensors, Truth, WrenchPulses};
 
@@ -127,10 +127,10 @@ impl<F: FnMut(u64, SensorFrame<7>) -> SensorFrame<7>> TamperedPlant<F> {
 }
 
 impl<F: FnMut(u64, SensorFrame<7>) -> SensorFrame<7>> Plant<7> for TamperedPlant<F> {
-    fn sense(&mut self) -> SensorFrame<7> {
-        let frame = (self.tamper)(self.ticks, self.inner.sense());
+    fn sense(&mut self) -> Result<SensorFrame<7>, PlantLost> {
+        let frame = (self.tamper)(self.ticks, self.inner.sample());
         self.ticks += 1;
-        frame
+        Ok(frame)
     }
 
     fn actuate(&mut self, tau_nm: &Joints) {

@@ -5,7 +5,7 @@ use std::time::Duration;
 
 use nalgebra::SVector;
 use serde::Serialize;
-use tribo_robot::{Arm, Plant, SensorFrame, gravity_torque};
+use tribo_robot::{Arm, Plant, PlantLost, SensorFrame, gravity_torque};
 use tribo_runtime::{
     Clock, LoopTiming, MonotonicClock, OverrunPolicy, RealTimeLoop, TickFault, TickRecord, allowed_cores, lock_memory,
     record_ring, run_on_cores, take_fifo_priority,
@@ -113,7 +113,7 @@ struct StallingPlant<P> {
 }
 
 impl<const N: usize, P: Plant<N>> Plant<N> for StallingPlant<P> {
-    fn sense(&mut self) -> SensorFrame<N> {
+    fn sense(&mut self) -> Result<SensorFrame<N>, PlantLost> {
         if let Some((_, length_ns)) = self.stall.filter(|(at, _)| *at == self.senses) {
             MonotonicClock.sleep_until_ns(MonotonicClock.now_ns() + length_ns);
         }
@@ -211,14 +211,14 @@ pub fn real_time<const N: usize>(
             watch
         });
         // A thread of its own: what it is granted ends with it.
-        let looping = scope.spawn(move || {
+        let looping = scope.spawn(move || -> Result<RealTimeReport, PlantLost> {
             rights.pin();
             rights.fifo = rights.granted("SCHED_FIFO", take_fifo_priority());
-            let mut real_time = RealTimeLoop::new(control, plant, MonotonicClock, policy, sink, timing, held);
+            let mut real_time = RealTimeLoop::new(control, plant, MonotonicClock, policy, sink, timing, held)?;
             let periods = real_time.run(periods);
             let timing = real_time.timing();
             let missed = real_time.overruns().missed();
-            RealTimeReport {
+            Ok(RealTimeReport {
                 periods,
                 ticks: real_time.ticks(),
                 missed,
@@ -235,12 +235,13 @@ pub fn real_time<const N: usize>(
                 after_fault: None,
                 rights,
                 verdict: Verdict::of_response(&timing.response, missed, trial.dt_s * 1e6),
-            }
+            })
         });
         let report = looping.join();
         stop_load.store(true, Ordering::Relaxed);
         let watch = reader.join().map_err(|_| BenchError::Thread)?;
-        Ok(RealTimeReport { after_fault: watch.judged(), ..report.map_err(|_| BenchError::Thread)? })
+        let report = report.map_err(|_| BenchError::Thread)?.map_err(|_| TickFault::PlantLost)?;
+        Ok(RealTimeReport { after_fault: watch.judged(), ..report })
     })
 }
 

@@ -115,14 +115,14 @@ fn timed_trial<const N: usize>(
     let nanoseconds =
         |from: Instant, to: Instant| u64::try_from(to.duration_since(from).as_nanos()).unwrap_or(u64::MAX);
     let (mut control, mut plant) = rig(tune, &tune.trial, seed)?;
-    let mut image = ProcessImage::of(plant.sense());
+    let mut image = ProcessImage::of(plant.sample());
     for (tick, least) in (0..).zip(least) {
         let begin = Instant::now();
         let record = control.tick(&mut image);
         sink.push(tick, *record);
         let done = Instant::now();
         plant.actuate(&image.command);
-        image.frame = plant.sense();
+        image.frame = plant.sample();
         let end = Instant::now();
         let tick_ns = nanoseconds(begin, done);
         see(tick_ns, nanoseconds(done, end));

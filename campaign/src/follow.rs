@@ -4,7 +4,7 @@ use nalgebra::SVector;
 use tribo_control::{JointTarget, JointTracking, TorqueLimiter};
 use tribo_friction::{Bristles, Compensator, CompensatorInput, FrictionModel};
 use tribo_logs::{LogError, RobotLog};
-use tribo_robot::{ControlTerms, Plant};
+use tribo_robot::{ControlTerms, Plant, SensorFrame, Wrench};
 use tribo_runtime::TickFault;
 use tribo_sim::BoxFrictionPlant;
 use tribo_sim::excitation::JointTrajectory;
@@ -38,10 +38,36 @@ pub fn follow<const N: usize>(
     motion: &dyn JointTrajectory<N>,
     seed: u64,
 ) -> Result<(Followed<N>, RobotLog), LogError> {
-    let dt_s = trial.dt_s;
     let mut plant = BoxFrictionPlant::new(trial.truth.clone(), trial.sensors, motion.at(0.0).q, seed)
         .with_sub_steps(trial.sub_steps)
-        .with_period(dt_s);
+        .with_period(trial.dt_s);
+    let (joints, wrench) = (|plant: &BoxFrictionPlant<N>, _: &SensorFrame<N>| *plant.q(), BoxFrictionPlant::wrench);
+    follow_seen(&mut plant, trial, friction, motion, joints, |plant| Some(wrench(plant)))
+}
+
+/// Follows `motion` on any robot that stands at its start, as [`follow`] does; errors are those of the measured joints. A
+/// robot that gives no more samples ends the run.
+///
+/// # Errors
+/// A run that ended on its first ticks.
+pub fn follow_on<const N: usize, P: Plant<N>>(
+    plant: &mut P,
+    trial: &Trial<N>,
+    friction: &FrictionModel<N>,
+    motion: &dyn JointTrajectory<N>,
+) -> Result<(Followed<N>, RobotLog), LogError> {
+    follow_seen(plant, trial, friction, motion, |_, frame| frame.q, |_| None)
+}
+
+fn follow_seen<const N: usize, P: Plant<N>>(
+    plant: &mut P,
+    trial: &Trial<N>,
+    friction: &FrictionModel<N>,
+    motion: &dyn JointTrajectory<N>,
+    joints: impl Fn(&P, &SensorFrame<N>) -> SVector<f64, N>,
+    wrench: impl Fn(&P) -> Option<Wrench>,
+) -> Result<(Followed<N>, RobotLog), LogError> {
+    let dt_s = trial.dt_s;
     let compensator = Compensator::new(*friction, trial.velocity).with_effects(trial.effects);
     let (tracking, mut bristles) = (JointTracking::default(), Bristles::default());
     let mut limiter = TorqueLimiter::new(&trial.model.limits);
@@ -53,9 +79,12 @@ pub fn follow<const N: usize>(
 
     while done < ticks {
         // Sense.
-        let frame = plant.sense();
+        let Ok(frame) = plant.sense() else {
+            aborted = Some((TickFault::PlantLost.into(), done as f64 * dt_s));
+            break;
+        };
         let wanted = motion.at(frame.time_s);
-        let error = plant.q() - wanted.q;
+        let error = joints(plant, &frame) - wanted.q;
         sum += error.component_mul(&error);
         max_error_rad = max_error_rad.sup(&error.abs());
         if let Some(fault) = TickFault::of_frame(&trial.model, &frame) {
@@ -76,7 +105,7 @@ pub fn follow<const N: usize>(
         // Limit, actuate, record.
         let (command, saturated) = limiter.limit(&torque, dt_s);
         plant.actuate(&command);
-        recorder.push(&frame, &command, &compensation, &plant);
+        recorder.push(&frame, &command, &compensation, wrench(plant).as_ref());
         saturated_ticks += u64::from(saturated);
         done += 1;
     }

@@ -2,11 +2,11 @@
 
 use nalgebra::SVector;
 use tribo_logs::{LogColumns, LogError, RobotLog};
-use tribo_robot::SensorFrame;
-use tribo_sim::BoxFrictionPlant;
+use tribo_robot::{SensorFrame, Wrench};
 
 /// Collects ticks at the full rate: measured q, dq and tau_J, theta of robots with two encoders per joint, the commanded
-/// motor torque as tau_J_d, the compensator's part of it as tau_friction, and as O_F_ext the **true** wrench by the robot on the environment, which a simulation knows.
+/// motor torque as tau_J_d, the compensator's part of it as tau_friction, and as O_F_ext the wrench by the robot on the environment of a
+/// plant that knows it.
 #[derive(Clone, Debug)]
 pub(crate) struct LogRecorder {
     columns: LogColumns,
@@ -22,7 +22,6 @@ impl LogRecorder {
             tau_j_nm: empty(),
             tau_j_d_nm: Some(empty()),
             tau_friction_nm: Some(empty()),
-            o_f_ext: Some(Default::default()),
             ..LogColumns::default()
         };
         Self { columns }
@@ -34,7 +33,7 @@ impl LogRecorder {
         frame: &SensorFrame<N>,
         command: &SVector<f64, N>,
         compensation: &SVector<f64, N>,
-        plant: &BoxFrictionPlant<N>,
+        wrench: Option<&Wrench>,
     ) {
         let columns = &mut self.columns;
         columns.time_s.push(frame.time_s);
@@ -55,8 +54,9 @@ impl LogRecorder {
                 compensated[j].push(compensation[j]);
             }
         }
-        if let Some(wrench) = &mut columns.o_f_ext {
-            for (column, value) in wrench.iter_mut().zip(plant.wrench().to_force_moment()) {
+        if let Some(wrench) = wrench {
+            let logged = columns.o_f_ext.get_or_insert_default();
+            for (column, value) in logged.iter_mut().zip(wrench.to_force_moment()) {
                 column.push(value);
             }
         }

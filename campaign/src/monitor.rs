@@ -92,6 +92,7 @@ impl From<TickFault> for AbortReason {
             TickFault::JointSpeed { .. } => Self::JointSpeed,
             // None of these depends on the parameters.
             TickFault::DeadlineMissed
+            | TickFault::PlantLost
             | TickFault::Stopped
             | TickFault::ClockJumped
             | TickFault::SensorJumped { .. }

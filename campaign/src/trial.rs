@@ -4,7 +4,7 @@ use nalgebra::SVector;
 use tribo_control::{GuardSettings, ImpedanceSettings, SinusoidReference};
 use tribo_friction::{Compensator, FrictionModel, JointEffects, JointFriction, VelocitySource};
 use tribo_robot::presets::joint_stiffness_nm_per_rad;
-use tribo_robot::{Arm, WrenchEstimator};
+use tribo_robot::{Arm, Plant, WrenchEstimator};
 use tribo_runtime::{ControlLoop, LoopSettings, TickRecord};
 use tribo_sim::{BoxFrictionPlant, Effect, Sensors, Truth, WrenchPulses};
 
@@ -138,9 +138,19 @@ pub fn run_trial_observed<const N: usize, E: WrenchEstimator<N>>(
     friction: &FrictionModel<N>,
     estimator: E,
     seed: u64,
-    mut observe: impl FnMut(&TickRecord<N>, &BoxFrictionPlant<N>),
+    observe: impl FnMut(&TickRecord<N>, &BoxFrictionPlant<N>),
 ) -> TrialOutcome<N> {
-    let mut plant = trial.plant(seed);
+    run_trial_on(&mut trial.plant(seed), trial, friction, estimator, observe)
+}
+
+/// The same on any robot, which stands at the start of the trial; of the trial's own arm nothing is used.
+pub fn run_trial_on<const N: usize, P: Plant<N>, E: WrenchEstimator<N>>(
+    plant: &mut P,
+    trial: &Trial<N>,
+    friction: &FrictionModel<N>,
+    estimator: E,
+    mut observe: impl FnMut(&TickRecord<N>, &P),
+) -> TrialOutcome<N> {
     let mut control = trial.control_loop(friction, estimator);
     let mut monitor = TrialMonitor::new(trial.limits, trial.dt_s);
     let mut accumulator = CostAccumulator::new(trial.measure);
@@ -150,8 +160,8 @@ pub fn run_trial_observed<const N: usize, E: WrenchEstimator<N>>(
     let mut violation = None;
 
     for tick in 0..ticks {
-        let record = control.tick(&mut plant);
-        observe(record, &plant);
+        let record = control.tick(plant);
+        observe(record, plant);
         let time_s = (tick as f64 - judged_from as f64) * trial.dt_s;
         let stopped = trial.stopped_at_s.is_some_and(|at_s| time_s >= at_s).then_some(AbortReason::Stopped);
         if let Some(reason) = monitor.check(record).or(stopped) {

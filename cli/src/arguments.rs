@@ -178,6 +178,27 @@ pub struct Tune {
     /// Fail (exit code 1) if the best cost exceeds this multiple of the oracle's.
     #[arg(long, value_name = "RATIO", allow_negative_numbers = true)]
     pub check: Option<f64>,
+    /// Run the trials on a Panda or FR3 at this address instead of a simulated arm; tribo serve imitates one. The arm moves.
+    #[arg(long, value_name = "HOST", conflicts_with_all = ["dashboard", "check"])]
+    pub live: Option<String>,
+    /// How the live robot is driven.
+    #[command(flatten)]
+    pub drive: LiveDrive,
+}
+
+/// How a live robot is driven.
+#[derive(Clone, Copy, Debug, Args)]
+#[command(next_help_heading = "Live robot")]
+pub struct LiveDrive {
+    /// Do not ask whether the space is clear and nobody touches the arm.
+    #[arg(long, requires = "live")]
+    pub yes: bool,
+    /// Skip the rehearsal: a motion of two fifths of the size that comes before the first trial and is not judged.
+    #[arg(long, requires = "live")]
+    pub no_rehearsal: bool,
+    /// Drive a robot elsewhere from a kernel without real time; this computer's own addresses never need one.
+    #[arg(long, requires = "live")]
+    pub no_realtime: bool,
 }
 
 /// Settings of a campaign; each flag overrides the settings file.
@@ -332,8 +353,11 @@ pub struct Serve {
     #[arg(long, default_value_t = 0, value_parser = clap::value_parser!(u8).range(0..=2))]
     pub pose: u8,
     /// Seed of the sensors' noise.
-    #[arg(long, default_value_t = 0)]
+    #[arg(long, default_value_t = 1)]
     pub seed: u64,
+    /// Give each client a new arm at the start, with the noise of the trial of that number in a campaign with this seed.
+    #[arg(long)]
+    pub fresh: bool,
     /// Move the arm one millisecond for each command that comes, without a clock: programs run as fast as they can, the same
     /// bits each time. Without this the arm lives in real time.
     #[arg(long)]

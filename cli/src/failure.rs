@@ -3,6 +3,7 @@
 use tribo_campaign::CampaignError;
 use tribo_campaign::strategy::StrategyError;
 use tribo_export::ExportError;
+use tribo_fci::ConnectionError;
 use tribo_logs::LogError;
 use tribo_model::{ConfigError, FileError};
 
@@ -57,7 +58,7 @@ pub fn exit_code(error: &anyhow::Error) -> u8 {
     if error.is::<CheckFailed>() {
         return 1;
     }
-    if error.is::<BadInput>() || error.is::<FileError>() || error.is::<ConfigError>() || error.is::<LogError>() {
+    if error.is::<ConnectionError>() || error.is::<BadInput>() || error.is::<FileError>() || error.is::<ConfigError>() || error.is::<LogError>() {
         return 2;
     }
     if let Some(error) = error.downcast_ref::<ExportError>() {

@@ -8,12 +8,14 @@
 //! What the real unit has and this one does not: hand guiding, the planner for asynchronous targets, virtual walls,
 //! self-collision checks, the hand's mass, accelerometers (they read zero).
 
+mod client;
 mod gripper;
 pub mod model;
 mod server;
 mod unit;
 mod wire;
 
+pub use client::{Connection, ConnectionError, TorquePlant};
 pub use gripper::GripperServer;
 pub use server::{Pace, ServeError, Server, ServerEvent, ServerSettings};
 pub use unit::{CollisionThresholds, ControlUnit, MotionLimits, VelocityEnvelope, pose_of};

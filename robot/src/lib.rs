@@ -55,7 +55,7 @@ pub use crba::mass_matrix;
 pub use estimator::{EstimateFault, EstimatorInput, LAMBDA_95, WrenchEstimate, WrenchEstimator, WrenchLimits};
 pub use inertia::{LinkInertia, Payload};
 pub use kinematics::Kinematics;
-pub use plant::{Plant, SensorFrame};
+pub use plant::{Plant, PlantLost, SensorFrame};
 pub use product::{multiply_add, product, product_transposed, subtract_product_transposed, transposed_product};
 pub use regressor::inverse_dynamics_regressor;
 pub use rnea::{bias_torque, gravity_torque, rnea};

@@ -17,10 +17,19 @@ pub struct SensorFrame<const N: usize> {
     pub theta: Option<SVector<f64, N>>,
 }
 
+/// A robot gives no more samples: its connection is lost, or it has ended the motion itself.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("the robot gives no more samples")]
+pub struct PlantLost;
+
 /// A robot that can be sensed and driven by joint torque, simulated or real. `runtime` knows nothing else of it.
 pub trait Plant<const N: usize> {
     /// Reads the joint sensors.
-    fn sense(&mut self) -> SensorFrame<N>;
+    ///
+    /// # Errors
+    ///
+    /// [`PlantLost`] where no sample will come any more; the plant itself knows why.
+    fn sense(&mut self) -> Result<SensorFrame<N>, PlantLost>;
 
     /// Applies the motor torque `tau_nm` (Nm) until the next call, one control period later.
     fn actuate(&mut self, tau_nm: &SVector<f64, N>);

@@ -52,13 +52,13 @@ fn ur10e() -> Rig<6> {
 
 fn alone<const N: usize>(bencher: Bencher, (control, mut plant): Rig<N>) {
     let mut recording = control.clone();
-    let mut image = ProcessImage::of(plant.sense());
+    let mut image = ProcessImage::of(plant.sample());
     let frames: Vec<SensorFrame<N>> = (0..TICKS)
         .map(|_| {
             let frame = image.frame;
             recording.tick(&mut image);
             plant.actuate(&image.command);
-            image.frame = plant.sense();
+            image.frame = plant.sample();
             frame
         })
         .collect();

@@ -6,7 +6,7 @@ use tribo_control::{
     ReferenceModel, SafeTorque, SinusoidReference, TaskState, TorqueLimiter, TorqueTerms,
 };
 use tribo_friction::{Bristles, Compensator, CompensatorInput};
-use tribo_robot::{Arm, ControlTerms, EstimatorInput, Plant, WrenchEstimator};
+use tribo_robot::{Arm, ControlTerms, EstimatorInput, Plant, PlantLost, WrenchEstimator};
 
 use crate::frame_watch::FrameWatch;
 use crate::{TickFault, TickRecord};
@@ -92,7 +92,10 @@ impl<const N: usize, E: WrenchEstimator<N>> ControlLoop<N, E> {
     /// One tick, and everything it knew. No heap, no lock, no clock, no panic.
     #[inline]
     pub fn tick<P: Plant<N>>(&mut self, plant: &mut P) -> &TickRecord<N> {
-        self.record.frame = plant.sense();
+        match plant.sense() {
+            Ok(frame) => self.record.frame = frame,
+            Err(PlantLost) => self.stop(TickFault::PlantLost),
+        }
         self.record.reference = self.settings.reference.at(self.record.frame.time_s);
         match self.check().and_then(|()| self.decide()) {
             Ok(()) => self.safe.remember(&self.record.frame.q),

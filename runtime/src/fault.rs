@@ -42,6 +42,9 @@ pub enum TickFault {
     /// The control law gave a torque that is not finite.
     #[error("the control law gave a torque that is not finite")]
     TorqueNotFinite,
+    /// The robot gives no more samples.
+    #[error("the robot gives no more samples")]
+    PlantLost,
     /// Somebody who watches the loop stopped it.
     #[error("stopped from outside")]
     Stopped,

@@ -1,7 +1,7 @@
 //! Sensors read before the cycle, commands written after it.
 
 use nalgebra::SVector;
-use tribo_robot::{Plant, SensorFrame};
+use tribo_robot::{Plant, PlantLost, SensorFrame};
 
 /// The process image of IEC 61131: [`crate::ControlLoop::tick`] senses what was put into it and leaves its command in it.
 ///
@@ -24,8 +24,8 @@ impl<const N: usize> ProcessImage<N> {
 
 impl<const N: usize> Plant<N> for ProcessImage<N> {
     #[inline]
-    fn sense(&mut self) -> SensorFrame<N> {
-        self.frame
+    fn sense(&mut self) -> Result<SensorFrame<N>, PlantLost> {
+        Ok(self.frame)
     }
 
     #[inline]

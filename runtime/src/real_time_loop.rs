@@ -2,7 +2,7 @@
 
 use hdrhistogram::CreationError;
 use nalgebra::SVector;
-use tribo_robot::{Plant, WrenchEstimator};
+use tribo_robot::{Plant, PlantLost, WrenchEstimator};
 
 use crate::{
     Clock, ControlLoop, Delivery, LatencyHistogram, OverrunGuard, OverrunPolicy, ProcessImage, RecordSink, TickFault,
@@ -63,6 +63,10 @@ pub struct RealTimeLoop<const N: usize, E, P, C> {
 
 impl<const N: usize, E: WrenchEstimator<N>, P: Plant<N>, C: Clock> RealTimeLoop<N, E, P, C> {
     /// A loop whose first period begins one period from now. `held` (Nm) is sent if the very first command is late.
+    ///
+    /// # Errors
+    ///
+    /// [`PlantLost`] where the robot gives no sample to begin with.
     pub fn new(
         control: ControlLoop<N, E>,
         mut plant: P,
@@ -71,11 +75,11 @@ impl<const N: usize, E: WrenchEstimator<N>, P: Plant<N>, C: Clock> RealTimeLoop<
         sink: RecordSink<N>,
         timing: LoopTiming,
         held: SVector<f64, N>,
-    ) -> Self {
+    ) -> Result<Self, PlantLost> {
         let period_ns = (control.period_s() * 1e9).round() as u64;
-        let image = ProcessImage::of(plant.sense());
+        let image = ProcessImage::of(plant.sense()?);
         let begins_ns = clock.now_ns() + period_ns;
-        Self {
+        Ok(Self {
             control,
             plant,
             clock,
@@ -88,7 +92,7 @@ impl<const N: usize, E: WrenchEstimator<N>, P: Plant<N>, C: Clock> RealTimeLoop<
             begins_ns,
             ticks: 0,
             faulted_at: None,
-        }
+        })
     }
 
     /// Waits for the period, runs its tick, sends the command or holds the last one. Returns the periods that went by.
@@ -96,7 +100,10 @@ impl<const N: usize, E: WrenchEstimator<N>, P: Plant<N>, C: Clock> RealTimeLoop<
         self.clock.sleep_until_ns(self.begins_ns);
         let woke_ns = self.clock.now_ns();
 
-        self.image.frame = self.plant.sense();
+        match self.plant.sense() {
+            Ok(frame) => self.image.frame = frame,
+            Err(PlantLost) => self.control.stop(TickFault::PlantLost),
+        }
         let record = self.control.tick(&mut self.image);
         self.sink.push(self.ticks, *record);
 

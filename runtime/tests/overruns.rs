@@ -9,7 +9,7 @@ use nalgebra::SVector;
 use tribo_control::{GuardSettings, ImpedanceSettings, PAPER_PHASES_RAD, SinusoidReference};
 use tribo_ekf::{WrenchEkf, WrenchEkfSettings};
 use tribo_friction::{Compensator, VelocitySource};
-use tribo_robot::{Kinematics, Plant, SensorFrame, gravity_torque, presets};
+use tribo_robot::{Kinematics, Plant, PlantLost, SensorFrame, gravity_torque, presets};
 use tribo_runtime::{
     Clock, ControlLoop, LoopSettings, LoopTiming, MonotonicClock, OverrunPolicy, RealTimeLoop, RecordDrain, TickFault,
     record_ring,
@@ -55,7 +55,7 @@ struct SlowBus<W> {
 }
 
 impl<W: FnMut(u64)> Plant<7> for SlowBus<W> {
-    fn sense(&mut self) -> SensorFrame<7> {
+    fn sense(&mut self) -> Result<SensorFrame<7>, PlantLost> {
         // The first reading is the loop's own, before its first period.
         if let Some(tick) = self.senses.checked_sub(1) {
             (self.wait)(tick);
@@ -90,7 +90,7 @@ fn rig<W: FnMut(u64), C: Clock>(clock: C, wait: W, ring: usize) -> (Loop<W, C>, 
     let plant = SlowBus { arm, wait, senses: 0, sent: Vec::new(), fastest: 0.0 };
     let (sink, drain) = record_ring(ring);
     let timing = LoopTiming::new().expect("valid bounds");
-    (RealTimeLoop::new(control, plant, clock, OverrunPolicy::default(), sink, timing, held), drain)
+    (RealTimeLoop::new(control, plant, clock, OverrunPolicy::default(), sink, timing, held).unwrap(), drain)
 }
 
 /// Every tick takes [`TICK_NS`], those of `stalls` so much longer (ns).

@@ -3,7 +3,7 @@
 use nalgebra::{SMatrix, SVector};
 use tribo_friction::law::Bristle;
 use tribo_friction::{JointFriction, SetValued};
-use tribo_robot::{ControlTerms, Plant, SensorFrame, SpdFactor, Wrench, product, transposed_product};
+use tribo_robot::{ControlTerms, Plant, PlantLost, SensorFrame, SpdFactor, Wrench, product, transposed_product};
 
 use crate::friction_map::FrictionMap;
 use crate::hidden::Hidden;
@@ -149,6 +149,18 @@ impl<const N: usize> BoxFrictionPlant<N> {
         self.ticks as f64 * self.dt_s
     }
 
+    /// Reads the joint sensors; a simulated arm always answers.
+    pub fn sample(&mut self) -> SensorFrame<N> {
+        let time_s = self.time_s();
+        match &self.effects {
+            None => self.sensors.sample(time_s, &self.q, &self.q, &self.torque_at_sensor, self.dt_s),
+            Some(effects) => {
+                let motor = self.q + effects.motor_lead_rad();
+                self.sensors.sample(time_s, &self.q, &motor, &effects.sensed_torque(), self.dt_s)
+            }
+        }
+    }
+
     /// Friction of every joint over a step of h (s), scaled by the warm-up; motor velocity qd [rad/s].
     #[inline]
     fn friction_map(&self, qd: &SVector<f64, N>, mass: &SMatrix<f64, N, N>, h: f64, scale: f64) -> FrictionMap<N> {
@@ -220,15 +232,8 @@ impl<const N: usize> BoxFrictionPlant<N> {
 }
 
 impl<const N: usize> Plant<N> for BoxFrictionPlant<N> {
-    fn sense(&mut self) -> SensorFrame<N> {
-        let time_s = self.time_s();
-        match &self.effects {
-            None => self.sensors.sample(time_s, &self.q, &self.q, &self.torque_at_sensor, self.dt_s),
-            Some(effects) => {
-                let motor = self.q + effects.motor_lead_rad();
-                self.sensors.sample(time_s, &self.q, &motor, &effects.sensed_torque(), self.dt_s)
-            }
-        }
+    fn sense(&mut self) -> Result<SensorFrame<N>, PlantLost> {
+        Ok(self.sample())
     }
 
     fn actuate(&mut self, tau_nm: &SVector<f64, N>) {

@@ -141,8 +141,8 @@ fn gain_and_delay_are_in_the_torque_sensor_alone() {
     let mut sent = Vec::new();
     for k in 0..50 {
         let tau = Vector::from_fn(|j, _| (0.1 * k as f64 + j as f64).sin());
-        let frame = delayed.sense();
-        assert_eq!(frame.q, plain.sense().q);
+        let frame = delayed.sample();
+        assert_eq!(frame.q, plain.sample().q);
         if k > 4 {
             let mut expected: Vector = sent[k - 4];
             expected[0] *= 1.1;
@@ -351,7 +351,7 @@ fn backlash_is_in_the_encoders() {
     for _ in 0..100 {
         plant.actuate(&gravity);
     }
-    let frame = plant.sense();
+    let frame = plant.sample();
     assert!((frame.q[3] - plant.q()[3] - 2e-3 * gravity[3].signum()).abs() < 1e-9);
     assert_eq!(frame.q[2], plant.q()[2]);
 }

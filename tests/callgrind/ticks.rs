@@ -35,7 +35,7 @@ fn main() -> ExitCode {
             let mut recording = control.clone();
             let frames: Vec<SensorFrame<7>> = (0..FRAMES)
                 .map(|_| {
-                    let mut image = ProcessImage::of(plant.sense());
+                    let mut image = ProcessImage::of(plant.sample());
                     recording.tick(&mut image);
                     plant.actuate(&image.command);
                     image.frame

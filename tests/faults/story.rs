@@ -3,7 +3,7 @@
 use tribo_campaign::{AbortReason, CostAccumulator, Trial, TrialMonitor, TuneConfig};
 use tribo_control::TorqueLimiter;
 use tribo_friction::FrictionModel;
-use tribo_robot::{Plant, SensorFrame};
+use tribo_robot::{Plant, PlantLost, SensorFrame};
 use tribo_runtime::TickFault;
 use tribo_sim::BoxFrictionPlant;
 use tribo_tests::{Joints, default_ekf};
@@ -49,8 +49,8 @@ struct BrokenPlant<S, P> {
 }
 
 impl<S: FnMut(u64, SensorFrame<7>) -> SensorFrame<7>, P: Fn(u64) -> f64> Plant<7> for BrokenPlant<S, P> {
-    fn sense(&mut self) -> SensorFrame<7> {
-        (self.tamper)(self.ticks, self.inner.sense())
+    fn sense(&mut self) -> Result<SensorFrame<7>, PlantLost> {
+        Ok((self.tamper)(self.ticks, self.inner.sample()))
     }
 
     fn actuate(&mut self, tau_nm: &Joints) {

@@ -246,13 +246,13 @@ fn link_torque_is_motor_torque_less_friction_and_rotor() {
             link.actuate(&tau);
             motor.actuate(&tau);
             let qdd = (link.qd() - qd) / 1e-3;
-            let tau_link = link.sense().tau;
+            let tau_link = link.sample().tau;
             let relation = tau - link.friction_torque() - arm.rotor_inertia_kg_m2.component_mul(&qdd);
             assert!((tau_link - relation).amax() < 1e-12);
             let jt_h = Kinematics::at(&arm, &q).jacobian().transpose() * push.to_vector();
             let needed = rnea(&link_arm, &q, &qd, &qdd) + jt_h;
             assert!((tau_link - needed).amax() < 1e-8, "tick {tick}: {:e}", (tau_link - needed).amax());
-            assert!((motor.sense().tau - tau).amax() < 1e-12);
+            assert!((motor.sample().tau - tau).amax() < 1e-12);
         }
     }
 }

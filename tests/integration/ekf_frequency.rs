@@ -14,7 +14,7 @@ use nalgebra::{Complex, Matrix6, SMatrix, SVector, Vector6};
 use tribo_control::SinusoidReference;
 use tribo_ekf::{MeasurementNoise, WrenchEkfSettings};
 use tribo_friction::VelocitySource;
-use tribo_robot::{ControlTerms, Kinematics, Plant, SensorFrame, WrenchEstimator, presets};
+use tribo_robot::{ControlTerms, Kinematics, Plant, PlantLost, SensorFrame, WrenchEstimator, presets};
 use tribo_sim::{BoxFrictionPlant, Sensors, Truth};
 use tribo_tests::{DT_S, Joints, default_ekf, no_friction, panda_loop, ready_flange};
 
@@ -26,7 +26,7 @@ struct PushedPlant<F> {
 }
 
 impl<F: Fn(f64) -> f64> Plant<7> for PushedPlant<F> {
-    fn sense(&mut self) -> SensorFrame<7> {
+    fn sense(&mut self) -> Result<SensorFrame<7>, PlantLost> {
         self.inner.sense()
     }
 

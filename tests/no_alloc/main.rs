@@ -125,7 +125,9 @@ fn no_step_on_a_clock_allocates() {
     let (sink, _drain) = record_ring(500);
     let timing = LoopTiming::new().expect("valid bounds");
     let policy = OverrunPolicy::default();
-    let mut real_time = RealTimeLoop::new(control, plant, SlowClock::default(), policy, sink, timing, SVector::zeros());
+    let held = SVector::zeros();
+    let real_time = RealTimeLoop::new(control, plant, SlowClock::default(), policy, sink, timing, held);
+    let mut real_time = real_time.expect("a simulated arm answers");
     let seen = allocation_counter::measure(|| {
         real_time.run(TICKS);
     });

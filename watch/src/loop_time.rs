@@ -3,7 +3,7 @@
 use std::time::{Duration, Instant};
 
 use nalgebra::SVector;
-use tribo_robot::{Plant, SensorFrame};
+use tribo_robot::{Plant, PlantLost, SensorFrame};
 use tribo_sim::BoxFrictionPlant;
 
 use tribo_campaign::{AnyEstimator, EstimatorError, ValidTune};
@@ -33,7 +33,7 @@ struct TimedPlant<const N: usize> {
 }
 
 impl<const N: usize> Plant<N> for TimedPlant<N> {
-    fn sense(&mut self) -> SensorFrame<N> {
+    fn sense(&mut self) -> Result<SensorFrame<N>, PlantLost> {
         let started = Instant::now();
         let frame = self.inner.sense();
         self.spent += started.elapsed();

@@ -46,7 +46,7 @@ fn begun_by_another(directory: &Path, error: CampaignError) -> Result<(), Campai
 
 /// Trials of a new campaign that nobody gave a number: one without compensation, three of least squares and one beyond settle
 /// nearly all that `grey_box` finds, and a robot's time is dear.
-const TRIALS_OF_GREY_BOX: usize = 5;
+pub(super) const TRIALS_OF_GREY_BOX: usize = 5;
 
 /// Settings of a new campaign.
 fn begun(arguments: &Ask) -> anyhow::Result<AnyTune> {

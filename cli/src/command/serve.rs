@@ -3,12 +3,12 @@
 use std::net::SocketAddr;
 
 use serde_json::json;
-use tribo_campaign::{AnyTune, TuneConfig, ValidTune};
+use tribo_campaign::{AnyTune, Trial, TuneConfig};
 use tribo_fci::{
     ControlUnit, FciVersion, GripperServer, MoveEnd, Pace, ServeError, Server, ServerEvent, ServerSettings, model,
 };
 use tribo_model::PushesFile;
-use tribo_sim::{BoxFrictionPlant, TorqueSide, not_simulated};
+use tribo_sim::{BoxFrictionPlant, Sensors, TorqueSide, WrenchPulses, not_simulated};
 
 use super::{configured, set};
 use crate::arguments::{Common, Serve};
@@ -25,17 +25,30 @@ pub fn run(arguments: &Serve, common: &Common) -> anyhow::Result<()> {
     })?;
     let AnyTune::Seven(tune) = tune else { return Err(BadInput("a Franka has seven joints".to_owned()).into()) };
     let version = if arguments.robot == "panda" { FciVersion::V5 } else { FciVersion::V10 };
-    let unit = ControlUnit::new(version, tune.trial.model.clone(), plant(arguments, common, &tune)?)?;
+    let arm = tune.trial.model.clone();
+    let pushes = arguments.pushes.as_deref().map(PushesFile::read).transpose()?.unwrap_or_default();
+    if !common.quiet {
+        for limit in not_simulated(&tune.trial.truth.effects) {
+            message!("tribo: {limit}");
+        }
+    }
+    let unit = ControlUnit::new(version, arm.clone(), plant(&tune.trial, &pushes, tune.config.seed))?;
     let model = match version {
-        FciVersion::V5 => model::library(&tune.trial.model).unwrap_or_else(|error| {
+        FciVersion::V5 => model::library(&arm).unwrap_or_else(|error| {
             message!("tribo: clients get no dynamics model: {error}");
             Vec::new()
         }),
-        FciVersion::V10 => model::urdf(&tune.trial.model).into_bytes(),
+        FciVersion::V10 => model::urdf(&arm).into_bytes(),
     };
     let pace = if arguments.lockstep { Pace::Lockstep } else { Pace::RealTime };
     let settings = ServerSettings { version, address: arguments.address, port: Some(arguments.port), pace };
     let mut server = Server::bind(settings, unit, model).map_err(unavailable)?;
+    if arguments.fresh {
+        server = server.renewing(move |number| {
+            let (trial, seed) = tune.numbered(number);
+            ControlUnit::new(version, arm.clone(), plant(&trial, &pushes, seed))
+        });
+    }
     let hand_port = if arguments.port == 0 { 0 } else { arguments.port.saturating_add(1) };
     let mut hand = GripperServer::bind(arguments.address, Some(hand_port)).map_err(unavailable)?;
     introduce(arguments, common, server.address()?, hand.address()?);
@@ -57,19 +70,10 @@ pub fn run(arguments: &Serve, common: &Common) -> anyhow::Result<()> {
     Ok(())
 }
 
-fn plant(arguments: &Serve, common: &Common, tune: &ValidTune<7>) -> anyhow::Result<BoxFrictionPlant<7>> {
-    let trial = &tune.trial;
-    if !common.quiet {
-        for limit in not_simulated(&trial.truth.effects) {
-            message!("tribo: {limit}");
-        }
-    }
-    let mut sensors = trial.sensors;
-    // A Franka's torque sensors sit behind its gears.
-    sensors.torque_side = TorqueSide::Link;
-    let pushes = arguments.pushes.as_deref().map(PushesFile::read).transpose()?.unwrap_or_default();
-    let plant = BoxFrictionPlant::new(trial.truth.clone(), sensors, trial.start, tune.config.seed);
-    Ok(plant.with_sub_steps(trial.sub_steps).with_pulses(pushes))
+/// The arm of a trial behind a Franka's sensors, which sit on the link side of its gears.
+fn plant(trial: &Trial<7>, pushes: &WrenchPulses, seed: u64) -> BoxFrictionPlant<7> {
+    let sensors = Sensors { torque_side: TorqueSide::Link, ..trial.sensors };
+    Trial { sensors, pulses: pushes.clone(), ..trial.clone() }.plant(seed)
 }
 
 /// An address that cannot be had is the user's to change.

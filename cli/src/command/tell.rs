@@ -57,7 +57,7 @@ where
     }
     let failed = arguments.failed.as_deref();
     let judged =
-        log.map(|(path, log)| judged(&campaign, number, (path, &log), failed.is_some(), common)).transpose()?;
+        log.map(|(path, log)| judged_trial(&campaign, number, (path, &log), failed.is_some(), common)).transpose()?;
     let told = match (&judged, failed) {
         (Some(judged), failed) => campaign.tell(number, judged, failed)?,
         (None, reason) => campaign.tell_failed(number, reason.unwrap_or_default())?,
@@ -114,7 +114,7 @@ fn which<const N: usize>(campaign: &UserCampaign<N>, arguments: &Tell) -> anyhow
 }
 
 /// What the log of a trial is worth.
-fn judged<const N: usize>(
+pub(super) fn judged_trial<const N: usize>(
     campaign: &UserCampaign<N>,
     number: usize,
     (path, log): (&Path, &RobotLog),

@@ -23,6 +23,9 @@ use crate::threads;
 
 /// Runs or resumes a campaign.
 pub fn run(arguments: &Tune, common: &Common) -> anyhow::Result<()> {
+    if let Some(host) = &arguments.live {
+        return super::tune_live::run(arguments, host, common);
+    }
     let started = Instant::now();
     if arguments.resume {
         let directory = resumed(arguments)?;
@@ -133,11 +136,12 @@ fn finish<const N: usize>(
 /// The settings of a new campaign, and its directory.
 fn configured_campaign(arguments: &Tune) -> anyhow::Result<(PathBuf, AnyTune)> {
     let tune = configured(arguments.config.as_deref(), |config| arguments.settings.apply(config))?;
-    let directory = match &arguments.out {
-        Some(directory) => directory.clone(),
-        None => next_campaign()?,
-    };
-    Ok((directory, tune))
+    Ok((new_directory(arguments)?, tune))
+}
+
+/// The directory of a new campaign.
+pub(super) fn new_directory(arguments: &Tune) -> Result<PathBuf, FileError> {
+    arguments.out.clone().map_or_else(next_campaign, Ok)
 }
 
 /// A numbered directory that nobody has, made: of several who begin at once each gets one of its own.
@@ -154,7 +158,7 @@ fn next_campaign() -> Result<PathBuf, FileError> {
 }
 
 /// The directory of the campaign to go on with.
-fn resumed(arguments: &Tune) -> anyhow::Result<PathBuf> {
+pub(super) fn resumed(arguments: &Tune) -> anyhow::Result<PathBuf> {
     // What is frozen within a campaign cannot be changed half-way.
     let settings = &arguments.settings;
     let frozen = [
@@ -195,7 +199,7 @@ fn last_campaign() -> Option<(u32, PathBuf)> {
 }
 
 /// The tuned parameters joint by joint, each beside the true one where the simulated arm has such a parameter.
-fn show_parameters(space: &ParameterSpace, theta: &[f64], truth: Option<&[f64]>) {
+pub(super) fn show_parameters(space: &ParameterSpace, theta: &[f64], truth: Option<&[f64]>) {
     let mut header = vec!["joint"];
     for name in space.names_of_joint() {
         header.push(name);

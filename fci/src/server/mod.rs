@@ -8,7 +8,7 @@ use std::net::{IpAddr, SocketAddr, TcpListener};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 
-use tribo_robot::Plant;
+use tribo_robot::{Plant, PlantLost};
 
 pub(crate) use inbox::{Arrival, Inbox};
 use session::Session;
@@ -75,17 +75,23 @@ pub enum ServeError {
         /// The operating system's reason.
         source: std::io::Error,
     },
+    /// The plant gives no samples.
+    #[error(transparent)]
+    Plant(#[from] PlantLost),
     /// The network failed.
     #[error("network: {0}")]
     Network(#[from] std::io::Error),
 }
 
+/// Makes the unit of the client with that number, the first being 0.
+type Renewal<P> = Box<dyn FnMut(usize) -> Result<ControlUnit<P>, PlantLost> + Send>;
+
 /// A server for one client at a time.
-#[derive(Debug)]
 pub struct Server<P> {
     settings: ServerSettings,
     listener: TcpListener,
     unit: ControlUnit<P>,
+    renewal: Option<Renewal<P>>,
     model: Vec<u8>,
     message_id: u64,
 }
@@ -101,7 +107,13 @@ impl<P: Plant<7>> Server<P> {
         let address = SocketAddr::new(settings.address, settings.port.unwrap_or(COMMAND_PORT));
         let listener = TcpListener::bind(address).map_err(|source| ServeError::Listen { address, source })?;
         listener.set_nonblocking(true)?;
-        Ok(Self { settings, listener, unit, model, message_id: 0 })
+        Ok(Self { settings, listener, unit, renewal: None, model, message_id: 0 })
+    }
+
+    /// The same server with a new unit for each client that is of its version; a new arm, that is.
+    pub fn renewing(mut self, renewal: impl FnMut(usize) -> Result<ControlUnit<P>, PlantLost> + Send + 'static) -> Self {
+        self.renewal = Some(Box::new(renewal));
+        self
     }
 
     /// Where clients connect.
@@ -124,6 +136,7 @@ impl<P: Plant<7>> Server<P> {
     ///
     /// [`ServeError::Network`] where sockets can no longer be had. What a client does is never an error of the server.
     pub fn run(&mut self, stop: &AtomicBool, mut event: impl FnMut(ServerEvent)) -> Result<(), ServeError> {
+        let mut clients = 0;
         while !stop.load(Ordering::Relaxed) {
             wait_for(&[&self.listener], ATTENTION)?;
             let (stream, client) = match self.listener.accept() {
@@ -132,11 +145,15 @@ impl<P: Plant<7>> Server<P> {
                 Err(error) => return Err(error.into()),
             };
             event(ServerEvent::Connected(client));
+            if let Some(renewal) = &mut self.renewal {
+                self.unit = renewal(clients)?;
+            }
             let message_id = self.message_id;
             let session = Session::new(self.settings, stream, &self.listener, &mut self.unit, &self.model, message_id);
             // A client that fails is gone, whatever the reason.
             if let Ok(mut session) = session {
                 self.message_id = session.run(stop, &mut event);
+                clients += usize::from(session.is_greeted());
             }
             event(ServerEvent::Disconnected);
         }

@@ -83,6 +83,11 @@ impl<'a, P: Plant<7>> Session<'a, P> {
         Ok(Self { settings, stream, listener, udp, greeted, inbox, unit, model, message_id, in_hand, command })
     }
 
+    /// Whether the client was of our version.
+    pub(super) fn is_greeted(&self) -> bool {
+        self.greeted
+    }
+
     /// Serves until the client goes or `stop`; returns the number of the last state.
     pub(super) fn run(&mut self, stop: &AtomicBool, event: &mut impl FnMut(ServerEvent)) -> u64 {
         let mut next = Instant::now();

@@ -1,8 +1,7 @@
 //! The state machine of the control unit.
 
 use nalgebra::SVector;
-use tribo_friction::BandError;
-use tribo_robot::{Arm, ControlTerms, Kinematics, Payload, Plant, Pose, SensorFrame};
+use tribo_robot::{Arm, ControlTerms, Kinematics, Payload, Plant, PlantLost, Pose, SensorFrame};
 
 use super::collision::{CollisionThresholds, Touch};
 use super::external_torque::ExternalTorque;
@@ -68,15 +67,15 @@ impl<P: Plant<7>> ControlUnit<P> {
     ///
     /// # Errors
     ///
-    /// None with the settings of this crate: the observer refuses bands that no constant here has.
-    pub fn new(version: FciVersion, arm: Arm<7>, mut plant: P) -> Result<Self, BandError> {
-        let frame = plant.sense();
+    /// [`PlantLost`] where the plant gives no sample to begin with.
+    pub fn new(version: FciVersion, arm: Arm<7>, mut plant: P) -> Result<Self, PlantLost> {
+        let frame = plant.sense()?;
         let frames = Frames::default();
         let terms = ControlTerms::at(&arm, &frame.q, &frame.qd);
         let end_effector = terms.base_from_flange * frames.flange_from_end_effector();
         Ok(Self {
             limits: MotionLimits::of(version, &arm),
-            external: ExternalTorque::at(&frame, &link_side(&terms, &arm))?,
+            external: ExternalTorque::at(&frame, &link_side(&terms, &arm)),
             desired: Desired::rest(frame.q, end_effector),
             bare: arm.clone(),
             arm,
@@ -219,7 +218,8 @@ impl<P: Plant<7>> ControlUnit<P> {
         }
         let torque_before = self.frame.tau;
         self.plant.actuate(&(self.torque_nm + self.terms.gravity_nm));
-        self.frame = self.plant.sense();
+        // Of a plant that is lost, what was last seen stays.
+        self.frame = self.plant.sense().unwrap_or(self.frame);
         self.terms = ControlTerms::at(&self.arm, &self.frame.q, &self.frame.qd);
         self.external.step(&self.frame, &link_side(&self.terms, &self.arm), PERIOD_S);
         self.torque_rate_nm_s = (self.frame.tau - torque_before) / PERIOD_S;

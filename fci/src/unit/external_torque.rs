@@ -1,9 +1,13 @@
 //! External torque and wrench, as the control unit tells them.
 
 use nalgebra::{SVector, Vector3, Vector6};
-use tribo_friction::{BandError, FrictionBand, JointBand};
+use tribo_friction::{FrictionBand, FrictionModel};
 use tribo_residual::{MomentumEstimator, MomentumSettings};
 use tribo_robot::{ControlTerms, EstimatorInput, Pose, SensorFrame, Wrench, WrenchEstimator};
+
+/// Noise of velocity (rad/s) and torque (Nm) that the observer counts on.
+const VELOCITY_SD_RAD_S: f64 = 3e-3;
+const TORQUE_SD_NM: f64 = 0.05;
 
 /// Momentum observer of the link side that knows no friction: what it leaves in `tau_ext_hat_filtered` and
 /// `O_F_ext_hat_K` of a free arm is the friction between the motors and the torque sensors' model, as on the real unit.
@@ -18,11 +22,11 @@ pub(super) struct ExternalTorque {
 
 impl ExternalTorque {
     /// An observer that starts at this sample of the link side.
-    pub(super) fn at(frame: &SensorFrame<7>, terms: &ControlTerms<7>) -> Result<Self, BandError> {
-        let band = FrictionBand::new([JointBand::frictionless(0.05); 7])?;
+    pub(super) fn at(frame: &SensorFrame<7>, terms: &ControlTerms<7>) -> Self {
+        let band = FrictionBand::of_model(&FrictionModel::none(), VELOCITY_SD_RAD_S, TORQUE_SD_NM, 0.0);
         let mut estimator = MomentumEstimator::new(MomentumSettings::new(band));
         estimator.reset(frame, terms);
-        Ok(Self { estimator, wrench: Wrench::default() })
+        Self { estimator, wrench: Wrench::default() }
     }
 
     /// Takes the sample at the end of a period (s).

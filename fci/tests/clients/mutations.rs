@@ -104,7 +104,7 @@ fn rubbish_on_the_wire_hurts_nobody() {
                 request[..8].copy_from_slice(&[2, 0, 0, 0, if version == FciVersion::V5 { 1 } else { 4 }, 0, 0, 0]);
                 let _ = send(&mut client.stream, 1, 2, &request);
             }
-            for _ in 0..200 {
+            for _ in 0..40 {
                 let Ok((number, address)) = client.server() else { break };
                 let mut command = vec![0; version.command_bytes()];
                 mutate(&mut rng, &mut command);

@@ -1,0 +1,8 @@
+//! A Franka that Tribo drives: the other end of the wire, on `franka-rs`.
+
+mod approach;
+mod connection;
+mod torque_plant;
+
+pub use connection::{Connection, RobotError as ConnectionError};
+pub use torque_plant::TorquePlant;
