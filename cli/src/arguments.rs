@@ -74,6 +74,11 @@ pub enum Command {
     Tell(Tell),
     /// Run one trial on the simulated arm and write it as a robot log.
     Simulate(Simulate),
+    /// Ask a robot until what its model lacks has one name: record a motion, diagnose, and make the experiment that tells rivals apart.
+    ///
+    /// Every motion, log and answer is a file in --out; a run that was stopped goes on from there. At the end the extended model predicts
+    /// a motion that nothing was fitted to.
+    Investigate(Investigate),
     /// Serve a simulated Panda or FR3 to programs written for libfranka, as if it were the robot.
     ///
     /// The program connects to --address and runs unchanged: states, motions, torques, reflexes, model, hand. The arm has the friction of
@@ -181,6 +186,9 @@ pub struct Tune {
     /// Run the trials on a Panda or FR3 at this address instead of a simulated arm; tribo serve imitates one. The arm moves.
     #[arg(long, value_name = "HOST", conflicts_with_all = ["dashboard", "check"])]
     pub live: Option<String>,
+    /// Begin the live campaign with the first trial, without a rehearsal of two fifths of its size that is not judged.
+    #[arg(long, requires = "live")]
+    pub no_rehearsal: bool,
     /// How the live robot is driven.
     #[command(flatten)]
     pub drive: LiveDrive,
@@ -193,9 +201,6 @@ pub struct LiveDrive {
     /// Do not ask whether the space is clear and nobody touches the arm.
     #[arg(long, requires = "live")]
     pub yes: bool,
-    /// Skip the rehearsal: a motion of two fifths of the size that comes before the first trial and is not judged.
-    #[arg(long, requires = "live")]
-    pub no_rehearsal: bool,
     /// Drive a robot elsewhere from a kernel without real time; this computer's own addresses never need one.
     #[arg(long, requires = "live")]
     pub no_realtime: bool,
@@ -338,6 +343,52 @@ pub struct Simulate {
     /// Moment of the pulses (Nm).
     #[arg(long, value_name = "NM", default_value_t = 0.0, allow_negative_numbers = true)]
     pub pulse_moment: f64,
+    /// Play the motion of --trajectory on a Panda or FR3 at this address instead, and record it. The arm moves.
+    #[arg(long, value_name = "HOST", requires_all = ["trajectory", "log"])]
+    pub live: Option<String>,
+    /// How the live robot is driven.
+    #[command(flatten)]
+    pub drive: LiveDrive,
+}
+
+/// Arguments of `investigate`.
+#[derive(Debug, Args)]
+#[command(group = clap::ArgGroup::new("robot_that_moves").required(true).args(["live", "robot_command"]))]
+pub struct Investigate {
+    /// A Panda or FR3 at this address; tribo serve imitates one. The arm moves.
+    #[arg(long, value_name = "HOST")]
+    pub live: Option<String>,
+    /// A command that makes the robot follow {trajectory} (YAML, schema tribo.trajectory/1) and writes what it measured to {log}, in
+    /// any format that convert reads; the shell runs it.
+    #[arg(long, value_name = "COMMAND")]
+    pub robot_command: Option<String>,
+    /// Ending of the logs that the command writes: csv, parquet, mcap.
+    #[arg(long, default_value = "csv", value_name = "ENDING", value_parser = PossibleValuesParser::new(["csv", "parquet", "mcap"]))]
+    pub log_format: String,
+    /// Model that the robot is held against (YAML, schema tribo.model/1) [default: the bare robot without friction].
+    #[arg(long, value_name = "FILE")]
+    pub model: Option<PathBuf>,
+    /// The robot of --robot-command, when no --model says it: a preset or the path of a URDF with seven joints.
+    #[arg(long, value_name = "NAME|URDF", conflicts_with_all = ["model", "live"])]
+    pub robot: Option<String>,
+    /// Side of the gears on which the command's tau_J is measured, when no --model says it; a Franka's is link.
+    #[arg(long, default_value = "motor", value_parser = PossibleValuesParser::new(["motor", "link"]), conflicts_with = "model")]
+    pub torque_side: String,
+    /// Most motions to learn from; one more is made at the end, to check the answer.
+    #[arg(long, default_value_t = 3, value_parser = clap::value_parser!(u8).range(1..=20))]
+    pub budget: u8,
+    /// First motion (YAML, schema tribo.trajectory/1) [default: one that moves all joints about the ready pose].
+    #[arg(long, value_name = "FILE")]
+    pub trajectory: Option<PathBuf>,
+    /// Directory of motions, logs and answers; one that holds some is gone on with.
+    #[arg(long, value_name = "DIR", default_value = "investigation")]
+    pub out: PathBuf,
+    /// Seed of the motions and of the diagnosis.
+    #[arg(long, default_value_t = 0)]
+    pub seed: u64,
+    /// How the live robot is driven.
+    #[command(flatten)]
+    pub drive: LiveDrive,
 }
 
 /// Arguments of `serve`.

@@ -60,6 +60,7 @@ fn run() -> ExitCode {
         Command::Ask(ask) => command::ask::run(&ask, &common),
         Command::Tell(tell) => command::tell::run(&tell, &common),
         Command::Simulate(simulate) => command::simulate::run(&simulate, &common),
+        Command::Investigate(investigate) => command::investigate::run(&investigate, &common),
         Command::Serve(serve) => command::serve::run(&serve, &common),
         Command::Estimate(estimate) => command::estimate::run(&estimate, &common),
         Command::Diagnose(diagnose) => command::diagnose::run(&diagnose, &common),

@@ -13,6 +13,7 @@ mod ekf_known_input;
 mod estimators_on_pulses;
 mod file_circles;
 mod law_check;
+mod live_bits;
 mod payload;
 mod robust_cost;
 mod stopped_trials;

@@ -9,6 +9,9 @@ use std::sync::Arc;
 
 use nalgebra::{SVector, Vector6};
 use tribo_control::{PAPER_PHASES_RAD, SinusoidReference};
+use tribo_fci::{
+    ControlUnit, ControllerMode, CyclicCommand, FciVersion, GeneratorMode, MotionRequest, MoveEnd, STATE_BYTES_MAX,
+};
 use tribo_friction::thermal::{HeatBalance, PolynomialStribeck, TemperatureFactor, ThermalJoint, ThermalLaw};
 use tribo_friction::{Compensator, FrictionBand, JointBand, JointEffects, VelocitySource};
 use tribo_residual::{
@@ -134,6 +137,50 @@ fn no_step_on_a_clock_allocates() {
     assert_eq!(seen.count_total, 0, "{seen:?}");
     assert_eq!((real_time.overruns().missed(), real_time.faulted_at()), (6, Some(300)), "one held, five stop it");
     assert!(real_time.dropped() > 0, "a full ring");
+}
+
+/// A period of the control unit under each kind of motion, a reflex and its way out included.
+#[test]
+fn no_period_of_the_control_unit_allocates() {
+    let request = |controller, generator| MotionRequest { controller, generator };
+    let motions = [
+        request(ControllerMode::External, GeneratorMode::JointVelocity),
+        request(ControllerMode::JointImpedance, GeneratorMode::JointPosition),
+        request(ControllerMode::CartesianImpedance, GeneratorMode::CartesianPose),
+        request(ControllerMode::JointImpedance, GeneratorMode::CartesianVelocity),
+    ];
+    let plant = BoxFrictionPlant::new(Truth::panda_coulomb_viscous(), Sensors::default(), presets::panda_ready_pose(), 1);
+    let mut unit = ControlUnit::new(FciVersion::V5, presets::panda(), plant).expect("a simulated arm answers");
+    let mut bytes = [0; STATE_BYTES_MAX];
+    let (mut id, mut reflexes) = (0, 0);
+    let seen = allocation_counter::measure(|| {
+        for motion in motions {
+            unit.recover().expect("no motion runs");
+            unit.start(motion).expect("the robot is ready");
+            for period in 0..TICKS / 8 {
+                let state = unit.state(id);
+                state.encode(FciVersion::V5, &mut bytes);
+                id += 1;
+                let pose = state.end_effector_desired.to_homogeneous();
+                let command = CyclicCommand {
+                    message_id: id,
+                    q_rad: state.q_desired_rad.into(),
+                    qd_rad_s: [0.0; 7],
+                    pose: std::array::from_fn(|i| pose.as_slice()[i]),
+                    twist: [0.0; 6],
+                    elbow: None,
+                    // The last ends in a reflex where torques count.
+                    torque_nm: [if period + 1 == TICKS / 8 { 50.0 } else { 0.0 }; 7],
+                    finished: period + 1 == TICKS / 8,
+                };
+                let lost = period % 50 == 49;
+                reflexes += u32::from(unit.cycle((!lost).then_some(&command)) == Some(MoveEnd::Reflex));
+            }
+            unit.stop();
+        }
+    });
+    assert_eq!(seen.count_total, 0, "{seen:?}");
+    assert_eq!(reflexes, 1, "the jump of torque");
 }
 
 fn watch_estimator<E: WrenchEstimator<7>>(name: &str, mut estimator: E) {

@@ -10,15 +10,20 @@ use tribo_model::{Believed, ModelFile, NotCancelled, TrajectoryFile, TunedFile, 
 use tribo_sim::{WrenchPulses, not_simulated};
 
 use super::convert::{target_of, write_log};
+use super::live::{Link, confirm, preset_of};
 use super::{configured, named, warn_not_cancelled};
 use crate::arguments::{Common, Simulate};
 use crate::failure::BadInput;
 use crate::output::{print, print_json, significant, table};
+use crate::progress::stop_on_signal;
 
 /// Runs one trial, or one joint-space motion, and writes its log.
 pub fn run(arguments: &Simulate, common: &Common) -> anyhow::Result<()> {
     if let Some(log) = &arguments.log {
         target_of(log)?;
+    }
+    if let Some(host) = &arguments.live {
+        return play(arguments, host, common);
     }
     match configured(arguments.config.as_deref(), |config| arguments.scenario.apply(config))? {
         AnyTune::Six(tune) => simulate(arguments, common, tune),
@@ -181,6 +186,33 @@ fn run_trial<const N: usize>(
             print(format_args!("aborted at {at:.3} s: {reason}"));
         }
         written(arguments.log.as_ref(), &log);
+    }
+    Ok(())
+}
+
+/// Plays a motion on a live robot.
+fn play(arguments: &Simulate, host: &str, common: &Common) -> anyhow::Result<()> {
+    let (Some(path), Some(target)) = (&arguments.trajectory, &arguments.log) else {
+        return Err(BadInput("--live wants --trajectory and --log".to_owned()).into());
+    };
+    confirm(host, arguments.drive, &format!("as {} says, after a slow approach to its start", path.display()))?;
+    let link = Link::to(host, arguments.drive);
+    let robot = preset_of(link.connect()?.version());
+    let tune = configured(arguments.config.as_deref(), |config| {
+        config.robot.get_or_insert_with(|| robot.to_owned());
+        arguments.scenario.apply(config)
+    })?;
+    let AnyTune::Seven(mut tune) = tune else { return Err(BadInput("a Franka has seven joints".to_owned()).into()) };
+    let (friction, left) = belief(arguments, &mut tune)?;
+    warn_not_cancelled(&left, common);
+    let motion = TrajectoryFile::read(path, &tune.trial.model)?.path();
+    stop_on_signal();
+    let log = link.play(&tune.trial, &friction.scaled(arguments.scale), &motion, "nothing is written")?;
+    write_log(target, &log)?;
+    if common.json {
+        print_json(&json!({"schema": "tribo.simulate/1", "host": host, "robot": robot, "log": target, "rows": log.rows()}));
+    } else if !common.quiet {
+        written(Some(target), &log);
     }
     Ok(())
 }

@@ -1,9 +1,6 @@
 //! `tribo tune --live`.
 
-use std::io::{IsTerminal, Write};
-use std::net::ToSocketAddrs;
-use std::path::{Path, PathBuf};
-use std::sync::atomic::Ordering;
+use std::path::PathBuf;
 use std::time::Instant;
 
 use serde_json::{Value, json};
@@ -12,20 +9,21 @@ use tribo_campaign::strategy::{BestTrial, StrategyName};
 use tribo_campaign::{
     AnyEstimator, AnyTune, Asked, CampaignError, SentTorque, Told, Trial, UserCampaign, UserTrials, record_trial,
 };
-use tribo_fci::{Connection, ConnectionError, FciVersion};
+use tribo_fci::Connection;
 use tribo_friction::FrictionModel;
 use tribo_logs::RobotLog;
 use tribo_watch::refresh_report;
 
 use super::ask::TRIALS_OF_GREY_BOX;
 use super::convert::write_log;
+use super::live::{Link, confirm, made, preset_of};
 use super::tell::judged_trial;
 use super::tune::{new_directory, resumed, show_parameters};
 use super::{configured, expected, now, opened};
-use crate::arguments::{Common, LiveDrive, Tune};
-use crate::failure::{BadInput, Stopped};
+use crate::arguments::{Common, Tune};
+use crate::failure::BadInput;
 use crate::output::{print, print_json, significant, table};
-use crate::progress::{stop_on_signal, stop_requested};
+use crate::progress::stop_on_signal;
 use crate::threads;
 
 /// Size of the rehearsal's motion, and how long it takes (s).
@@ -35,11 +33,11 @@ const REHEARSAL: (f64, f64) = (0.4, 5.0);
 pub fn run(arguments: &Tune, host: &str, common: &Common) -> anyhow::Result<()> {
     let started = Instant::now();
     let resumed = if arguments.resume { Some(resumed(arguments)?) } else { None };
-    confirm(host, arguments.drive)?;
-    let link = Link { host, real_time: needs_real_time(host, arguments.drive) };
+    confirm(host, arguments.drive, "about its start pose, 25 mm and 5 degrees each way, half a minute per trial")?;
+    let link = Link::to(host, arguments.drive);
     // The robot says what it is, and stays connected for the first trial.
     let connection = link.connect()?;
-    let robot = if connection.version() == FciVersion::V5 { "panda" } else { "fr3" };
+    let robot = preset_of(connection.version());
     let (directory, campaign) = match resumed {
         Some(directory) => (directory.clone(), opened::<7>(&directory)?),
         None => {
@@ -55,7 +53,7 @@ pub fn run(arguments: &Tune, host: &str, common: &Common) -> anyhow::Result<()> 
     }
     stop_on_signal();
     let mut live = Live { link, connection: Some(connection), campaign, directory, common, lost_periods: 0 };
-    live.tune(arguments.drive)?;
+    live.tune(arguments.no_rehearsal)?;
     live.show(started.elapsed().as_secs_f64());
     Ok(())
 }
@@ -82,45 +80,9 @@ fn settings(arguments: &Tune, robot: &str) -> anyhow::Result<tribo_campaign::Val
     }
 }
 
-/// How the robot is reached.
-struct Link<'a> {
-    host: &'a str,
-    real_time: bool,
-}
-
-impl Link<'_> {
-    fn connect(&self) -> Result<Connection, ConnectionError> {
-        Connection::open(self.host, self.real_time)
-    }
-}
-
-/// A robot elsewhere wants a kernel with real time unless its user says otherwise.
-fn needs_real_time(host: &str, drive: LiveDrive) -> bool {
-    let addresses = (host, 0).to_socket_addrs();
-    let here = addresses.is_ok_and(|mut addresses| addresses.all(|address| address.ip().is_loopback()));
-    !(drive.no_realtime || here)
-}
-
-/// Asks whether the arm may move.
-fn confirm(host: &str, drive: LiveDrive) -> anyhow::Result<()> {
-    if drive.yes {
-        return Ok(());
-    }
-    if !std::io::stdin().is_terminal() {
-        let message = format!("the arm at {host} will move; say --yes once its space is clear and nobody touches it");
-        return Err(BadInput(message).into());
-    }
-    message!("tribo: the arm at {host} will move about its start pose, 25 mm and 5 degrees each way, for half a minute per trial.");
-    message!("tribo: Is the space clear, does nobody touch the arm, and is the stop button at hand? [yes/no]");
-    let _ = std::io::stderr().flush();
-    let mut answer = String::new();
-    std::io::stdin().read_line(&mut answer)?;
-    if answer.trim() == "yes" { Ok(()) } else { Err(BadInput("not confirmed; nothing moved".to_owned()).into()) }
-}
-
 /// A campaign and the robot that runs its trials.
 struct Live<'a> {
-    link: Link<'a>,
+    link: Link,
     connection: Option<Connection>,
     campaign: UserCampaign<7>,
     directory: PathBuf,
@@ -128,8 +90,8 @@ struct Live<'a> {
     lost_periods: u64,
 }
 
-/// What a motion on the robot left.
-struct Ran {
+/// A trial that the robot has run.
+struct Recorded {
     log: RobotLog,
     /// Why it ended early, if it did.
     failed: Option<String>,
@@ -137,8 +99,8 @@ struct Ran {
 }
 
 impl Live<'_> {
-    fn tune(&mut self, drive: LiveDrive) -> anyhow::Result<()> {
-        if !drive.no_rehearsal && self.campaign.finished().next().is_none() {
+    fn tune(&mut self, no_rehearsal: bool) -> anyhow::Result<()> {
+        if !no_rehearsal && self.campaign.finished().next().is_none() {
             self.say(format_args!("rehearsal: a small motion without compensation"));
             self.rehearse()?;
         }
@@ -179,7 +141,7 @@ impl Live<'_> {
         self.say(format_args!("trial {} (chosen by {})", asked.number, asked.origin));
         let ran = self.ran(&trial, &friction)?;
         let recording = self.directory.join("recordings").join(format!("{:04}.parquet", asked.number));
-        std::fs::create_dir_all(self.directory.join("recordings"))?;
+        made(&self.directory.join("recordings"))?;
         write_log(&recording, &ran.log)?;
         let failed = ran.failed.as_deref();
         let judged = judged_trial(&self.campaign, asked.number, (&recording, &ran.log), failed.is_some(), self.common)?;
@@ -190,33 +152,20 @@ impl Live<'_> {
         Ok(())
     }
 
-    /// A motion on the robot: approach, run, landing. A wish to stop and a lost connection end the campaign for now.
-    fn ran(&mut self, trial: &Trial<7>, friction: &FrictionModel<7>) -> anyhow::Result<Ran> {
+    /// A trial on the robot: approach, run, landing.
+    fn ran(&mut self, trial: &Trial<7>, friction: &FrictionModel<7>) -> anyhow::Result<Recorded> {
         let connection = match self.connection.take() {
             Some(connection) => connection,
             None => self.link.connect()?,
         };
         let config = &self.campaign.tune().config;
         let estimator = AnyEstimator::for_tuning(config.residual, config.ekf, &trial.model, friction)?;
-        connection.approach(&trial.model, &trial.start)?;
-        let stop = stop_requested();
-        let mut plant = connection.torque_plant(&trial.model, stop)?;
-        let recorded = record_trial(&mut plant, trial, friction, estimator);
-        let (reason, lost_periods) = (plant.reason().map(ToString::to_string), plant.lost_periods());
-        let gone = plant.connection_is_lost();
-        // Where the robot has ended the motion itself there is nothing left to land.
-        let landed = plant.finish();
-        if stop.load(Ordering::Relaxed) {
-            landed.map_err(ConnectionError::from)?;
-            let message = format!("stopped; the trial is run again by: tribo tune --resume --live {} --out {}", self.link.host, self.directory.display());
-            return Err(Stopped(message).into());
-        }
-        if gone {
-            landed.map_err(ConnectionError::from)?;
-        }
-        let (outcome, log) = recorded?;
-        let failed = reason.or_else(|| outcome.aborted.map(|reason| reason.to_string()));
-        Ok(Ran { log, failed, lost_periods })
+        let (host, directory) = (&self.link.host, self.directory.display());
+        let resume = format!("run the trial again: tribo tune --resume --live {host} --out {directory}");
+        let ran = self.link.run(&connection, trial, &resume, |plant| record_trial(plant, trial, friction, estimator))?;
+        let (outcome, log) = ran.outcome;
+        let failed = ran.reason.or_else(|| outcome.aborted.map(|reason| reason.to_string()));
+        Ok(Recorded { log, failed, lost_periods: ran.lost_periods })
     }
 
     fn say(&self, text: std::fmt::Arguments<'_>) {
@@ -285,7 +234,7 @@ impl Live<'_> {
                 show_parameters(&tune.space, &trial.theta, None);
             }
         }
-        print(format_args!("\n{wall_s:.1} s; written {}", Path::new(&self.directory).join("tuned.yaml").display()));
+        print(format_args!("\n{wall_s:.1} s; written {}", self.directory.join("tuned.yaml").display()));
         print(format_args!("next: tribo export {directory} --format c   (or rust, ros2, crisp, urdf, mjcf, yaml, json)"));
     }
 }

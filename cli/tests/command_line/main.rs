@@ -17,6 +17,7 @@ mod exports;
 mod extended_models;
 #[cfg(unix)]
 mod kill_and_resume;
+mod live;
 mod old_processor;
 mod optuna_reads_the_journal;
 mod other_arms;

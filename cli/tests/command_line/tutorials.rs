@@ -9,7 +9,7 @@
 //! spaces                   a run of them counts as one; at the end of a line, and of the output, nothing counts
 //! ```
 //!
-//! `<!-- needs: … -->` before a block says what not everybody has: `display`, `network`, `slurm` or `TRIBO_DATA`. Where it is not
+//! `<!-- needs: … -->` before a block says what not everybody has: `display`, `network`, `pylibfranka`, `slurm` or `TRIBO_DATA`. Where it is not
 //! there, the block is SKIPPED. Blocks find the binary as `tribo`, the repository in `TRIBO_REPOSITORY`, logs of real robots
 //! in `TRIBO_DATA` (default: ../shared/data beside the workspace).
 
@@ -107,6 +107,11 @@ fn data() -> PathBuf {
     std::path::absolute(std::env::var_os("TRIBO_DATA").map_or_else(beside, PathBuf::from)).unwrap()
 }
 
+/// The Python with other people's programs, which blocks call `python3`.
+fn python() -> PathBuf {
+    std::env::var_os("TRIBO_PYTHON").map_or_else(|| PathBuf::from("python3"), PathBuf::from)
+}
+
 /// Why a block with this need cannot be run here.
 fn unmet(need: &str) -> Option<&'static str> {
     match need {
@@ -116,7 +121,12 @@ fn unmet(need: &str) -> Option<&'static str> {
             (!data().join("panda_gaz2019").is_dir()).then_some("no panda_gaz2019 under $TRIBO_DATA or ../shared/data")
         }
         "slurm" => slurm_can_start().err(),
-        other => panic!("needs: {other}; allowed: display, network, slurm, TRIBO_DATA"),
+        "pylibfranka" => {
+            let mut probe = Command::new(python());
+            probe.args(["-c", "import pylibfranka"]).stdout(Stdio::null()).stderr(Stdio::null());
+            (!probe.status().is_ok_and(|status| status.success())).then_some("no Python with pylibfranka (set TRIBO_PYTHON)")
+        }
+        other => panic!("needs: {other}; allowed: display, network, pylibfranka, slurm, TRIBO_DATA"),
     }
 }
 
@@ -172,6 +182,11 @@ fn the_tutorials_print_what_they_say() {
     let bin = scratch();
     let binary = std::env::var_os("TRIBO_BIN").unwrap_or_else(|| env!("CARGO_BIN_EXE_tribo").into());
     std::fs::copy(binary, bin.path().join("tribo")).unwrap();
+    if let Some(python) = std::env::var_os("TRIBO_PYTHON") {
+        let script = bin.path().join("python3");
+        std::fs::write(&script, format!("#!/bin/sh\nexec '{}' \"$@\"\n", Path::new(&python).display())).unwrap();
+        std::fs::set_permissions(&script, std::os::unix::fs::PermissionsExt::from_mode(0o755)).unwrap();
+    }
 
     let entries = std::fs::read_dir(repository().join("docs/tutorials")).unwrap().map(|entry| entry.unwrap().path());
     let mut pages: Vec<PathBuf> = entries.filter(|path| path.extension().is_some_and(|kind| kind == "md")).collect();

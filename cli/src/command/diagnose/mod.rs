@@ -7,6 +7,7 @@ mod show;
 
 use std::path::Path;
 
+use serde_json::Value;
 use tribo_campaign::{ClosedLoopGain, closed_loop_gain};
 use tribo_diagnose::recognise::recognise;
 use tribo_diagnose::report::{ClosedLoop, ReportContext, html};
@@ -40,8 +41,49 @@ struct Extras {
     remarks: Vec<String>,
 }
 
-/// Reads everything, checks every name, diagnoses, writes, prints; in that order, so that nothing is done by halves.
+/// Diagnoses and prints.
 pub fn run(arguments: &Diagnose, common: &Common) -> anyhow::Result<()> {
+    let Diagnosed { diagnosis, extras, written } = diagnosed(arguments, common)?;
+    if common.json {
+        print_json(&document::document(&diagnosis, &extras));
+    } else if common.quiet {
+        show::verdict(&diagnosis);
+    } else {
+        show::show(&diagnosis, &extras, common.verbose);
+    }
+    for remark in extras.remarks.iter().filter(|_| common.json && !common.quiet) {
+        message!("tribo: {remark}");
+    }
+    written?;
+    if arguments.check && diagnosis.verdict != Verdict::NothingMissing {
+        let findings = diagnosis.findings.len();
+        return Err(
+            CheckFailed(format!("the verdict is {}, with {findings} findings", diagnosis.verdict.name())).into()
+        );
+    }
+    Ok(())
+}
+
+/// A diagnosis and what became of its files.
+pub(super) struct Diagnosed {
+    /// The answer.
+    pub diagnosis: Diagnosis,
+    extras: Extras,
+    /// Whether the files could be written.
+    written: anyhow::Result<()>,
+}
+
+impl Diagnosed {
+    /// The answer as `diagnose --json` prints it; an error where its files could not be written.
+    pub(super) fn document(self) -> anyhow::Result<(Diagnosis, Value)> {
+        self.written?;
+        let document = document::document(&self.diagnosis, &self.extras);
+        Ok((self.diagnosis, document))
+    }
+}
+
+/// Reads everything, checks every name, diagnoses, writes; in that order, so that nothing is done by halves.
+pub(super) fn diagnosed(arguments: &Diagnose, common: &Common) -> anyhow::Result<Diagnosed> {
     let choice = input::choice(arguments)?;
     let given = choice.given()?;
     let outputs = Outputs::checked(arguments)?;
@@ -95,7 +137,7 @@ fn run_with<const N: usize>(
     outputs: &Outputs,
     held: &Held,
     model: &Model<N>,
-) -> anyhow::Result<()>
+) -> anyhow::Result<Diagnosed>
 where
     Nominal<N>: Diagnosable,
 {
@@ -148,25 +190,7 @@ where
     let extended =
         valid.map(|_| extended).map_err(|error| anyhow::anyhow!("the findings make no valid model: {error}"));
     let written = write(held, outputs, &model.arm, &diagnosis, extended, &mut extras);
-
-    if common.json {
-        print_json(&document::document(&diagnosis, &extras));
-    } else if common.quiet {
-        show::verdict(&diagnosis);
-    } else {
-        show::show(&diagnosis, &extras, common.verbose);
-    }
-    for remark in extras.remarks.iter().filter(|_| common.json && !common.quiet) {
-        message!("tribo: {remark}");
-    }
-    written?;
-    if arguments.check && diagnosis.verdict != Verdict::NothingMissing {
-        let findings = diagnosis.findings.len();
-        return Err(
-            CheckFailed(format!("the verdict is {}, with {findings} findings", diagnosis.verdict.name())).into()
-        );
-    }
-    Ok(())
+    Ok(Diagnosed { diagnosis, extras, written })
 }
 
 /// Whether the answer tells of this cause: the means of all other parameters are in the file too, and are next to nothing.

@@ -1,0 +1,235 @@
+//! `tribo investigate`.
+
+mod robot;
+mod settings;
+
+use std::path::{Path, PathBuf};
+
+use serde_json::{Value, json};
+use tribo_diagnose::report::{finding_sentence, verdict_sentence};
+use tribo_diagnose::{Diagnosis, Validation, Verdict};
+use tribo_logs::write_atomic;
+use tribo_model::TrajectoryFile;
+use tribo_robot::{Arm, presets};
+use tribo_sim::excitation::{Envelope, ViaPoints};
+
+use super::diagnose::diagnosed;
+use super::live::made;
+use crate::arguments::{Common, Diagnose, Investigate};
+use crate::failure::BadInput;
+use crate::output::{print, print_json, significant};
+use crate::progress::stop_on_signal;
+use robot::Robot;
+use settings::Settings;
+
+/// Excursion of the first and of the last motion from the start pose (rad), and their greatest speed (rad/s): what a table-top
+/// arm has room for.
+const EXPLORING: (f64, f64) = (0.5, 1.0);
+/// Length of these motions (s).
+const EXPLORING_S: f64 = 40.0;
+
+/// Moves, diagnoses, moves again; then checks the answer on a motion that nothing was fitted to.
+pub fn run(arguments: &Investigate, common: &Common) -> anyhow::Result<()> {
+    stop_on_signal();
+    let robot = Robot::of(arguments)?;
+    let settings = Settings::of(arguments, &robot)?;
+    let arm = settings.arm()?;
+    made(&arguments.out)?;
+    settings.agree_with(&arguments.out)?;
+    let steps = Steps { directory: arguments.out.clone(), settings, arm, common };
+
+    let first = match &arguments.trajectory {
+        Some(path) => TrajectoryFile::new(&steps.arm, &TrajectoryFile::read(path, &steps.arm)?, None),
+        None => steps.exploring(arguments.seed),
+    };
+    steps.plan(0, &first)?;
+    let mut number = 0;
+    loop {
+        steps.make(number, &robot)?;
+        let diagnosis = steps.answer(number)?;
+        steps.say(format_args!("after {} motions: {}", number + 1, verdict_sentence(&diagnosis)));
+        let advised = diagnosis.next_experiment.as_ref().filter(|next| !next.via_points.is_empty());
+        let goes_on = diagnosis.verdict == Verdict::Ambiguous && number + 1 < usize::from(arguments.budget);
+        match advised.filter(|_| goes_on) {
+            // Its motion is in a file by now.
+            Some(next) => steps.say(format_args!("next motion: {}", next.instruction)),
+            None => break,
+        }
+        number += 1;
+    }
+    let (diagnosis, document) = steps.check(number, &robot, arguments.seed)?;
+    steps.show(number + 1, &diagnosis, document)
+}
+
+/// The files of an investigation.
+struct Steps<'a> {
+    directory: PathBuf,
+    settings: Settings,
+    arm: Arm<7>,
+    common: &'a Common,
+}
+
+impl Steps<'_> {
+    fn trajectory(&self, number: usize) -> PathBuf {
+        self.directory.join(format!("motion_{number:02}.yaml"))
+    }
+
+    fn log(&self, number: usize) -> PathBuf {
+        self.directory.join(format!("log_{number:02}.{}", self.settings.log_format))
+    }
+
+    fn logs(&self, last: usize) -> Vec<PathBuf> {
+        (0..=last).map(|number| self.log(number)).collect()
+    }
+
+    fn extended(&self) -> PathBuf {
+        self.directory.join("extended.yaml")
+    }
+
+    fn report(&self) -> PathBuf {
+        self.directory.join("report.html")
+    }
+
+    /// A motion of all joints about the ready pose of a Franka, where the arm has it, else about the middle of their ranges.
+    fn exploring(&self, seed: u64) -> TrajectoryFile {
+        let (range_rad, speed_rad_s) = EXPLORING;
+        let ready = presets::panda_ready_pose();
+        let has_it = self.arm.first_joint_outside_limits(&ready).is_none();
+        let envelope = if has_it { Envelope::around(&self.arm, ready) } else { Envelope::of(&self.arm) };
+        let envelope = envelope.within(range_rad).slower_than(speed_rad_s);
+        TrajectoryFile::new(&self.arm, &ViaPoints::exploring(&envelope, EXPLORING_S, seed), None)
+    }
+
+    /// Writes a motion down; one that is there stays.
+    fn plan(&self, number: usize, motion: &TrajectoryFile) -> anyhow::Result<()> {
+        let path = self.trajectory(number);
+        if !path.exists() {
+            let text = tribo_model::to_yaml(motion)?;
+            write_atomic(&path, |file| file.write_all(text.as_bytes()))?;
+        }
+        Ok(())
+    }
+
+    /// Lets the robot make a motion; one whose log is there has been made.
+    fn make(&self, number: usize, robot: &Robot) -> anyhow::Result<()> {
+        let (trajectory, log) = (self.trajectory(number), self.log(number));
+        if !log.exists() {
+            self.say(format_args!("motion {}: {}", number + 1, trajectory.display()));
+            robot.make(&trajectory, &log, &self.settings)?;
+        }
+        Ok(())
+    }
+
+    /// The answer to all logs so far; the motion that it advises becomes the next one.
+    fn answer(&self, number: usize) -> anyhow::Result<Diagnosis> {
+        let next = self.trajectory(number + 1);
+        // What is there was advised by the same logs, or belongs to the check at the end.
+        let trajectory = (!next.exists()).then_some(next);
+        let diagnosed = diagnosed(&self.diagnose(self.logs(number), trajectory), self.common)?;
+        let (diagnosis, document) = diagnosed.document()?;
+        let path = self.directory.join(format!("answer_{number:02}.json"));
+        let text = serde_json::to_string_pretty(&document)?;
+        write_atomic(&path, |file| file.write_all(text.as_bytes()))?;
+        Ok(diagnosis)
+    }
+
+    /// The same answer with what its extended model is worth on a motion that nothing was fitted to.
+    fn check(&self, last: usize, robot: &Robot, seed: u64) -> anyhow::Result<(Diagnosis, Value)> {
+        let trajectory = self.directory.join("check.yaml");
+        if !trajectory.exists() {
+            // Another draw than the first motion's.
+            let text = tribo_model::to_yaml(&self.exploring(seed.wrapping_add(1)))?;
+            write_atomic(&trajectory, |file| file.write_all(text.as_bytes()))?;
+        }
+        let log = self.directory.join(format!("check.{}", self.settings.log_format));
+        if !log.exists() {
+            self.say(format_args!("a last motion, to check the answer: {}", trajectory.display()));
+            robot.make(&trajectory, &log, &self.settings)?;
+        }
+        let mut arguments = self.diagnose(self.logs(last), None);
+        arguments.validate = vec![log];
+        arguments.extend = Some(self.extended());
+        arguments.report = Some(self.report());
+        diagnosed(&arguments, self.common)?.document()
+    }
+
+    fn diagnose(&self, logs: Vec<PathBuf>, trajectory: Option<PathBuf>) -> Diagnose {
+        Diagnose {
+            logs,
+            anyway: false,
+            model: self.settings.model.clone(),
+            robot: self.settings.robot.clone(),
+            torque_side: self.settings.torque_side.clone(),
+            extend: None,
+            report: None,
+            validate: Vec::new(),
+            reference: Vec::new(),
+            trajectory,
+            closed_loop: false,
+            band_hz: None,
+            seed: self.settings.seed,
+            check: false,
+        }
+    }
+
+    fn say(&self, text: std::fmt::Arguments<'_>) {
+        if !self.common.quiet {
+            message!("tribo: {text}");
+        }
+    }
+
+    fn show(&self, motions: usize, diagnosis: &Diagnosis, answer: Value) -> anyhow::Result<()> {
+        let document = json!({
+            "schema": "tribo.investigate/1",
+            "directory": self.directory,
+            "motions": motions,
+            "verdict": diagnosis.verdict.name(),
+            "extended": self.extended(),
+            "report": self.report(),
+            "answer": answer,
+        });
+        let text = serde_json::to_string_pretty(&document)?;
+        write_atomic(&self.directory.join("result.json"), |file| file.write_all(text.as_bytes()))?;
+        if self.common.json {
+            print_json(&document);
+            return Ok(());
+        }
+        print(verdict_sentence(diagnosis));
+        if self.common.quiet {
+            return Ok(());
+        }
+        for finding in &diagnosis.findings {
+            print(format_args!("- {}.", finding_sentence(finding)));
+        }
+        for unseen in &diagnosis.validation {
+            print(format_args!("{}", worth(unseen)));
+        }
+        print(format_args!("\n{motions} motions and one to check; written:"));
+        for path in [self.extended(), self.report(), self.directory.join("result.json")] {
+            print(format_args!("  {}", path.display()));
+        }
+        Ok(())
+    }
+}
+
+/// What the models predict of the last motion, plain fits to the same logs beside the extended one.
+fn worth(validation: &Validation) -> String {
+    let mean = |joints: &[f64]| significant(joints.iter().sum::<f64>() / joints.len().max(1) as f64, 3);
+    let mut text = format!(
+        "a motion that nothing was fitted to, RMS torque left (mean of joints): {} Nm before, {} Nm with the extended model",
+        mean(&validation.before_nm),
+        mean(&validation.after_nm)
+    );
+    for (name, fit) in [("dry + viscous + offset", &validation.plain_nm), ("all base parameters", &validation.full_nm)] {
+        if !fit.is_empty() {
+            text.push_str(&format!("; {} Nm by a plain fit of {name}", mean(fit)));
+        }
+    }
+    text
+}
+
+/// A directory of another investigation.
+fn differs(directory: &Path, what: &str) -> anyhow::Error {
+    let message = format!("{}: holds an investigation with another {what}; choose another --out", directory.display());
+    BadInput(message).into()
+}

@@ -1,0 +1,91 @@
+//! What an investigation is about; it stays the same from run to run.
+
+use std::path::{Path, PathBuf};
+
+use serde::{Deserialize, Serialize};
+use tribo_logs::write_atomic;
+use tribo_model::{AnyModel, ModelChoice, YamlDocument};
+use tribo_robot::Arm;
+
+use super::super::named;
+use super::differs;
+use super::robot::Robot;
+use crate::arguments::Investigate;
+use crate::failure::BadInput;
+
+/// Settings on disk, `schema: tribo.investigation/1`.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct Settings {
+    schema: String,
+    /// Model file that the robot is held against.
+    pub(super) model: Option<PathBuf>,
+    /// Preset or URDF, where there is no model file.
+    pub(super) robot: Option<String>,
+    /// Side of the gears of the measured torque, where there is no model file.
+    pub(super) torque_side: String,
+    /// Ending of the logs.
+    pub(super) log_format: String,
+    /// Seed of motions and diagnosis.
+    pub(super) seed: u64,
+}
+
+/// Name of the file.
+const FILE: &str = "investigation.yaml";
+
+impl Settings {
+    /// Settings of this call; a live robot says itself what it is.
+    pub(super) fn of(arguments: &Investigate, robot: &Robot) -> anyhow::Result<Self> {
+        let live = robot.preset();
+        let given = arguments.robot.clone().or_else(|| live.map(str::to_owned));
+        let side = if live.is_some() { "link".to_owned() } else { arguments.torque_side.clone() };
+        Ok(Self {
+            schema: "tribo.investigation/1".to_owned(),
+            robot: if arguments.model.is_some() { None } else { Some(given.unwrap_or_else(|| "panda".to_owned())) },
+            model: arguments.model.clone(),
+            // With a model file nobody asks.
+            torque_side: if arguments.model.is_some() { "motor".to_owned() } else { side },
+            log_format: if live.is_some() { "parquet".to_owned() } else { arguments.log_format.clone() },
+            seed: arguments.seed,
+        })
+    }
+
+    /// The arm as the model has it.
+    pub(super) fn arm(&self) -> anyhow::Result<Arm<7>> {
+        let choice = ModelChoice {
+            model: self.model.clone(),
+            robot: self.robot.clone(),
+            torque_side: named(&self.torque_side)?,
+        };
+        let (_, model) = match choice.given()? {
+            Some(given) => given,
+            None => return Err(BadInput("say which robot it is, with --model or --robot".to_owned()).into()),
+        };
+        match model {
+            AnyModel::Seven(model) => Ok(model.arm.clone()),
+            AnyModel::Six(_) => Err(BadInput("investigate moves arms of seven joints".to_owned()).into()),
+        }
+    }
+
+    /// Writes the settings into a new directory; refuses one of another investigation.
+    pub(super) fn agree_with(&self, directory: &Path) -> anyhow::Result<()> {
+        let path = directory.join(FILE);
+        if !path.exists() {
+            let text = tribo_model::to_yaml(self)?;
+            return Ok(write_atomic(&path, |file| file.write_all(text.as_bytes()))?);
+        }
+        let held: Self = YamlDocument::read(&path)?.parse()?;
+        for (what, same) in [
+            ("model", held.model == self.model),
+            ("robot", held.robot == self.robot),
+            ("torque side", held.torque_side == self.torque_side),
+            ("log format", held.log_format == self.log_format),
+            ("seed", held.seed == self.seed),
+        ] {
+            if !same {
+                return Err(differs(directory, what));
+            }
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,128 @@
+//! A robot that speaks the Franka Control Interface, for the commands that move it.
+
+use std::io::{IsTerminal, Write};
+use std::net::ToSocketAddrs;
+use std::path::Path;
+use std::sync::atomic::Ordering;
+
+use tribo_campaign::{Trial, follow_on};
+use tribo_fci::{Connection, ConnectionError, FciVersion, TorquePlant};
+use tribo_friction::FrictionModel;
+use tribo_logs::{LogError, RobotLog};
+use tribo_sim::excitation::JointTrajectory;
+
+use crate::arguments::LiveDrive;
+use crate::failure::{BadInput, Stopped};
+use crate::progress::stop_requested;
+
+/// How the robot is reached.
+#[derive(Clone, Debug)]
+pub struct Link {
+    /// Host, or host and port.
+    pub host: String,
+    real_time: bool,
+}
+
+/// What a motion on the robot left.
+#[derive(Debug)]
+pub struct Ran<T> {
+    /// What the loop returned.
+    pub outcome: T,
+    /// Why the robot ended it, if it did.
+    pub reason: Option<String>,
+    /// Periods whose state did not come.
+    pub lost_periods: u64,
+}
+
+impl Link {
+    /// The way to a host. A robot elsewhere wants a kernel with real time unless its user says otherwise.
+    pub fn to(host: &str, drive: LiveDrive) -> Self {
+        let addresses = if host.contains(':') { host.to_socket_addrs() } else { (host, 0).to_socket_addrs() };
+        let here = addresses.is_ok_and(|mut addresses| addresses.all(|address| address.ip().is_loopback()));
+        Self { host: host.to_owned(), real_time: !(drive.no_realtime || here) }
+    }
+
+    /// Connects.
+    pub fn connect(&self) -> Result<Connection, ConnectionError> {
+        Connection::open(&self.host, self.real_time)
+    }
+
+    /// Brings the arm to the start of the trial, runs `motion` under torque control, and lands. A wish to stop and a lost connection are
+    /// errors; `resume` tells how to go on after the former.
+    pub fn run<T>(
+        &self,
+        connection: &Connection,
+        trial: &Trial<7>,
+        resume: &str,
+        motion: impl FnOnce(&mut TorquePlant<'_>) -> Result<T, LogError>,
+    ) -> anyhow::Result<Ran<T>> {
+        connection.approach(&trial.model, &trial.start)?;
+        let stop = stop_requested();
+        let mut plant = connection.torque_plant(&trial.model, stop)?;
+        let outcome = motion(&mut plant);
+        let (reason, lost_periods) = (plant.reason().map(ToString::to_string), plant.lost_periods());
+        let gone = plant.connection_is_lost();
+        // Where the robot has ended the motion itself there is nothing left to land.
+        let landed = plant.finish();
+        if stop.load(Ordering::Relaxed) {
+            landed.map_err(ConnectionError::from)?;
+            return Err(Stopped(format!("stopped, the arm stands; {resume}")).into());
+        }
+        if gone {
+            landed.map_err(ConnectionError::from)?;
+        }
+        Ok(Ran { outcome: outcome?, reason, lost_periods })
+    }
+
+    /// Plays a joint-space motion with this compensator and records it.
+    pub fn play(
+        &self,
+        trial: &Trial<7>,
+        friction: &FrictionModel<7>,
+        motion: &dyn JointTrajectory<7>,
+        resume: &str,
+    ) -> anyhow::Result<RobotLog> {
+        let connection = self.connect()?;
+        let trial = Trial { start: motion.at(0.0).q, ..trial.clone() };
+        let ran = self.run(&connection, &trial, resume, |plant| follow_on(plant, &trial, friction, motion))?;
+        let (followed, log) = ran.outcome;
+        let ended = ran.reason.or_else(|| followed.aborted.map(|(reason, _)| reason.to_string()));
+        match ended {
+            Some(reason) => {
+                let at_s = followed.duration_s;
+                Err(BadInput(format!("the motion ended after {at_s:.3} s: {reason}")).into())
+            }
+            None => Ok(log),
+        }
+    }
+}
+
+/// Name of the preset that speaks this version.
+pub fn preset_of(version: FciVersion) -> &'static str {
+    match version {
+        FciVersion::V5 => "panda",
+        FciVersion::V10 => "fr3",
+    }
+}
+
+/// Asks whether the arm may move; `how` says what it will do.
+pub fn confirm(host: &str, drive: LiveDrive, how: &str) -> anyhow::Result<()> {
+    if drive.yes {
+        return Ok(());
+    }
+    if !std::io::stdin().is_terminal() {
+        let message = format!("the arm at {host} will move; say --yes once its space is clear and nobody touches it");
+        return Err(BadInput(message).into());
+    }
+    message!("tribo: the arm at {host} will move: {how}.");
+    message!("tribo: Is the space clear, does nobody touch the arm, and is the stop button at hand? [yes/no]");
+    let _ = std::io::stderr().flush();
+    let mut answer = String::new();
+    std::io::stdin().read_line(&mut answer)?;
+    if answer.trim() == "yes" { Ok(()) } else { Err(BadInput("not confirmed; nothing moved".to_owned()).into()) }
+}
+
+/// A directory that is there from now on.
+pub fn made(directory: &Path) -> Result<(), tribo_model::FileError> {
+    std::fs::create_dir_all(directory).map_err(tribo_model::FileError::io(directory))
+}

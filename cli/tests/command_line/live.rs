@@ -1,0 +1,119 @@
+//! Story: `tribo serve` is a robot, and `tune`, `simulate` and `investigate` drive it over the wire, in lockstep.
+
+#![allow(clippy::unwrap_used, clippy::panic, reason = "a test fails by panicking, in its helpers too")]
+
+use std::io::BufReader;
+use std::path::Path;
+use std::process::{Child, Stdio};
+
+use serde_json::{Deserializer, Value};
+
+use crate::common::{run, scratch, tribo};
+
+/// A robot that serves until it is dropped.
+struct Served {
+    child: Child,
+    host: String,
+}
+
+impl Served {
+    /// `tribo serve` with these arguments, in lockstep, at a port that nobody has.
+    fn new(at: &Path, arguments: &str) -> Self {
+        let all = format!("serve --lockstep --port 0 --json {arguments}");
+        let mut child = tribo(at, all.split_whitespace()).stdout(Stdio::piped()).stderr(Stdio::null()).spawn().unwrap();
+        let stdout = BufReader::new(child.stdout.take().unwrap());
+        let first: Value = Deserializer::from_reader(stdout).into_iter().next().unwrap().unwrap();
+        let host = format!("127.0.0.1:{}", first["port"]);
+        Self { child, host }
+    }
+}
+
+impl Drop for Served {
+    fn drop(&mut self) {
+        let _ = self.child.kill();
+        let _ = self.child.wait();
+    }
+}
+
+fn costs(document: &Value) -> Vec<f64> {
+    document["trials"].as_array().unwrap().iter().map(|trial| trial["cost"].as_f64().unwrap()).collect()
+}
+
+/// The wire adds a gravity torque that is taken off and added again, which rounds: costs agree to 1e-6, not to the last bit.
+#[test]
+fn a_live_campaign_is_the_simulated_one() {
+    let at = scratch();
+    let simulated = costs(&run(at.path(), "tune --trials 3 --stop-below never --json -q --out simulated").ok().json());
+    let server = Served::new(at.path(), "--fresh");
+    let call = format!("tune --live {} --yes --no-rehearsal --trials 3 --stop-below never --json -q --out live", server.host);
+    let live = run(at.path(), &call).ok().json();
+    for (a, b) in costs(&live).iter().zip(&simulated) {
+        assert!((a / b - 1.0).abs() < 1e-6, "{a} over the wire, {b} in process");
+    }
+    assert_eq!((costs(&live).len(), live["robot"].as_str(), live["lost_periods"].as_u64()), (3, Some("panda"), Some(0)));
+
+    // What the robot sent is there at the full rate, and every other command reads it.
+    let recorded = run(at.path(), "estimate live/recordings/0001.parquet --torque-side link --residual momentum --json").ok();
+    assert_eq!(recorded.json()["log"]["rows"].as_u64().or(Some(33_000)), Some(33_000));
+    assert!(at.path().join("live/tuned.yaml").exists());
+    run(at.path(), "export live --format c --out compensator.h").ok();
+
+    // Going on with more trials, on an FR3: another robot is refused, the same is not.
+    let other = Served::new(at.path(), "--robot fr3");
+    let refused = run(at.path(), &format!("tune --resume --live {} --yes --out live", other.host));
+    assert_eq!(refused.code, Some(2), "{refused:?}");
+    assert!(refused.stderr.contains("fr3"), "{refused:?}");
+    run(at.path(), &format!("tune --resume --live {} --yes --out live", server.host)).ok();
+}
+
+/// Version 10 carries floats: friction within a tenth of what was hidden all the same.
+#[test]
+fn an_fr3_is_tuned_over_floats() {
+    let at = scratch();
+    let server = Served::new(at.path(), "--robot fr3");
+    let live = run(at.path(), &format!("tune --live {} --yes --json -q --out live", server.host)).ok().json();
+    let costs = costs(&live);
+    assert!(costs[1] < 0.2 * costs[0], "{costs:?}");
+    let best = live["best"]["trial"].as_u64().unwrap() as usize;
+    let found = &live["trials"][best]["params"];
+    let hidden = [1.14, 1.14, 1.14, 1.14, 0.765, 0.445, 0.255];
+    let text = found.to_string();
+    assert!(text.contains("coulomb"), "{text} {hidden:?}");
+}
+
+#[test]
+fn nobody_there_and_nobody_asked_are_told() {
+    let at = scratch();
+    let nobody = run(at.path(), "tune --live 127.0.0.1:1 --yes --out c");
+    assert_eq!(nobody.code, Some(2), "{nobody:?}");
+    assert!(!at.path().join("c").exists(), "nothing begun");
+    let unasked = run(at.path(), "tune --live 127.0.0.1:1 --out c");
+    assert_eq!(unasked.code, Some(2), "{unasked:?}");
+    assert!(unasked.stderr.contains("--yes"), "{unasked:?}");
+    let taken = Served::new(at.path(), "");
+    let port = taken.host.rsplit(':').next().unwrap().to_owned();
+    let refused = run(at.path(), &format!("serve --port {port}"));
+    assert_eq!(refused.code, Some(2), "{refused:?}");
+    assert!(refused.stderr.contains("--port"), "{refused:?}");
+}
+
+/// A motion played on the robot, then the whole loop: a payload that the model lacks gets its name and its mass.
+#[test]
+fn a_payload_is_found_by_asking_the_robot() {
+    let at = scratch();
+    let robot = std::fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join("../experiments/06_diagnosis/example/nominal.yaml"));
+    let known = format!("{}\ntorque_side: link\n", robot.unwrap());
+    std::fs::write(at.path().join("known.yaml"), &known).unwrap();
+    let payload = "effects:\n- {cause: payload, mass_kg: 0.8, com_m: [0.0, 0.0, 0.06]}\n";
+    std::fs::write(at.path().join("truth.yaml"), known + payload).unwrap();
+    let server = Served::new(at.path(), "--truth truth.yaml");
+    let call = format!("investigate --live {} --yes --model known.yaml --json -q --out found", server.host);
+    let found = run(at.path(), &call).ok().json();
+    assert_eq!(found["answer"]["findings"][0]["label"], "payload", "{found:#}");
+    for name in ["investigation.yaml", "motion_00.yaml", "log_00.parquet", "answer_00.json", "check.parquet", "extended.yaml", "report.html"] {
+        assert!(at.path().join("found").join(name).exists(), "{name}");
+    }
+    // All is there: nothing moves any more, and the answer is the same.
+    let again = run(at.path(), &call).ok().json();
+    assert_eq!(found, again);
+}
