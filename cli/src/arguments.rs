@@ -371,7 +371,8 @@ pub struct Investigate {
     /// The robot of --robot-command, when no --model says it: a preset or the path of a URDF with seven joints.
     #[arg(long, value_name = "NAME|URDF", conflicts_with_all = ["model", "live"])]
     pub robot: Option<String>,
-    /// Side of the gears on which the command's tau_J is measured, when no --model says it; a Franka's is link.
+    /// Side of the gears of the torque, when no --model says it: of a live robot what its motors were sent (motor), or its sensors (link);
+    /// of a command what it logs as tau_J.
     #[arg(long, default_value = "motor", value_parser = PossibleValuesParser::new(["motor", "link"]), conflicts_with = "model")]
     pub torque_side: String,
     /// Most motions to learn from; one more is made at the end, to check the answer.

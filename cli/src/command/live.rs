@@ -8,7 +8,8 @@ use std::sync::atomic::Ordering;
 use tribo_campaign::{Trial, follow_on};
 use tribo_fci::{Connection, ConnectionError, FciVersion, TorquePlant};
 use tribo_friction::FrictionModel;
-use tribo_logs::{LogError, RobotLog};
+use tribo_logs::{LogColumns, LogError, RobotLog};
+use tribo_sim::TorqueSide;
 use tribo_sim::excitation::JointTrajectory;
 
 use crate::arguments::LiveDrive;
@@ -71,15 +72,21 @@ impl Link {
         if gone {
             landed.map_err(ConnectionError::from)?;
         }
-        Ok(Ran { outcome: outcome?, reason, lost_periods })
+        match (outcome, reason) {
+            (Ok(outcome), reason) => Ok(Ran { outcome, reason, lost_periods }),
+            // Too short for a log, which is not what is wrong.
+            (Err(_), Some(reason)) => Err(BadInput(format!("the robot ended the motion at once: {reason}")).into()),
+            (Err(error), None) => Err(error.into()),
+        }
     }
 
-    /// Plays a joint-space motion with this compensator and records it.
+    /// Plays a joint-space motion with this compensator and records it; tau_J is that of this side of the gears.
     pub fn play(
         &self,
         trial: &Trial<7>,
         friction: &FrictionModel<7>,
         motion: &dyn JointTrajectory<7>,
+        torque_side: TorqueSide,
         resume: &str,
     ) -> anyhow::Result<RobotLog> {
         let connection = self.connect()?;
@@ -92,9 +99,17 @@ impl Link {
                 let at_s = followed.duration_s;
                 Err(BadInput(format!("the motion ended after {at_s:.3} s: {reason}")).into())
             }
-            None => Ok(log),
+            None => Ok(seen_from(torque_side, log)?),
         }
     }
+}
+
+/// The log with the torque of this side of the gears as tau_J: the sensors', or the motors', which is what was sent before the sample.
+fn seen_from(side: TorqueSide, log: RobotLog) -> Result<RobotLog, LogError> {
+    let motors = log.tau_j_d_nm.as_ref().filter(|_| side == TorqueSide::Motor);
+    let late = |sent: &Vec<f64>| sent.first().into_iter().chain(sent).take(sent.len()).copied().collect();
+    let Some(tau_j_nm) = motors.map(|sent| sent.iter().map(late).collect()) else { return Ok(log) };
+    LogColumns { tau_j_nm, ..log.into_columns() }.validate()
 }
 
 /// Name of the preset that speaks this version.

@@ -207,7 +207,8 @@ fn play(arguments: &Simulate, host: &str, common: &Common) -> anyhow::Result<()>
     warn_not_cancelled(&left, common);
     let motion = TrajectoryFile::read(path, &tune.trial.model)?.path();
     stop_on_signal();
-    let log = link.play(&tune.trial, &friction.scaled(arguments.scale), &motion, "nothing is written")?;
+    let (friction, side) = (friction.scaled(arguments.scale), named(&arguments.torque_side)?);
+    let log = link.play(&tune.trial, &friction, &motion, side, "nothing is written")?;
     write_log(target, &log)?;
     if common.json {
         print_json(&json!({"schema": "tribo.simulate/1", "host": host, "robot": robot, "log": target, "rows": log.rows()}));

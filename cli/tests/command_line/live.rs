@@ -102,7 +102,7 @@ fn nobody_there_and_nobody_asked_are_told() {
 fn a_payload_is_found_by_asking_the_robot() {
     let at = scratch();
     let robot = std::fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join("../experiments/06_diagnosis/example/nominal.yaml"));
-    let known = format!("{}\ntorque_side: link\n", robot.unwrap());
+    let known = robot.unwrap();
     std::fs::write(at.path().join("known.yaml"), &known).unwrap();
     let payload = "effects:\n- {cause: payload, mass_kg: 0.8, com_m: [0.0, 0.0, 0.06]}\n";
     std::fs::write(at.path().join("truth.yaml"), known + payload).unwrap();

@@ -84,6 +84,7 @@ impl Plant<7> for TorquePlant<'_> {
         let now_ms = state.time.as_millis();
         if self.frame.is_none() {
             (self.begun_ms, self.last_ms) = (now_ms, now_ms);
+            self.sent = state.tau_J_d;
         }
         self.lost_periods += now_ms.saturating_sub(self.last_ms + 1);
         self.last_ms = now_ms;

@@ -55,7 +55,10 @@ pub struct ControlUnit<P> {
     desired: Desired,
     /// Periods left of stopping.
     stopping: u32,
+    /// What acts beside gravity.
     torque_nm: SVector<f64, 7>,
+    /// What a motion asked for; nothing while the arm is held.
+    commanded_nm: SVector<f64, 7>,
     torque_rate_nm_s: SVector<f64, 7>,
     errors: ErrorFlags,
     reflex_reason: ErrorFlags,
@@ -90,6 +93,7 @@ impl<P: Plant<7>> ControlUnit<P> {
             motion: None,
             stopping: 0,
             torque_nm: SVector::zeros(),
+            commanded_nm: SVector::zeros(),
             torque_rate_nm_s: SVector::zeros(),
             errors: ErrorFlags::default(),
             reflex_reason: ErrorFlags::default(),
@@ -144,6 +148,8 @@ impl<P: Plant<7>> ControlUnit<P> {
         }
         self.motion = Some(Motion::new(request));
         self.mode = RobotMode::Move;
+        // Torques of a client begin at zero, whatever it takes to hold the arm.
+        self.commanded_nm = SVector::zeros();
         self.reflex_reason = ErrorFlags::default();
         self.success_rate = 1.0;
         Ok(())
@@ -210,6 +216,9 @@ impl<P: Plant<7>> ControlUnit<P> {
         let end = self.decide(command);
         if self.motion.is_none() || !self.is_commanded() {
             self.hold();
+            self.commanded_nm = SVector::zeros();
+        } else {
+            self.commanded_nm = self.torque_nm;
         }
         let limit = &self.arm.limits.tau_max_nm;
         self.torque_nm = SVector::from_fn(|j, _| self.torque_nm[j].clamp(-limit[j], limit[j]));
@@ -254,7 +263,7 @@ impl<P: Plant<7>> ControlUnit<P> {
         }
         match motion.request.controller {
             ControllerMode::External => {
-                if Motion::torque_jumps(&self.torque_nm.into(), command, self.limits.torque_rate_nm_s) {
+                if Motion::torque_jumps(&self.commanded_nm.into(), command, self.limits.torque_rate_nm_s) {
                     return Some(self.reflex(RobotError::ControllerTorqueDiscontinuity));
                 }
                 self.torque_nm = SVector::from(command.torque_nm);
@@ -357,7 +366,7 @@ impl<P: Plant<7>> ControlUnit<P> {
             load_inertia_kg_m2: self.frames.load.inertia_kg_m2,
             load_com_m: self.frames.load.com_m,
             torque_nm: frame.tau,
-            torque_desired_nm: self.torque_nm,
+            torque_desired_nm: self.commanded_nm,
             torque_rate_nm_s: self.torque_rate_nm_s,
             q_rad: frame.q,
             q_desired_rad: self.desired.q,

@@ -47,7 +47,8 @@ pub fn run(arguments: &Investigate, common: &Common) -> anyhow::Result<()> {
     loop {
         steps.make(number, &robot)?;
         let diagnosis = steps.answer(number)?;
-        steps.say(format_args!("after {} motions: {}", number + 1, verdict_sentence(&diagnosis)));
+        let motions = counted(number + 1);
+        steps.say(format_args!("after {motions}: {}", verdict_sentence(&diagnosis)));
         let advised = diagnosis.next_experiment.as_ref().filter(|next| !next.via_points.is_empty());
         let goes_on = diagnosis.verdict == Verdict::Ambiguous && number + 1 < usize::from(arguments.budget);
         match advised.filter(|_| goes_on) {
@@ -204,7 +205,7 @@ impl Steps<'_> {
         for unseen in &diagnosis.validation {
             print(format_args!("{}", worth(unseen)));
         }
-        print(format_args!("\n{motions} motions and one to check; written:"));
+        print(format_args!("\n{} and one to check; written:", counted(motions)));
         for path in [self.extended(), self.report(), self.directory.join("result.json")] {
             print(format_args!("  {}", path.display()));
         }
@@ -226,6 +227,11 @@ fn worth(validation: &Validation) -> String {
         }
     }
     text
+}
+
+/// `1 motion`, `2 motions`.
+fn counted(motions: usize) -> String {
+    format!("{motions} motion{}", if motions == 1 { "" } else { "s" })
 }
 
 /// A directory of another investigation.

@@ -62,7 +62,8 @@ impl Robot {
                 };
                 let motion = TrajectoryFile::read(trajectory, &tune.trial.model)?.path();
                 let resume = "the same command goes on";
-                write_log(log, &link.play(&tune.trial, &FrictionModel::none(), &motion, resume)?)
+                let side = settings.side()?;
+                write_log(log, &link.play(&tune.trial, &FrictionModel::none(), &motion, side, resume)?)
             }
             Self::Command(command) => called(command, trajectory, log),
         }

@@ -4,8 +4,9 @@ use std::path::{Path, PathBuf};
 
 use serde::{Deserialize, Serialize};
 use tribo_logs::write_atomic;
-use tribo_model::{AnyModel, ModelChoice, YamlDocument};
+use tribo_model::{AnyModel, Model, ModelChoice, YamlDocument};
 use tribo_robot::Arm;
+use tribo_sim::TorqueSide;
 
 use super::super::named;
 use super::differs;
@@ -38,13 +39,11 @@ impl Settings {
     pub(super) fn of(arguments: &Investigate, robot: &Robot) -> anyhow::Result<Self> {
         let live = robot.preset();
         let given = arguments.robot.clone().or_else(|| live.map(str::to_owned));
-        let side = if live.is_some() { "link".to_owned() } else { arguments.torque_side.clone() };
         Ok(Self {
             schema: "tribo.investigation/1".to_owned(),
             robot: if arguments.model.is_some() { None } else { Some(given.unwrap_or_else(|| "panda".to_owned())) },
             model: arguments.model.clone(),
-            // With a model file nobody asks.
-            torque_side: if arguments.model.is_some() { "motor".to_owned() } else { side },
+            torque_side: arguments.torque_side.clone(),
             log_format: if live.is_some() { "parquet".to_owned() } else { arguments.log_format.clone() },
             seed: arguments.seed,
         })
@@ -52,6 +51,15 @@ impl Settings {
 
     /// The arm as the model has it.
     pub(super) fn arm(&self) -> anyhow::Result<Arm<7>> {
+        Ok(self.held_against()?.arm)
+    }
+
+    /// Side of the gears of the torque that the model is about.
+    pub(super) fn side(&self) -> anyhow::Result<TorqueSide> {
+        Ok(self.held_against()?.torque_side)
+    }
+
+    fn held_against(&self) -> anyhow::Result<Model<7>> {
         let choice = ModelChoice {
             model: self.model.clone(),
             robot: self.robot.clone(),
@@ -59,10 +67,10 @@ impl Settings {
         };
         let (_, model) = match choice.given()? {
             Some(given) => given,
-            None => return Err(BadInput("say which robot it is, with --model or --robot".to_owned()).into()),
+            None => choice.bare(Path::new(FILE), 7, &[])?,
         };
         match model {
-            AnyModel::Seven(model) => Ok(model.arm.clone()),
+            AnyModel::Seven(model) => Ok(model),
             AnyModel::Six(_) => Err(BadInput("investigate moves arms of seven joints".to_owned()).into()),
         }
     }
