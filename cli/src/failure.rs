@@ -58,7 +58,12 @@ pub fn exit_code(error: &anyhow::Error) -> u8 {
     if error.is::<CheckFailed>() {
         return 1;
     }
-    if error.is::<ConnectionError>() || error.is::<BadInput>() || error.is::<FileError>() || error.is::<ConfigError>() || error.is::<LogError>() {
+    if error.is::<ConnectionError>()
+        || error.is::<BadInput>()
+        || error.is::<FileError>()
+        || error.is::<ConfigError>()
+        || error.is::<LogError>()
+    {
         return 2;
     }
     if let Some(error) = error.downcast_ref::<ExportError>() {

@@ -26,7 +26,10 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
             let periods = 1000 * seconds;
             let (wall_s, lost) = run(version, Pace::RealTime, periods)?;
             let share = 100.0 * (1.0 - lost as f64 / periods as f64);
-            println!("real time, version {}: {share:.3} % of {periods} states answered, {wall_s:.2} s", version.number());
+            println!(
+                "real time, version {}: {share:.3} % of {periods} states answered, {wall_s:.2} s",
+                version.number()
+            );
         }
     }
     Ok(())

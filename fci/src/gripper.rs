@@ -5,11 +5,11 @@ use std::net::{SocketAddr, TcpListener, TcpStream, UdpSocket};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
+use franka::wire::HeaderLayout;
 use franka::wire::gripper::{
     GRIPPER_COMMAND_PORT, GRIPPER_VERSION, GraspRequest, GripperCommand, GripperConnectRequest, GripperConnectStatus,
     GripperMoveRequest, GripperState, GripperStatus,
 };
-use franka::wire::HeaderLayout;
 use zerocopy::little_endian::{F64, U16, U32};
 use zerocopy::{FromBytes, IntoBytes};
 
@@ -176,7 +176,11 @@ fn wanted(command: GripperCommand, payload: &[u8]) -> io::Result<Option<(f64, f6
         GripperCommand::Grasp => {
             let request = read::<GraspRequest>(payload)?;
             // Nothing stops the fingers before they touch: a grasp that is to hold something fails.
-            (0.0_f64.max(request.width.get() - request.epsilon_inner.get()), request.speed.get(), GripperStatus::Unsuccessful)
+            (
+                0.0_f64.max(request.width.get() - request.epsilon_inner.get()),
+                request.speed.get(),
+                GripperStatus::Unsuccessful,
+            )
         }
         _ => (MAX_WIDTH_M, HOMING_SPEED_M_S, GripperStatus::Success),
     };

@@ -149,7 +149,8 @@ fn no_period_of_the_control_unit_allocates() {
         request(ControllerMode::CartesianImpedance, GeneratorMode::CartesianPose),
         request(ControllerMode::JointImpedance, GeneratorMode::CartesianVelocity),
     ];
-    let plant = BoxFrictionPlant::new(Truth::panda_coulomb_viscous(), Sensors::default(), presets::panda_ready_pose(), 1);
+    let plant =
+        BoxFrictionPlant::new(Truth::panda_coulomb_viscous(), Sensors::default(), presets::panda_ready_pose(), 1);
     let mut unit = ControlUnit::new(FciVersion::V5, presets::panda(), plant).expect("a simulated arm answers");
     let mut bytes = [0; STATE_BYTES_MAX];
     let (mut id, mut reflexes) = (0, 0);

@@ -211,7 +211,9 @@ fn play(arguments: &Simulate, host: &str, common: &Common) -> anyhow::Result<()>
     let log = link.play(&tune.trial, &friction, &motion, side, "nothing is written")?;
     write_log(target, &log)?;
     if common.json {
-        print_json(&json!({"schema": "tribo.simulate/1", "host": host, "robot": robot, "log": target, "rows": log.rows()}));
+        print_json(
+            &json!({"schema": "tribo.simulate/1", "host": host, "robot": robot, "log": target, "rows": log.rows()}),
+        );
     } else if !common.quiet {
         written(Some(target), &log);
     }

@@ -68,10 +68,12 @@ fn settings(arguments: &Tune, robot: &str) -> anyhow::Result<tribo_campaign::Val
             config.robot = Some(robot.to_owned());
         }
         arguments.settings.apply(config)?;
-        if arguments.config.is_none() && arguments.settings.trials.is_none() && config.strategy == StrategyName::GreyBox {
+        if arguments.config.is_none() && arguments.settings.trials.is_none() && config.strategy == StrategyName::GreyBox
+        {
             config.trials = TRIALS_OF_GREY_BOX;
         }
-        config.user_trials = Some(UserTrials { torque: SentTorque::Commanded, ..config.user_trials.unwrap_or_default() });
+        config.user_trials =
+            Some(UserTrials { torque: SentTorque::Commanded, ..config.user_trials.unwrap_or_default() });
         Ok(())
     })?;
     match tune {
@@ -162,7 +164,8 @@ impl Live<'_> {
         let estimator = AnyEstimator::for_tuning(config.residual, config.ekf, &trial.model, friction)?;
         let (host, directory) = (&self.link.host, self.directory.display());
         let resume = format!("run the trial again: tribo tune --resume --live {host} --out {directory}");
-        let ran = self.link.run(&connection, trial, &resume, |plant| record_trial(plant, trial, friction, estimator))?;
+        let ran =
+            self.link.run(&connection, trial, &resume, |plant| record_trial(plant, trial, friction, estimator))?;
         let (outcome, log) = ran.outcome;
         let failed = ran.reason.or_else(|| outcome.aborted.map(|reason| reason.to_string()));
         Ok(Recorded { log, failed, lost_periods: ran.lost_periods })
@@ -235,6 +238,8 @@ impl Live<'_> {
             }
         }
         print(format_args!("\n{wall_s:.1} s; written {}", self.directory.join("tuned.yaml").display()));
-        print(format_args!("next: tribo export {directory} --format c   (or rust, ros2, crisp, urdf, mjcf, yaml, json)"));
+        print(format_args!(
+            "next: tribo export {directory} --format c   (or rust, ros2, crisp, urdf, mjcf, yaml, json)"
+        ));
     }
 }

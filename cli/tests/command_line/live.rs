@@ -45,15 +45,20 @@ fn a_live_campaign_is_the_simulated_one() {
     let at = scratch();
     let simulated = costs(&run(at.path(), "tune --trials 3 --stop-below never --json -q --out simulated").ok().json());
     let server = Served::new(at.path(), "--fresh");
-    let call = format!("tune --live {} --yes --no-rehearsal --trials 3 --stop-below never --json -q --out live", server.host);
+    let call =
+        format!("tune --live {} --yes --no-rehearsal --trials 3 --stop-below never --json -q --out live", server.host);
     let live = run(at.path(), &call).ok().json();
     for (a, b) in costs(&live).iter().zip(&simulated) {
         assert!((a / b - 1.0).abs() < 1e-6, "{a} over the wire, {b} in process");
     }
-    assert_eq!((costs(&live).len(), live["robot"].as_str(), live["lost_periods"].as_u64()), (3, Some("panda"), Some(0)));
+    assert_eq!(
+        (costs(&live).len(), live["robot"].as_str(), live["lost_periods"].as_u64()),
+        (3, Some("panda"), Some(0))
+    );
 
     // What the robot sent is there at the full rate, and every other command reads it.
-    let recorded = run(at.path(), "estimate live/recordings/0001.parquet --torque-side link --residual momentum --json").ok();
+    let recorded =
+        run(at.path(), "estimate live/recordings/0001.parquet --torque-side link --residual momentum --json").ok();
     assert_eq!(recorded.json()["log"]["rows"].as_u64().or(Some(33_000)), Some(33_000));
     assert!(at.path().join("live/tuned.yaml").exists());
     run(at.path(), "export live --format c --out compensator.h").ok();
@@ -101,7 +106,9 @@ fn nobody_there_and_nobody_asked_are_told() {
 #[test]
 fn a_payload_is_found_by_asking_the_robot() {
     let at = scratch();
-    let robot = std::fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join("../experiments/06_diagnosis/example/nominal.yaml"));
+    let robot = std::fs::read_to_string(
+        Path::new(env!("CARGO_MANIFEST_DIR")).join("../experiments/06_diagnosis/example/nominal.yaml"),
+    );
     let known = robot.unwrap();
     std::fs::write(at.path().join("known.yaml"), &known).unwrap();
     let payload = "effects:\n- {cause: payload, mass_kg: 0.8, com_m: [0.0, 0.0, 0.06]}\n";
@@ -110,7 +117,15 @@ fn a_payload_is_found_by_asking_the_robot() {
     let call = format!("investigate --live {} --yes --model known.yaml --json -q --out found", server.host);
     let found = run(at.path(), &call).ok().json();
     assert_eq!(found["answer"]["findings"][0]["label"], "payload", "{found:#}");
-    for name in ["investigation.yaml", "motion_00.yaml", "log_00.parquet", "answer_00.json", "check.parquet", "extended.yaml", "report.html"] {
+    for name in [
+        "investigation.yaml",
+        "motion_00.yaml",
+        "log_00.parquet",
+        "answer_00.json",
+        "check.parquet",
+        "extended.yaml",
+        "report.html",
+    ] {
         assert!(at.path().join("found").join(name).exists(), "{name}");
     }
     // All is there: nothing moves any more, and the answer is the same.

@@ -124,7 +124,8 @@ fn unmet(need: &str) -> Option<&'static str> {
         "pylibfranka" => {
             let mut probe = Command::new(python());
             probe.args(["-c", "import pylibfranka"]).stdout(Stdio::null()).stderr(Stdio::null());
-            (!probe.status().is_ok_and(|status| status.success())).then_some("no Python with pylibfranka (set TRIBO_PYTHON)")
+            (!probe.status().is_ok_and(|status| status.success()))
+                .then_some("no Python with pylibfranka (set TRIBO_PYTHON)")
         }
         other => panic!("needs: {other}; allowed: display, network, pylibfranka, slurm, TRIBO_DATA"),
     }

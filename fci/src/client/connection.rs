@@ -13,7 +13,8 @@ use crate::FciVersion;
 
 /// Thresholds of contact and collision during a trial: joints (Nm), then force (N) and moment (Nm). What friction leaves in
 /// the unit's external torque is far below, what a person feels as a push is above.
-const COLLISION: ([f64; 7], [f64; 6]) = ([40.0, 40.0, 36.0, 36.0, 32.0, 28.0, 24.0], [60.0, 60.0, 60.0, 20.0, 20.0, 20.0]);
+const COLLISION: ([f64; 7], [f64; 6]) =
+    ([40.0, 40.0, 36.0, 36.0, 32.0, 28.0, 24.0], [60.0, 60.0, 60.0, 20.0, 20.0, 20.0]);
 /// An arm that is nearer to the start than this (rad) stands there.
 const THERE_RAD: f64 = 1e-3;
 

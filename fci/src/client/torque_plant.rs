@@ -105,7 +105,11 @@ impl Plant<7> for TorquePlant<'_> {
         self.sent = std::array::from_fn(|j| {
             let wanted = without_gravity[j];
             // The same bits unless it is too fast.
-            if (wanted - self.sent[j]).abs() <= STEP_NM { wanted } else { self.sent[j] + (wanted - self.sent[j]).clamp(-STEP_NM, STEP_NM) }
+            if (wanted - self.sent[j]).abs() <= STEP_NM {
+                wanted
+            } else {
+                self.sent[j] + (wanted - self.sent[j]).clamp(-STEP_NM, STEP_NM)
+            }
         });
         if let Err(error) = self.control.write_once(&Torques::new(self.sent)) {
             self.reason = Some(error);

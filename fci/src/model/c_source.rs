@@ -13,7 +13,8 @@ const NUMBERS: &str = "/* NUMBERS */";
 /// library's. Matrices column by column, Jacobians with linear rows first.
 pub fn c_source(arm: &Arm<7>) -> String {
     let mut numbers = String::new();
-    let list = |values: &mut dyn Iterator<Item = f64>| values.map(|value| format!("{value:?}")).collect::<Vec<_>>().join(", ");
+    let list =
+        |values: &mut dyn Iterator<Item = f64>| values.map(|value| format!("{value:?}")).collect::<Vec<_>>().join(", ");
     let rows = |matrix: &Matrix3<f64>| list(&mut matrix.transpose().iter().copied());
     let mut array = |name: &str, width: &str, entries: Vec<String>| {
         // Writing to a string cannot fail.

@@ -111,7 +111,10 @@ impl<P: Plant<7>> Server<P> {
     }
 
     /// The same server with a new unit for each client that is of its version; a new arm, that is.
-    pub fn renewing(mut self, renewal: impl FnMut(usize) -> Result<ControlUnit<P>, PlantLost> + Send + 'static) -> Self {
+    pub fn renewing(
+        mut self,
+        renewal: impl FnMut(usize) -> Result<ControlUnit<P>, PlantLost> + Send + 'static,
+    ) -> Self {
         self.renewal = Some(Box::new(renewal));
         self
     }

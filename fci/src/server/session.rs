@@ -300,9 +300,7 @@ impl<'a, P: Plant<7>> Session<'a, P> {
                 }
             }
             Request::GetRobotModel => return self.answer(command, id, Answer::Success, self.model),
-            Request::Invalid if command == v5::Command::Move.to_u32() => {
-                Answer::MoveRefused(Refusal::InvalidArgument)
-            }
+            Request::Invalid if command == v5::Command::Move.to_u32() => Answer::MoveRefused(Refusal::InvalidArgument),
             Request::Invalid => Answer::Refused(Refusal::InvalidArgument),
         };
         self.answer(command, id, answer, &[])

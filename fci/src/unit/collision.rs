@@ -54,7 +54,8 @@ pub(super) struct Touch {
 impl CollisionThresholds {
     /// Whether all are positive or zero numbers and no contact needs more than its collision.
     pub fn is_valid(&self) -> bool {
-        let ordered = |lower: &[f64], upper: &[f64]| lower.iter().zip(upper).all(|(l, u)| *l >= 0.0 && l <= u && u.is_finite());
+        let ordered =
+            |lower: &[f64], upper: &[f64]| lower.iter().zip(upper).all(|(l, u)| *l >= 0.0 && l <= u && u.is_finite());
         ordered(&self.contact_torque_nm, &self.collision_torque_nm)
             && ordered(&self.contact_torque_accelerating_nm, &self.collision_torque_accelerating_nm)
             && ordered(&self.contact_force, &self.collision_force)

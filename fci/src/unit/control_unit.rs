@@ -4,9 +4,10 @@ use nalgebra::SVector;
 use tribo_robot::{Arm, ControlTerms, Kinematics, Payload, Plant, PlantLost, Pose, SensorFrame};
 
 use super::collision::{CollisionThresholds, Touch};
+use super::desired::{Desired, PERIOD_S};
 use super::external_torque::ExternalTorque;
 use super::frames::{Frames, pose_of};
-use super::generator::{Desired, Generator, PERIOD_S};
+use super::generator::Generator;
 use super::impedance::{cartesian_impedance, joint_impedance};
 use super::limits::MotionLimits;
 use super::motion::Motion;

@@ -4,13 +4,11 @@ use nalgebra::{SVector, Vector3, Vector6};
 use tribo_control::DampedPseudoInverse;
 use tribo_robot::{Arm, ControlTerms, Kinematics, Pose, so3};
 
-use super::frames::{Frames, pose_of};
-use super::impedance::end_effector_jacobian;
+use super::desired::{Desired, PERIOD_S};
+use super::frames::{Frames, end_effector_jacobian, pose_of};
 use super::limits::MotionLimits;
 use crate::wire::{CyclicCommand, GeneratorMode, RobotError};
 
-/// Control period (s).
-pub(super) const PERIOD_S: f64 = 1e-3;
 /// Share of an acceleration limit that a command may exceed: positions travel as floats.
 const ACCELERATION_TOLERANCE: f64 = 1.1;
 /// The same of a jerk limit: one step of a float in a position is 100 rad/s³.
@@ -20,31 +18,6 @@ const IK_STEPS: usize = 5;
 const IK_ERROR: f64 = 1e-9;
 /// Error that the inverse kinematics may leave (m, rad): beyond it the arm cannot follow.
 const IK_LOST: f64 = 1e-4;
-
-/// Desired motion at the end of a period.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Desired {
-    /// Joint positions (rad).
-    pub(super) q: SVector<f64, 7>,
-    /// Joint velocities (rad/s).
-    pub(super) qd: SVector<f64, 7>,
-    /// Joint accelerations (rad/s²).
-    pub(super) qdd: SVector<f64, 7>,
-    /// Pose of the end effector.
-    pub(super) pose: Pose,
-    /// Twist of the end effector, linear part first.
-    pub(super) twist: Vector6<f64>,
-    /// Its derivative.
-    pub(super) acceleration: Vector6<f64>,
-}
-
-impl Desired {
-    /// Rest at q (rad), the end effector at `pose`.
-    pub(super) fn rest(q: SVector<f64, 7>, pose: Pose) -> Self {
-        let (zero, still) = (SVector::zeros(), Vector6::zeros());
-        Self { q, qd: zero, qdd: zero, pose, twist: still, acceleration: still }
-    }
-}
 
 /// Turns commands into desired motions.
 pub(super) struct Generator<'a> {

@@ -1,9 +1,10 @@
 //! The unit's own controllers.
 
-use nalgebra::{SMatrix, SVector, Vector6};
+use nalgebra::{SVector, Vector6};
 use tribo_robot::{ControlTerms, Pose, SensorFrame, so3};
 
-use super::generator::Desired;
+use super::desired::Desired;
+use super::frames::end_effector_jacobian;
 
 /// Damping ratio of both controllers [-].
 const DAMPING_RATIO: f64 = 0.7;
@@ -59,17 +60,4 @@ pub(super) fn cartesian_impedance(
     let seen = (jacobian * jacobian.transpose()).try_inverse().map(|inverse| jacobian.transpose() * (inverse * twist));
     let unseen = seen.map_or_else(SVector::zeros, |seen| frame.qd - seen);
     jacobian.transpose() * force - unseen * NULL_SPACE_DAMPING + terms.coriolis_nm
-}
-
-/// Jacobian of the end effector's origin, base axes, linear rows first.
-pub(super) fn end_effector_jacobian(terms: &ControlTerms<7>, end_effector: &Pose) -> SMatrix<f64, 6, 7> {
-    let arm = end_effector.translation.vector - terms.base_from_flange.translation.vector;
-    let mut jacobian = SMatrix::<f64, 6, 7>::zeros();
-    for (k, column) in terms.jacobian.column_iter().enumerate() {
-        let angular = column.fixed_rows::<3>(0).into_owned();
-        let linear = column.fixed_rows::<3>(3) + angular.cross(&arm);
-        jacobian.fixed_view_mut::<3, 1>(0, k).copy_from(&linear);
-        jacobian.fixed_view_mut::<3, 1>(3, k).copy_from(&angular);
-    }
-    jacobian
 }

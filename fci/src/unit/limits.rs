@@ -101,7 +101,11 @@ impl MotionLimits {
                         fr3::MAX_TRANSLATIONAL_ACCELERATION,
                         fr3::MAX_TRANSLATIONAL_JERK,
                     ],
-                    rotation: [fr3::MAX_ROTATIONAL_VELOCITY, fr3::MAX_ROTATIONAL_ACCELERATION, fr3::MAX_ROTATIONAL_JERK],
+                    rotation: [
+                        fr3::MAX_ROTATIONAL_VELOCITY,
+                        fr3::MAX_ROTATIONAL_ACCELERATION,
+                        fr3::MAX_ROTATIONAL_JERK,
+                    ],
                     torque_rate_nm_s: 1000.0,
                 }
             }
@@ -131,7 +135,8 @@ mod tests {
         let limits = MotionLimits::of(FciVersion::V10, &presets::fr3());
         for step in 0..=50 {
             let share = f64::from(step) / 50.0;
-            let q: [f64; 7] = std::array::from_fn(|j| limits.q_rad[j][0] + share * (limits.q_rad[j][1] - limits.q_rad[j][0]));
+            let q: [f64; 7] =
+                std::array::from_fn(|j| limits.q_rad[j][0] + share * (limits.q_rad[j][1] - limits.q_rad[j][0]));
             let upper = fr3::compute_upper_limits_joint_velocity(&q);
             let lower = fr3::compute_lower_limits_joint_velocity(&q);
             for j in 0..7 {

@@ -2,6 +2,7 @@
 
 mod collision;
 mod control_unit;
+mod desired;
 mod external_torque;
 mod frames;
 mod generator;

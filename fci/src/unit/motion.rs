@@ -1,6 +1,6 @@
 //! A motion that a client has started.
 
-use super::generator::PERIOD_S;
+use super::desired::PERIOD_S;
 use crate::wire::{CyclicCommand, MotionRequest};
 
 /// Lost commands in a row that end a motion.

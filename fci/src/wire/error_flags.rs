@@ -58,7 +58,11 @@ impl ErrorFlags {
 
     /// Names of the flags, as libfranka prints them.
     pub fn names(self) -> impl Iterator<Item = &'static str> {
-        franka::ERROR_NAMES.into_iter().enumerate().filter(move |&(flag, _)| self.0 >> flag & 1 == 1).map(|(_, name)| name)
+        franka::ERROR_NAMES
+            .into_iter()
+            .enumerate()
+            .filter(move |&(flag, _)| self.0 >> flag & 1 == 1)
+            .map(|(_, name)| name)
     }
 
     /// One byte per flag, as on the wire.

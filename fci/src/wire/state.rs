@@ -55,27 +55,27 @@ pub enum GeneratorMode {
 pub struct RobotState {
     /// Number of the state; milliseconds of the robot's clock.
     pub message_id: u64,
-    pub end_effector: Pose,                    // O_T_EE
-    pub end_effector_desired: Pose,            // O_T_EE_d, O_T_EE_c
-    pub flange_from_nominal: Pose,             // F_T_NE
-    pub nominal_from_end_effector: Pose,       // NE_T_EE
-    pub end_effector_from_stiffness: Pose,     // EE_T_K
-    pub load_kg: f64,                          // m_load
-    pub load_inertia_kg_m2: Matrix3<f64>,      // I_load
-    pub load_com_m: Vector3<f64>,              // F_x_Cload
-    pub torque_nm: SVector<f64, 7>,            // tau_J: link side, with gravity
-    pub torque_desired_nm: SVector<f64, 7>,    // tau_J_d: without gravity
-    pub torque_rate_nm_s: SVector<f64, 7>,     // dtau_J
-    pub q_rad: SVector<f64, 7>,                // q
-    pub q_desired_rad: SVector<f64, 7>,        // q_d
-    pub qd_rad_s: SVector<f64, 7>,             // dq
-    pub qd_desired_rad_s: SVector<f64, 7>,     // dq_d
-    pub qdd_desired_rad_s2: SVector<f64, 7>,   // ddq_d
+    pub end_effector: Pose,                  // O_T_EE
+    pub end_effector_desired: Pose,          // O_T_EE_d, O_T_EE_c
+    pub flange_from_nominal: Pose,           // F_T_NE
+    pub nominal_from_end_effector: Pose,     // NE_T_EE
+    pub end_effector_from_stiffness: Pose,   // EE_T_K
+    pub load_kg: f64,                        // m_load
+    pub load_inertia_kg_m2: Matrix3<f64>,    // I_load
+    pub load_com_m: Vector3<f64>,            // F_x_Cload
+    pub torque_nm: SVector<f64, 7>,          // tau_J: link side, with gravity
+    pub torque_desired_nm: SVector<f64, 7>,  // tau_J_d: without gravity
+    pub torque_rate_nm_s: SVector<f64, 7>,   // dtau_J
+    pub q_rad: SVector<f64, 7>,              // q
+    pub q_desired_rad: SVector<f64, 7>,      // q_d
+    pub qd_rad_s: SVector<f64, 7>,           // dq
+    pub qd_desired_rad_s: SVector<f64, 7>,   // dq_d
+    pub qdd_desired_rad_s2: SVector<f64, 7>, // ddq_d
     pub joint_contact: [bool; 7],
     pub cartesian_contact: [bool; 6],
     pub joint_collision: [bool; 7],
     pub cartesian_collision: [bool; 6],
-    pub external_torque_nm: SVector<f64, 7>,   // tau_ext_hat_filtered
+    pub external_torque_nm: SVector<f64, 7>, // tau_ext_hat_filtered
     /// O_F_ext_hat_K: force, then moment, by the robot on the environment, at the stiffness frame.
     pub wrench_base: Vector6<f64>,
     /// K_F_ext_hat_K: the same in the axes of the stiffness frame.
@@ -84,12 +84,12 @@ pub struct RobotState {
     pub twist_desired: Vector6<f64>,
     /// O_ddP_EE_c: m/s², then rad/s².
     pub acceleration_desired: Vector6<f64>,
-    pub gravity_m_s2: Vector3<f64>,            // O_ddP_O
-    pub motor_rad: SVector<f64, 7>,            // theta
+    pub gravity_m_s2: Vector3<f64>, // O_ddP_O
+    pub motor_rad: SVector<f64, 7>, // theta
     pub generator: Option<GeneratorMode>,
     pub controller: Option<ControllerMode>,
-    pub errors: ErrorFlags,                    // current_errors
-    pub reflex_reason: ErrorFlags,             // last_motion_errors
+    pub errors: ErrorFlags,        // current_errors
+    pub reflex_reason: ErrorFlags, // last_motion_errors
     pub mode: RobotMode,
     pub command_success_rate: f64,
 }

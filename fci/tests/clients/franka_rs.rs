@@ -1,7 +1,8 @@
 //! Motions, torques, settings, reflexes by `franka-rs`, versions 5 and 10, in lockstep.
 
 use franka::{
-    CartesianVelocities, ControllerMode, FrankaError, JointPositions, JointVelocities, MAX_CUTOFF_FREQUENCY, Robot, Torques,
+    CartesianVelocities, ControllerMode, FrankaError, JointPositions, JointVelocities, MAX_CUTOFF_FREQUENCY, Robot,
+    Torques,
 };
 use nalgebra::SVector;
 use tribo_fci::{FciVersion, Pace};
@@ -120,7 +121,10 @@ fn cartesian_velocities_move_the_tool() {
             let end = robot.read_once().unwrap().O_T_EE;
             let moved: Vec<f64> = (12..15).map(|i| end[i] - start[i]).collect();
             let wanted = [0.1, 0.0, -0.1];
-            assert!(moved.iter().zip(wanted).all(|(m, w)| (m - w).abs() < 0.01), "{version:?} {controller:?} {moved:?}");
+            assert!(
+                moved.iter().zip(wanted).all(|(m, w)| (m - w).abs() < 0.01),
+                "{version:?} {controller:?} {moved:?}"
+            );
         }
     }
 }
@@ -161,7 +165,10 @@ fn violations_end_in_a_reflex_with_libfrankas_names_and_recovery() {
         robot.automatic_error_recovery().unwrap();
         robot.set_collision_behavior_simple([90.0; 7], [90.0; 7], [200.0; 6], [200.0; 6]).unwrap();
         let error = push(&robot, 40.0, 5000).unwrap_err().to_string();
-        assert!(error.contains("joint_velocity_violation") || error.contains("joint_position_limits_violation"), "{error}");
+        assert!(
+            error.contains("joint_velocity_violation") || error.contains("joint_position_limits_violation"),
+            "{error}"
+        );
 
         let jump = |state: &franka::RobotState, _: franka::Duration| JointPositions::new(state.q.map(|q| q + 0.3));
         robot.automatic_error_recovery().unwrap();
@@ -216,7 +223,10 @@ fn clients_come_and_go() {
     let server = served(FciVersion::V5, Pace::Lockstep, 13);
     for _ in 0..20 {
         let robot = server.robot();
-        assert!(franka::network::Network::connect(&server.address.to_string(), 1337, franka::wire::HeaderLayout::Robot).is_ok());
+        assert!(
+            franka::network::Network::connect(&server.address.to_string(), 1337, franka::wire::HeaderLayout::Robot)
+                .is_ok()
+        );
         assert!(push(&robot, 1.0, 20).is_ok());
     }
     // Gone in the middle of a motion.

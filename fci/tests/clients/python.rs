@@ -70,7 +70,11 @@ fn pylibfranka_drives_the_fr3() {
     assert!((number(&seen, "joint") - 0.2).abs() < 0.01, "{}", seen["joint"]);
     assert!(text(&seen, "jump").contains("controller_torque_discontinuity"), "{}", seen["jump"]);
     assert!(text(&seen, "mode").contains("Reflex") && text(&seen, "recovered").contains("Idle"));
-    assert!(text(&seen, "refused").contains("command rejected") || text(&seen, "refused").contains("not possible"), "{}", seen["refused"]);
+    assert!(
+        text(&seen, "refused").contains("command rejected") || text(&seen, "refused").contains("not possible"),
+        "{}",
+        seen["refused"]
+    );
     assert!(text(&seen, "collision").contains("joint_reflex"), "{}", seen["collision"]);
     assert!((number(&seen, "width") - 0.03).abs() < 1e-6);
 
@@ -101,7 +105,11 @@ fn panda_python_drives_the_panda_and_loads_our_model() {
     assert!((number(&seen, "sideways") - 0.02).abs() < 0.01, "{}", seen["sideways"]);
     assert_eq!((text(&seen, "push"), text(&seen, "recovered")), ("", ""));
     assert!(text(&seen, "collision").contains("joint_reflex"), "{}", seen["collision"]);
-    assert!(text(&seen, "refused").contains("command rejected") || text(&seen, "refused").contains("not possible"), "{}", seen["refused"]);
+    assert!(
+        text(&seen, "refused").contains("command rejected") || text(&seen, "refused").contains("not possible"),
+        "{}",
+        seen["refused"]
+    );
 
     let bare = presets::panda().link_side();
     let (q, qd) = (joints(&seen, "q"), joints(&seen, "dq"));

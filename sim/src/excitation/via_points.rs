@@ -96,15 +96,18 @@ mod tests {
             let motion = Motion::at_rate(&points.path(), 100.0);
             assert!((40.0..50.0).contains(&motion.time_s[motion.time_s.len() - 1]));
             for j in 0..7 {
-                let (q, qd): (Vec<f64>, Vec<f64>) = motion.q.iter().zip(&motion.qd).map(|(q, qd)| (q[j], qd[j])).unzip();
+                let (q, qd): (Vec<f64>, Vec<f64>) =
+                    motion.q.iter().zip(&motion.qd).map(|(q, qd)| (q[j], qd[j])).unzip();
                 let reach = |sign: f64| q.iter().map(|q| sign * (q - envelope.centre_rad[j])).fold(0.0, f64::max);
                 let room = envelope.half_range_rad[j] + 1e-4;
-                assert!((0.4 * room..room).contains(&reach(1.0)) && (0.4 * room..room).contains(&reach(-1.0)), "joint {j}");
+                assert!(
+                    (0.4 * room..room).contains(&reach(1.0)) && (0.4 * room..room).contains(&reach(-1.0)),
+                    "joint {j}"
+                );
                 assert!(qd.iter().all(|qd| qd.abs() < envelope.speed_rad_s[j]), "joint {j}");
             }
         }
     }
-
 
     fn points(resting: bool) -> ViaPoints<2> {
         let q = [[0.0, 0.0], [0.5, -0.2], [0.4, -0.6], [0.0, 0.0]];

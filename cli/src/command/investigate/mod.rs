@@ -221,7 +221,8 @@ fn worth(validation: &Validation) -> String {
         mean(&validation.before_nm),
         mean(&validation.after_nm)
     );
-    for (name, fit) in [("dry + viscous + offset", &validation.plain_nm), ("all base parameters", &validation.full_nm)] {
+    for (name, fit) in [("dry + viscous + offset", &validation.plain_nm), ("all base parameters", &validation.full_nm)]
+    {
         if !fit.is_empty() {
             text.push_str(&format!("; {} Nm by a plain fit of {name}", mean(fit)));
         }
