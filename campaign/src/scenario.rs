@@ -24,7 +24,7 @@ pub enum TruthName {
     Stribeck,
     /// Bristle friction.
     Lugre,
-    /// The sigmoid of Gaz et al. 2019.
+    /// The sigmoid of gaz2019.
     Gaz,
     /// Coulomb and viscous friction as a physics engine makes it: a joint creeps where it should stick.
     Soft,
@@ -134,7 +134,7 @@ impl TruthName {
     }
 }
 
-/// What goes where the friction published by Gaz et al. does not.
+/// What goes where the friction published by gaz2019 does not.
 const GAZ: &str = "another truth: gaz is the friction of a Panda";
 
 /// Puts the field that holds a file before the field of the file that an error is about.

@@ -14,6 +14,7 @@ mod estimators_on_pulses;
 mod file_circles;
 mod law_check;
 mod payload;
+mod references;
 mod robust_cost;
 mod stopped_trials;
 mod tick_faults;
