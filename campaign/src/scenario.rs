@@ -114,7 +114,7 @@ impl TruthName {
         }
         let unknown = |allowed: &str| FieldError::new("truth", String::from(self.clone()), allowed);
         let friction = || {
-            let why = "a model file or frictionless: nobody says what friction this robot has";
+            let why = "a model file or frictionless: the friction of this robot is not known";
             robot.friction.ok_or_else(|| unknown(why))
         };
         let arm = robot.arm.clone();
