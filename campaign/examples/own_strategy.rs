@@ -11,7 +11,7 @@ use tribo_friction::FrictionModel;
 use tribo_friction::law::CoulombViscous;
 use tribo_model::FileError;
 
-/// Zero, one and two times the guess, then the lowest point of the parabola through the three best trials.
+/// Zero, half and all of the guess, then the lowest point of the parabola through the three best trials.
 struct AlongALine {
     guess: Vec<f64>,
 }
@@ -24,7 +24,7 @@ impl AlongALine {
 
 impl Strategy<7> for AlongALine {
     fn design(&self, number: usize) -> Result<Option<Proposal>, StrategyError> {
-        Ok([0.0, 1.0, 2.0].get(number).map(|&scale| self.at(scale)))
+        Ok([0.0, 0.5, 1.0].get(number).map(|&scale| self.at(scale)))
     }
 
     fn propose(&self, _: usize, past: Past<'_>, _: &dyn LogSource<7>) -> Result<Proposal, StrategyError> {

@@ -269,7 +269,7 @@ pub struct Tell {
     #[arg(long, value_name = "N")]
     pub trial: Option<usize>,
     /// Record the trial as failed, and why: acceleration, error, joint_limit, joint_speed, torque_saturation, nullspace_runaway, or in
-    /// your words. Its parameters are avoided afterwards, unless REASON is `stopped`: then it was stopped for another reason.
+    /// your words. Its parameters are avoided afterwards, unless REASON is stopped: then it was stopped for a reason of its own.
     #[arg(long, value_name = "REASON")]
     pub failed: Option<String>,
     /// Give the trial up: it has no result and is ignored.

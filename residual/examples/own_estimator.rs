@@ -8,9 +8,7 @@
 use nalgebra::{Matrix6, SVector, Vector6};
 use tribo_friction::{FrictionBand, JointBand};
 use tribo_residual::{MomentumEstimator, MomentumSettings, QpEstimator, QpSettings, diagonal_prior};
-use tribo_robot::{
-    ControlTerms, EstimatorInput, SensorFrame, Wrench, WrenchEstimate, WrenchEstimator, presets,
-};
+use tribo_robot::{ControlTerms, EstimatorInput, SensorFrame, Wrench, WrenchEstimate, WrenchEstimator, presets};
 
 /// `h = (J Jᵀ)⁻¹ J (tau_motor − g)`, for an arm at rest, with the covariance of a torque noise of 0.1 Nm.
 struct AtRest;

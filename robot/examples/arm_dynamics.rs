@@ -3,23 +3,8 @@
 //! `cargo run --release -p tribo-robot --example arm_dynamics -- [arm.urdf of a six-joint arm]`
 
 use nalgebra::SVector;
-use tribo_robot::urdf::UrdfChain;
+use tribo_robot::urdf::{UrdfChain, to_urdf};
 use tribo_robot::{Arm, Kinematics, forward_dynamics, gravity_torque, mass_matrix, presets, rnea};
-
-/// A shoulder and an elbow of 0.4 m and 0.3 m, swinging in the vertical plane.
-const TWO_LINKS: &str = r#"<robot name="two_links">
-  <link name="base"/>
-  <link name="upper"><inertial><origin xyz="0.2 0 0"/><mass value="2.0"/>
-    <inertia ixx="0.002" iyy="0.03" izz="0.03" ixy="0" ixz="0" iyz="0"/></inertial></link>
-  <link name="lower"><inertial><origin xyz="0.15 0 0"/><mass value="1.2"/>
-    <inertia ixx="0.001" iyy="0.01" izz="0.01" ixy="0" ixz="0" iyz="0"/></inertial></link>
-  <link name="tip"/>
-  <joint name="shoulder" type="revolute"><parent link="base"/><child link="upper"/><axis xyz="0 1 0"/>
-    <limit lower="-2" upper="2" velocity="3" effort="40"/></joint>
-  <joint name="elbow" type="revolute"><parent link="upper"/><child link="lower"/><origin xyz="0.4 0 0"/><axis xyz="0 1 0"/>
-    <limit lower="-2" upper="2" velocity="3" effort="20"/></joint>
-  <joint name="end" type="fixed"><parent link="lower"/><child link="tip"/><origin xyz="0.3 0 0"/></joint>
-</robot>"#;
 
 fn describe<const N: usize>(name: &str, arm: &Arm<N>, q: &SVector<f64, N>) {
     let (qd, qdd) = (SVector::repeat(0.2), SVector::repeat(1.0));
@@ -37,13 +22,11 @@ fn describe<const N: usize>(name: &str, arm: &Arm<N>, q: &SVector<f64, N>) {
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     describe("Panda", &presets::panda(), &presets::panda_ready_pose());
-    if let Some(path) = std::env::args().nth(1) {
-        let own = UrdfChain::parse(&std::fs::read_to_string(&path)?, None, None)?;
-        let own = own.arm::<6>().ok_or("this example takes six joints")?;
-        describe(&path, &own.arm, &SVector::zeros());
-    } else {
-        let two = UrdfChain::parse(TWO_LINKS, None, None)?.arm::<2>().ok_or("two joints were written")?;
-        describe("two links from a URDF", &two.arm, &SVector::zeros());
-    }
+    let (name, text) = match std::env::args().nth(1) {
+        Some(path) => (path.clone(), std::fs::read_to_string(&path)?),
+        None => ("UR10e from a URDF".to_owned(), to_urdf(&presets::ur10e())),
+    };
+    let own = UrdfChain::parse(&text, None, None)?.arm::<6>().ok_or("this example takes six joints")?;
+    describe(&name, &own.arm, &SVector::from([0.0, -1.57, 1.57, -1.57, -1.57, 0.0]));
     Ok(())
 }

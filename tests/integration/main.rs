@@ -11,6 +11,7 @@ mod ekf_consistency;
 mod ekf_frequency;
 mod ekf_known_input;
 mod estimators_on_pulses;
+mod examples;
 mod file_circles;
 mod law_check;
 mod payload;

@@ -126,8 +126,7 @@ fn links_of_documents_lead_to_files_and_headings() {
             }
             let (path, heading) = target.split_once('#').unwrap_or((target, ""));
             let here = root.join(&file);
-            let there =
-                if path.is_empty() { here } else { here.parent().expect("a file lies in a folder").join(path) };
+            let there = if path.is_empty() { here } else { here.parent().expect("a file lies in a folder").join(path) };
             if !there.exists() || (!heading.is_empty() && !has_heading(&there, heading)) {
                 broken.push(format!("{}:{number}: {target}", file.display()));
             }
@@ -165,7 +164,9 @@ fn paths_in_documents_and_comments_exist() {
             continue;
         }
         let letters = |letter: char| letter.is_ascii_alphanumeric() || matches!(letter, '_' | '/' | '.' | '-');
-        for word in line.split(|letter| !letters(letter)).map(|word| word.trim_start_matches("../").trim_end_matches('.')) {
+        for word in
+            line.split(|letter| !letters(letter)).map(|word| word.trim_start_matches("../").trim_end_matches('.'))
+        {
             if !line.contains(&format!("//{word}")) && claims_to_exist(word, &folders) {
                 seen += 1;
                 if !exists(word) {

@@ -142,6 +142,8 @@ fn no_root(roots: &[String]) -> String {
         "the URDF has no root link (one that is the child of no joint); is it xacro? run `xacro arm.urdf.xacro > arm.urdf` first".to_owned()
     } else {
         let (count, names) = (roots.len(), roots.join(", "));
-        format!("the URDF has {count} root links ({names}), each the child of no joint; name the arm's base as base_link")
+        format!(
+            "the URDF has {count} root links ({names}), each the child of no joint; name the arm's base as base_link"
+        )
     }
 }

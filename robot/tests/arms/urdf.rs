@@ -56,7 +56,10 @@ fn refusals_name_the_joint_or_link_to_blame() {
             changed("<link name=\"flange\"/>", "<link name=\"flange\"/><link name=\"island\"/>"),
             &["2 root links", "island, link_0", "base_link"],
         ),
-        ("<robot name=\"arm\" xmlns:xacro=\"http://ros.org/wiki/xacro\"><xacro:arm/></robot>".to_owned(), &["no root link", "xacro"]),
+        (
+            "<robot name=\"arm\" xmlns:xacro=\"http://ros.org/wiki/xacro\"><xacro:arm/></robot>".to_owned(),
+            &["no root link", "xacro"],
+        ),
         (changed("joint_2", "joint_1"), &["joint `joint_1` is there twice"]),
         (
             changed("<link name=\"flange\"/>", "<link name=\"flange\"/><link name=\"flange\"/>"),
