@@ -37,10 +37,10 @@ fn main() {
             WrenchEstimator::<7>::reset(&mut ekf, &frame, &terms);
         } else {
             let estimate = ekf.step(&sample);
-            if tick % 200 == 100 {
+            if tick % 200 == 150 {
                 let (limits, seen_n) = (estimate.interval95(), estimate.wrench_base.force_n.x);
                 let half_width_n = limits.upper.force_n.x - seen_n;
-                println!("{time_s:6.1}   {pushed_n:9.2}   {seen_n:10.2}   {half_width_n:8.2}");
+                println!("{time_s:6.2}   {pushed_n:9.2}   {seen_n:10.2}   {half_width_n:8.2}");
             }
         }
 

@@ -18,7 +18,7 @@ const EXAMPLES: &[(&str, &[&str])] = &[
     // A controller that cancels all friction reaches its reference.
     ("cartesian_impedance", &["100 % compensated: 0.00 mm off"]),
     // The push that the example makes.
-    ("wrench_in_your_loop", &["10.00         9.99", "delay 20 ms"]),
+    ("wrench_in_your_loop", &["0.55       10.00        10.0", "0.95        0.00        ", "delay 20 ms"]),
     // An interval that knows of friction holds the truth, one that does not fails.
     ("own_estimator", &["at rest     -10.78", "]   no", "]   yes"]),
     // Stick: friction equals the drive, to the digit, and the joint ends at rest.
