@@ -1,5 +1,5 @@
-//! Trials that fail, and what is found in spite of them: 50 evaluations of the friction functions of `reference/FUNCTIONS.md`
-//! §4.2 with two kinds of abort.
+//! Trials that fail, and what is found in spite of them: 50 evaluations of the friction functions of `docs/optimiser_problems.md`
+//! with two kinds of abort.
 //!
 //! `cargo run --release -p tribo-bayesopt --example failures -- [seeds|FROM..TO] [with|without] [energy|excess]`
 //!

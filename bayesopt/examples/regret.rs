@@ -1,4 +1,4 @@
-//! Simple regret after 50 evaluations on the problems of `reference/FUNCTIONS.md` §4 and on variants of them.
+//! Simple regret after 50 evaluations on the problems of `docs/optimiser_problems.md` and on variants of them.
 //!
 //! `cargo run --release -p tribo-bayesopt --example regret -- [seeds|FROM..TO] [paper|bo] [problem…]`
 //!

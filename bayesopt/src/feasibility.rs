@@ -11,7 +11,7 @@ use crate::{BayesoptError, History, Outcome};
 /// P(x) = Φ(mean(x)/√(var(x) + σ_n²)),   mean, var: Gaussian process on s,   s = 1 of a finished trial, −1 − ½(1 − ξ/T) of a failed one
 /// ```
 ///
-/// s is the margin of a trial: the sooner one fails, the deeper it lies in the region of failure. Least-squares classification (Rasmussen & Williams 2006, §6.5) with graded labels; where nothing is known
+/// s is the margin of a trial: the sooner one fails, the deeper it lies in the region of failure. Least-squares classification (rasmussen2006, §6.5) with graded labels; where nothing is known
 /// P = ½, which costs an acquisition as much as half of its improvement. The kernel is Matérn-5/2 with one length-scale: a few
 /// failures cannot tell fourteen apart.
 #[derive(Debug, Clone)]

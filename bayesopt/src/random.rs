@@ -13,7 +13,7 @@ pub(crate) enum Purpose {
     Samples = 5,
 }
 
-/// SplitMix64 finaliser  `z ← (z ⊕ z≫30)·c1; z ← (z ⊕ z≫27)·c2; z ⊕ z≫31`  (Steele et al. 2014).
+/// SplitMix64 finaliser  `z ← (z ⊕ z≫30)·c1; z ← (z ⊕ z≫27)·c2; z ⊕ z≫31`  (steele2014).
 fn mix(word: u64) -> u64 {
     let z = word.wrapping_add(0x9E37_79B9_7F4A_7C15);
     let z = (z ^ (z >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);

@@ -67,7 +67,7 @@ pub struct ModelEvidence {
 ///
 /// A pure function of (settings, domain, history, seed): a killed campaign goes on by replaying its
 /// history. The index of the trial is the length of the history, pending trials included. Pending
-/// trials are believed at their posterior mean (kriging believer, Ginsbourger et al. 2010).
+/// trials are believed at their posterior mean (kriging believer, ginsbourger2010).
 ///
 /// # Errors
 /// A setting out of range, a history that does not fit the domain, or a kernel matrix beyond repair.

@@ -21,7 +21,7 @@ pub enum CostTransform {
     /// stand beside costs of 20, the logarithm keeps them from swallowing the scale of the costs that matter, and the bend
     /// spares the model the upper half, which nobody who looks for a minimum needs (fric14: 10 instead of 21).
     /// Failed trials are at `cap_factor · worst`, or, where a cost <= 0 exists, at
-    /// `worst + (cap_factor − 1)(worst − best)`: a cliff that is capped does not bend the model (`closed_loop_notes` §4).
+    /// `worst + (cap_factor − 1)(worst − best)`: a cliff that is capped does not bend the model.
     ByEvidence {
         /// Default 1.3: far enough to repel, near enough to leave the scale alone.
         cap_factor: f64,

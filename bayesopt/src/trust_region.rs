@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 use crate::History;
 use crate::search::Bounds;
 
-/// TuRBO-1 (Eriksson et al. 2019):  box of side  `L·ℓ_i/(Π ℓ_j)^{1/d}`  around the incumbent, in unit coordinates.
+/// TuRBO-1 (eriksson2019):  box of side  `L·ℓ_i/(Π ℓ_j)^{1/d}`  around the incumbent, in unit coordinates.
 ///
 /// ```text
 /// 3 successes in a row: L ← min(2L, 1.6);   max(4, d/6) failures in a row: L ← L/2;   L < 2⁻⁷: L ← 0.4

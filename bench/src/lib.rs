@@ -1,4 +1,4 @@
-//! Is this computer fast enough for a loop of 1 kHz?
+#![doc = include_str!("../README.md")]
 //!
 //! What a tick costs (a million of them, one by one), what it is made of, and what surrounds it: dynamics, estimators, a trial, a
 //! step of the optimiser. [`real_time`] runs the loop on the clock instead. All readings of clocks: nothing here is reproducible

@@ -1,4 +1,4 @@
-//! Trials, their cost, the strategies that choose the next one, and campaigns of many.
+#![doc = include_str!("../README.md")]
 //!
 //! ```text
 //! J = Σ_i (max |h_i| + mean |h_i|) + Γ        h: the wrench estimated in free motion, i.e. friction not compensated

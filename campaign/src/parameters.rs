@@ -17,7 +17,7 @@ pub enum TunedLaw {
     CoulombViscous,
     /// Five parameters per joint, roveda2022 eq. (28).
     Stribeck,
-    /// The sigmoid of Gaz et al. 2019, three parameters per joint; the published constants are the baseline `gaz`.
+    /// The sigmoid of gaz2019, three parameters per joint; the published constants are the baseline `gaz`.
     GazSigmoid,
 }
 

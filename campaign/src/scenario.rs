@@ -24,7 +24,7 @@ pub enum TruthName {
     Stribeck,
     /// Bristle friction.
     Lugre,
-    /// The sigmoid of Gaz et al. 2019.
+    /// The sigmoid of gaz2019.
     Gaz,
     /// Coulomb and viscous friction as a physics engine makes it: a joint creeps where it should stick.
     Soft,
@@ -114,7 +114,7 @@ impl TruthName {
         }
         let unknown = |allowed: &str| FieldError::new("truth", String::from(self.clone()), allowed);
         let friction = || {
-            let why = "a model file or frictionless: nobody says what friction this robot has";
+            let why = "a model file or frictionless: the friction of this robot is not known";
             robot.friction.ok_or_else(|| unknown(why))
         };
         let arm = robot.arm.clone();
@@ -134,7 +134,7 @@ impl TruthName {
     }
 }
 
-/// What goes where the friction published by Gaz et al. does not.
+/// What goes where the friction published by gaz2019 does not.
 const GAZ: &str = "another truth: gaz is the friction of a Panda";
 
 /// Puts the field that holds a file before the field of the file that an error is about.

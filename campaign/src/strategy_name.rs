@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 pub enum StrategyName {
     /// No compensation, again and again: the baseline and its repeatability.
     Zero,
-    /// The constants published by Gaz et al. 2019.
+    /// The constants published by gaz2019.
     Gaz,
     /// Uniform random search.
     Random,

@@ -1,4 +1,4 @@
-//! The `tribo` command: gives a robot arm without force sensors a trustworthy sense of touch.
+//! The `tribo` command: estimates the wrench at an arm's tool without a force sensor, and tunes the arm's friction compensator.
 //!
 //! Results go to standard output as tables, or as one JSON document with `--json`; progress and messages go to standard
 //! error. Exit code 0: done; 1: a check asked for has failed; 2: bad input; 3: an internal error.

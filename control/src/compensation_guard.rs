@@ -126,7 +126,7 @@ pub struct GuardInput<'a, const N: usize> {
 ///
 /// forgotten exponentially, motion and drift over 10 s, oscillation and swings over 1 s. In free motion the estimated wrench h is the friction
 /// that is left: what it takes from the tool, and the damping from the null space, is what friction takes (E_f) less what the
-/// compensator puts in (E_c). This is a passivity observer (Hannaford & Ryu 2002) of the compensator that knows no friction: its
+/// compensator puts in (E_c). This is a passivity observer (hannaford2002) of the compensator that knows no friction: its
 /// ratio is 1 for exact compensation. A wrong weight does no work over a motion that comes back, and hardly any in an oscillation.
 /// Sliding that the tool does not feel shows as drift, oscillation that loses as much as it gains as swings.
 ///

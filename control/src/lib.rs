@@ -1,4 +1,4 @@
-//! Sensorless Cartesian impedance control of a redundant arm (roveda2022 eqs. 1–10, 33–35).
+#![doc = include_str!("../README.md")]
 //!
 //! ```text
 //! tau = B(q)(γ − Dn (I − J#J) qd) + C qd + g + tau_f_hat,     γ = J#(a − J̇ qd),     M a = −(D v + K e)
@@ -20,6 +20,26 @@
 //! | (33): pure damping in the null space | the same, plus an optional posture spring | damping alone lets the elbow slide away under over-compensation |
 //! | (35) starts with a jump of up to 2.5 cm | 3 s pre-roll: hold, then quintic amplitude ramp | without it J is 9 instead of 3 and the tool jumps by 5 m/s² |
 //!
+//! ```
+//! use nalgebra::{SVector, Vector6};
+//! use tribo_control::{DampedPseudoInverse, ImpedanceController, ImpedanceSettings};
+//! use tribo_robot::{ControlTerms, Kinematics, presets};
+//!
+//! let (arm, q, qd) = (presets::panda(), presets::panda_ready_pose(), SVector::<f64, 7>::zeros());
+//! let controller = ImpedanceController {
+//!     settings: ImpedanceSettings::default(),
+//!     pseudo_inverse: DampedPseudoInverse::default(),
+//!     posture: q,
+//!     rotor_inertia_kg_m2: arm.rotor_inertia_kg_m2,
+//! };
+//! let terms = ControlTerms::at(&arm, &q, &qd);
+//! let here = Kinematics::at(&arm, &q).base_from_flange();
+//! let no_friction = |_: &_, _: &_, _: &_| (SVector::zeros(), SVector::zeros());
+//! let (torque, _) = controller.tick(&terms, &q, &qd, &here, &Vector6::zeros(), no_friction)?;
+//! // At its reference and at rest the arm carries its weight and nothing else.
+//! assert!((torque.total() - terms.gravity_nm).amax() < 1e-9);
+//! # Ok::<(), tribo_control::ControlFault>(())
+//! ```
 //! Leaves out: force control, inertia shaping, singularity crossing.
 
 mod compensation_guard;

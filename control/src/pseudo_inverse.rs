@@ -3,7 +3,7 @@
 use nalgebra::{Matrix6, SMatrix, SVector, Vector6};
 use tribo_robot::{SpdFactor, product, product_transposed};
 
-/// `J# = Jᵀ (J Jᵀ + λ² I)⁻¹` (Nakamura & Hanafusa 1986).
+/// `J# = Jᵀ (J Jᵀ + λ² I)⁻¹` (nakamura1986).
 ///
 /// ```text
 /// λ² = 0                           while w ≥ w0

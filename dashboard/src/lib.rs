@@ -1,4 +1,4 @@
-//! The window onto campaigns, trials, logs and diagnoses.
+#![doc = include_str!("../README.md")]
 //!
 //! ```text
 //! journal, logs → Source (threads) → Snapshot (immutable) → views → egui → window | picture | test
@@ -8,6 +8,24 @@
 //! into a PNG without display or graphics card, the tests click its labels. Views are handed an immutable [`Snapshot`] and
 //! write nothing. A campaign that is started here runs in a thread and is watched like any other: through its directory.
 //! Figures are those of the HTML report ([`tribo_watch`]).
+//!
+//! ```
+//! use tribo_dashboard::{Dashboard, Options, picture};
+//!
+//! let here = std::env::temp_dir();
+//! let mut dashboard = Dashboard::new(Options {
+//!     open: None,
+//!     compare: None,
+//!     view: None,
+//!     clock: || "2000-01-01T00:00:00.000000+00:00".to_owned(),
+//!     immediate: true,
+//!     layout: None,
+//!     exports: here.clone(),
+//!     campaigns: here,
+//! });
+//! let drawn = picture([800, 600], false, |ui| dashboard.ui(ui));
+//! assert_eq!(drawn.size, [800, 600]);
+//! ```
 
 mod app;
 mod diagnosis_snapshot;

@@ -1,4 +1,4 @@
-//! Explains a measured log: what torque the rigid model leaves over, and how much of it is joint friction.
+#![doc = include_str!("../README.md")]
 //!
 //! ```text
 //! residual_j = F (tau_measured,j − model_j(q, qd, qdd)),      residual_j ≈ F (Fc tanh(qd/ε) + Fv qd + offset)
@@ -8,7 +8,8 @@
 //! never compared with raw. [`TorqueResidual`] is the signal chain from a log to that equation, burst by burst;
 //! [`Blocks`] cuts its samples into contiguous blocks with a dead margin between training and test;
 //! [`FrictionReport`] says per joint what remains without friction, with a given law, and with a fitted one on samples
-//! that the fit has not seen.
+//! that the fit has not seen. [`diagnose()`] asks all causes of [`CauseLabel`] what they explain of that residual, and answers with a
+//! [`Diagnosis`]: verdict, findings with intervals and rivals, the next experiment (steps and files: `STEPS.md` of this crate).
 //!
 //! ```
 //! use tribo_diagnose::{FrictionReport, FrictionSettings, ResidualSettings, TorqueResidual};
@@ -26,7 +27,7 @@
 //! ```
 //!
 //! Positions are the only motion signal used: qd and qdd are derivatives of smoothed q, which beats the logged dq.
-//! Leaves out, so far: named causes other than friction, their selection and their tests.
+//! Leaves out: arms with other than six or seven revolute joints; causes that are not in [`CauseLabel`], which it calls unknown.
 
 mod blocks;
 mod cause;

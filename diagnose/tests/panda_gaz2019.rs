@@ -1,6 +1,6 @@
-//! The public excitation log of a real Panda (Gaz et al. 2019), read where it is and never copied.
+//! The public excitation log of a real Panda (gaz2019), read where it is and never copied.
 //!
-//! Reference: sd of the residual per joint from an independent prototype (reference/closed_loop_notes.md §1), with
+//! Reference: sd of the residual per joint from an independent prototype, with
 //! filters of its own: [.38 .45 .41 .61 .33 .18 .28] Nm without friction, [.27 .46 .31 .32 .15 .09 .07] Nm with the
 //! published friction.
 
@@ -20,7 +20,7 @@ const SD_GAZ_NM: [f64; 7] = [0.27, 0.46, 0.31, 0.32, 0.15, 0.09, 0.07];
 /// around 10 Hz (the reference lies between our figures for 10 and 12 Hz), so 0.035 Nm is a difference of 2 Hz in roll-off.
 const TOLERANCE_NM: f64 = 0.035;
 
-/// Published friction of this unit (Gaz et al., RA-L 2019).
+/// Published friction of this unit (gaz2019).
 fn gaz_friction() -> FrictionModel<7> {
     let phi1_nm = [0.54615, 0.87224, 0.64068, 1.2794, 0.83904, 0.30301, 0.56489];
     let phi2_s_per_rad = [5.1181, 9.0657, 10.136, 5.5903, 8.3469, 17.133, 10.336];

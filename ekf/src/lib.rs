@@ -1,4 +1,4 @@
-//! The augmented-state wrench estimator (roveda2022 eqs. 16–26), discrete time, multiplicative in the orientation.
+#![doc = include_str!("../README.md")]
 //!
 //! ```text
 //! v̇ = u − Λ⁻¹ h + w_a,     ẋ = v,     ḣ = w_h,     y = x + n          Λ⁻¹ = J B⁻¹ Jᵀ
@@ -20,6 +20,36 @@
 //!
 //! [`WrenchEkf`] is the filter, [`AugmentedCovariance`] its 18×18 covariance in 6×6 blocks. Each update returns its evidence:
 //! innovation, its covariance, NIS. [`FrictionAwareEkf`] adds what is not known of friction to the covariance of the wrench.
+//!
+//! ```
+//! use nalgebra::{SVector, Vector6};
+//! use tribo_ekf::{WrenchEkf, WrenchEkfSettings};
+//! use tribo_robot::{ControlTerms, EstimatorInput, SensorFrame, WrenchEstimator, presets};
+//!
+//! let (arm, q, none) = (presets::panda(), presets::panda_ready_pose(), SVector::<f64, 7>::zeros());
+//! let mut ekf = WrenchEkf::new(WrenchEkfSettings::default());
+//! let terms = ControlTerms::at(&arm, &q, &none);
+//! let frame = SensorFrame { time_s: 0.0, q, qd: none, tau: none, theta: None };
+//! ekf.reset(&frame, &terms);
+//! // The arm stands still under its weight and 2 Nm more in joint 1: something holds the tool.
+//! let mut tau_motor = terms.gravity_nm;
+//! tau_motor[1] += 2.0;
+//! let mut estimate = None;
+//! for tick in 1..500 {
+//!     let frame = SensorFrame { time_s: f64::from(tick) * 1e-3, ..frame };
+//!     estimate = Some(ekf.step(&EstimatorInput {
+//!         frame: &frame,
+//!         terms: &terms,
+//!         tau_motor: &tau_motor,
+//!         tau_friction: &none,
+//!         acceleration_command: &Vector6::zeros(),
+//!         dt_s: 1e-3,
+//!     }));
+//! }
+//! let estimate = estimate.ok_or("it has run")?;
+//! assert!(estimate.wrench_base.force_n.norm() > 2.0 && estimate.nis.is_some());
+//! # Ok::<(), &str>(())
+//! ```
 
 mod covariance;
 mod friction_aware;

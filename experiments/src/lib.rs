@@ -1,5 +1,4 @@
-//! The numbered experiments: papers reproduced ([`reproduce`]), and logs with something hidden in them, on which the diagnosis is judged
-//! ([`hidden_effects`]).
+#![doc = include_str!("../README.md")]
 //!
 //! Each experiment's settings, expected figures and reading are in the folder of its number beside this source.
 

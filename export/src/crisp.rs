@@ -13,7 +13,7 @@ const CONTROLLER: &str = "cartesian_impedance_controller";
 const LEAST_SHARE: f64 = 1e-3;
 
 /// Parameters `use_friction` and `friction.fp1`, `fp2`, `fp3` of `crisp_controllers` (utiasDSL, `cartesian_controller.yaml`
-/// and `friction_model.hpp`), whose friction torque is the sigmoid of Gaz et al. 2019 at the measured velocity:
+/// and `friction_model.hpp`), whose friction torque is the sigmoid of gaz2019 at the measured velocity:
 ///
 /// ```text
 /// tau_f = fp1/(1 + exp(−fp2 (qd + fp3))) − fp1/(1 + exp(−fp2 fp3))

@@ -1,4 +1,4 @@
-//! Tuned compensators in the formats of other programs.
+#![doc = include_str!("../README.md")]
 //!
 //! | format | for | leaves out |
 //! |---|---|---|

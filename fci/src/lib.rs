@@ -1,5 +1,4 @@
-//! The Franka Control Interface (FCI), versions 5 (Panda) and 10 (FR3): a control unit that libfranka programs drive
-//! unchanged, before any [`tribo_robot::Plant`].
+#![doc = include_str!("../README.md")]
 //!
 //! [`ControlUnit`] is the unit without a network: motions, controllers, limits, reflexes, one call per period.
 //! [`Server`] puts it on TCP and UDP for one client at a time, in real time or in *lockstep*, where the arm moves one period

@@ -1,4 +1,4 @@
-//! Figures as data, and the ways to show them that need no window.
+#![doc = include_str!("../README.md")]
 //!
 //! ```text
 //! Figure = title + two scales (quantity, unit, frame) + layers   →   SVG, CSV, the page of a report

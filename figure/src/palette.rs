@@ -1,4 +1,4 @@
-//! Colours that people with colour-blindness tell apart (Okabe and Ito 2008), in a shade for light and one for dark paper.
+//! Colours that people with colour-blindness tell apart (okabe2008), in a shade for light and one for dark paper.
 
 /// Blue, vermilion, green, purple, orange, sky blue, grey, brown-yellow; on light paper.
 pub const PALETTE: [&str; 8] = ["#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#707070", "#B8A800"];

@@ -1,4 +1,4 @@
-//! Joint friction: laws, compensation, identification.
+#![doc = include_str!("../README.md")]
 //!
 //! ```text
 //! tau_f(qd) = Fv qd + Fc sign(qd)                                  Coulomb-viscous, roveda2022 eq. (27)

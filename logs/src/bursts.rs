@@ -5,7 +5,7 @@
 //! ```
 //!
 //! The default tolerance 1.5 is the contract for logs of a regular clock: one lost sample is a gap. A log with
-//! irregular stamps needs more: on the Panda log of Gaz 2019 (nominal 1 ms, repeats dropped) 1.5 gives 1360 bursts,
+//! irregular stamps needs more: on the Panda log of gaz2019 (nominal 1 ms, repeats dropped) 1.5 gives 1360 bursts,
 //! 3 gives 49, 5 gives 9 and 10 gives 2. Choose it so that interpolation across a gap is still believable.
 
 use std::ops::Range;

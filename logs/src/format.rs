@@ -11,7 +11,7 @@ pub enum LogFormat {
     CsvGz,
     /// Parquet with the canonical columns.
     Parquet,
-    /// Directory of text files of the Panda data of Gaz et al. 2019.
+    /// Directory of text files of the Panda data of gaz2019.
     PandaGaz,
     /// CSV of the Kinova Gen3 data of `dynamic-identification`, plain or gzip.
     KinovaGen3,

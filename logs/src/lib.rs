@@ -1,4 +1,4 @@
-//! Robot logs on disk: one reader and one writer per format, and nothing about robots beyond that.
+#![doc = include_str!("../README.md")]
 //!
 //! ```text
 //! file or directory  --read_log-->  (RobotLog, LogSummary)  --write_csv / write_parquet / write_mcap-->  file

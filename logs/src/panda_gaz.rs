@@ -1,4 +1,4 @@
-//! The Panda data of Gaz et al. 2019 as text files in a directory.
+//! The Panda data of gaz2019 as text files in a directory.
 //!
 //! ```text
 //! exciting_traj_time.txt                       n stamps (s), one per line

@@ -10,7 +10,7 @@
 //! rows and torques by the cubic pieces, because motion between rows then outweighs noise (at 100 Hz and 4 Hz of motion a
 //! line misses 0.8 % of the torque). Everything else, measured with noise: linear, which never amplifies noise.
 //! Why neither monotone PCHIP nor a C² spline: PCHIP flattens reversals, where friction shows, and is only second order
-//! on irregular stamps; the spline rings about stamps that jitter. On the Panda log of Gaz 2019, every second row held
+//! on irregular stamps; the spline rings about stamps that jitter. On the Panda log of gaz2019, every second row held
 //! out, the position error of joint 1 is 0.188 mrad (linear), 0.192 (this), 0.193 (PCHIP), 0.199 (spline): there the
 //! jitter of the stamps decides, and no interpolant repairs it.
 //! Leaves out: extrapolation, and anti-alias filtering when T is longer than the period of the log.

@@ -14,7 +14,7 @@ pub enum LawName {
     CoulombViscous,
     /// Coulomb, viscous and Stribeck.
     Stribeck,
-    /// The sigmoid of Gaz et al. 2019.
+    /// The sigmoid of gaz2019.
     GazSigmoid,
     /// Coulomb and viscous by direction.
     Asymmetric,

@@ -1,4 +1,4 @@
-//! The files that say what a robot is like, and what the controller believes of it: arm, friction, effects, trajectories, tuned compensators.
+#![doc = include_str!("../README.md")]
 //!
 //! Every file is YAML with a `schema`; an error names file, line, field and the allowed range ([`FileError`]).
 

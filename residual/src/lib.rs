@@ -1,5 +1,4 @@
-//! Wrench estimators on the torque residual: momentum observer, friction-band programme, thermal virtual sensor; and on the
-//! deflection of the gears: double encoders.
+#![doc = include_str!("../README.md")]
 //!
 //! ```text
 //! ṗ = τ + Cᵀ q̇ − g − (Jᵀ h + tau_f),   p = M q̇             [`MomentumObserver`] sees Jᵀ h + tau_f, 1/K late

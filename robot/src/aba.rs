@@ -5,7 +5,7 @@ use nalgebra::{Matrix3, Matrix6, SVector, Vector3, Vector6};
 use crate::Arm;
 use crate::sines::{sines, turned_about_z};
 
-/// Forward dynamics qdd [rad/s²] (Featherstone 2008, table 7.1), spatial vectors in link frames, angular part first.
+/// Forward dynamics qdd [rad/s²] (featherstone2008, table 7.1), spatial vectors in link frames, angular part first.
 ///
 /// ```text
 /// U = Iᴬ s,  D = sᵀU + Ir,  u = tau − sᵀ pᴬ

@@ -4,7 +4,7 @@ use nalgebra::{Matrix3, SVector, Vector3};
 
 use crate::{LinkInertia, Payload};
 
-/// One row of a modified Denavit–Hartenberg table (Craig 1989).
+/// One row of a modified Denavit–Hartenberg table (craig1989).
 ///
 /// ```text
 /// T(k−1, k) = RotX(alpha) TransX(a) RotZ(q_k) TransZ(d)
@@ -21,7 +21,7 @@ pub struct ModifiedDh {
     pub alpha_rad: f64,
 }
 
-/// One row of a standard Denavit–Hartenberg table (Denavit & Hartenberg 1955, as Paul 1981 writes it).
+/// One row of a standard Denavit–Hartenberg table (denavit1955, as paul1981 writes it).
 ///
 /// ```text
 /// T(k−1, k) = RotZ(q_k) TransZ(d) TransX(a) RotX(alpha)

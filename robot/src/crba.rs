@@ -6,7 +6,7 @@ use crate::Arm;
 use crate::inertia::{symmetric, turned};
 use crate::sines::{sines, turned_about_z};
 
-/// Joint-space mass matrix M(q) + diag(Ir) [kg m²] (Featherstone 2008, table 6.2), link frames.
+/// Joint-space mass matrix M(q) + diag(Ir) [kg m²] (featherstone2008, table 6.2), link frames.
 ///
 /// Column k is the torque of a unit acceleration of joint k, all others at rest: the composite body outboard of k
 /// needs force `z × m c` and moment `I_o z` in frame k, carried down to the base. Symmetric positive definite.

@@ -1,4 +1,4 @@
-//! Serial arms with `N` revolute joints: model, kinematics, dynamics, and the vocabulary every other crate shares.
+#![doc = include_str!("../README.md")]
 //!
 //! ```text
 //! tau_motor = M(q) qdd + C(q, qd) qd + g(q) + Ir qdd + tau_friction(qd) + Jᵀ h

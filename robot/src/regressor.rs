@@ -5,7 +5,7 @@ use nalgebra::{SMatrix, SVector, Vector3};
 use crate::link_motion::LinkMotion;
 use crate::{Arm, Kinematics};
 
-/// Regressor of the rigid-body torque in the ten inertial parameters of every link (Atkeson, An & Hollerbach 1986).
+/// Regressor of the rigid-body torque in the ten inertial parameters of every link (atkeson1986).
 ///
 /// ```text
 /// rnea(q, qd, qdd) = Σ_k Y_k(q, qd, qdd) π_k + Ir qdd,   π_k = [m, m c, I_o: xx xy xz yy yz zz]

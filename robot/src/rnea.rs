@@ -5,7 +5,7 @@ use nalgebra::{Matrix3, SVector, Vector3};
 use crate::sines::{sines, turned_about_z};
 use crate::{Arm, Kinematics};
 
-/// Inverse dynamics (Luh, Walker & Paul 1980), link frames, forward then backward pass.
+/// Inverse dynamics (luh1980), link frames, forward then backward pass.
 ///
 /// ```text
 /// ω_k  = Rᵀ ω + z qd          ω̇_k = Rᵀ ω̇ + (Rᵀ ω) × z qd + z qdd

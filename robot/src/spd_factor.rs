@@ -4,7 +4,7 @@ use nalgebra::{SMatrix, SVector};
 
 use crate::product::multiply_add;
 
-/// `A = L D Lᵀ`, L unit lower triangular, D diagonal: Cholesky without square roots (Golub & Van Loan 2013, §4.1).
+/// `A = L D Lᵀ`, L unit lower triangular, D diagonal: Cholesky without square roots (golub2013, §4.1).
 ///
 /// What nalgebra's `Cholesky` is for, with whole columns in the inner loops of the solutions, whose length the compiler then
 /// knows: factor and `J A⁻¹` of a 7×7 A and a 6×7 J take 150 ns instead of 400, and every tick needs four such factors.

@@ -27,7 +27,7 @@ pub fn well_conditioned_poses<const N: usize>(arm: &Arm<N>) -> [SVector<f64, N>;
     let (low, high) = (arm.limits.q_min_rad, arm.limits.q_max_rad);
     let middle = (low + high) * 0.5;
     let width = (high - low).map(|range| MIDDLE * range.min(WIDEST_RAD));
-    // Powers of the root of x^(N+1) = x + 1 fill N dimensions evenly (Roberts 2018).
+    // Powers of the root of x^(N+1) = x + 1 fill N dimensions evenly (roberts2018).
     let root = (0..60).fold(2.0_f64, |x, _| (1.0 + x).powf(1.0 / (N as f64 + 1.0)));
     let candidate = |k: usize| {
         let part = |j: usize| (0.5 + k as f64 * root.powi(-(j as i32 + 1))).fract() - 0.5;

@@ -1,4 +1,4 @@
-//! The tick: sense, estimate, decide, limit, actuate, record.
+#![doc = include_str!("../README.md")]
 //!
 //! [`ControlLoop::tick`] is one period of the 1 kHz loop. It drives any [`tribo_robot::Plant`] with any
 //! [`tribo_robot::WrenchEstimator`], allocates nothing, never panics, and reads no clock: time comes with the sensor

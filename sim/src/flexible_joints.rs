@@ -6,7 +6,7 @@ use tribo_robot::SpdFactor;
 use crate::hidden::Elasticity;
 use crate::projected_gauss_seidel::solve_friction;
 
-/// Flexible-joint arm (Spong 1987) at velocity level, springs implicit; v link and w motor velocity, δ = motor − link:
+/// Flexible-joint arm (spong1987) at velocity level, springs implicit; v link and w motor velocity, δ = motor − link:
 ///
 /// ```text
 /// M v⁺ = M v + h b + λ,     Ir w⁺ = Ir w + h (tau − offset − Fv w⁺) − p − λ,     b = −bias − Jᵀ h_ext

@@ -1,4 +1,4 @@
-//! What is true: a simulated arm with set-valued joint friction, its sensors, and the scenarios they play.
+#![doc = include_str!("../README.md")]
 //!
 //! ```text
 //! M(q) q̈ + C(q, q̇) q̇ + g(q) + Ir q̈ + tau_f + Jᵀ h = tau_motor,     tau_f ∈ friction(q̇)

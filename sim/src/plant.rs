@@ -16,7 +16,7 @@ use crate::{DryFriction, Sensors, TorqueSide, Truth, WrenchPulses};
 /// Sub-steps per control period when nothing else is asked for.
 pub const DEFAULT_SUB_STEPS: usize = 5;
 
-/// Velocity-level plant (Moreau 1988) with n sub-steps h per control period:
+/// Velocity-level plant (moreau1988) with n sub-steps h per control period:
 ///
 /// ```text
 /// A = (M + h diag(Fv))⁻¹,   v* = A (M v + h (tau − bias − Jᵀ h_ext − offset))

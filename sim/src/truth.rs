@@ -94,7 +94,7 @@ impl Truth<7> {
         Self::new(presets::panda(), TypicalFriction::panda().lugre())
     }
 
-    /// Panda with the smooth, asymmetric friction identified by Gaz et al. 2019 (link side of one real arm).
+    /// Panda with the smooth, asymmetric friction identified by gaz2019 (link side of one real arm).
     pub fn panda_gaz() -> Self {
         Self::new(presets::panda(), FrictionModel { joints: panda_gaz_joints().map(Into::into) })
     }
@@ -105,7 +105,7 @@ impl Truth<7> {
     }
 }
 
-/// Friction sigmoids of one Panda (Gaz et al., RA-L 2019).
+/// Friction sigmoids of one Panda (gaz2019).
 pub fn panda_gaz_joints() -> [GazSigmoid; 7] {
     let phi1 = [0.54615, 0.87224, 0.64068, 1.2794, 0.83904, 0.30301, 0.56489];
     let phi2 = [5.1181, 9.0657, 10.136, 5.5903, 8.3469, 17.133, 10.336];

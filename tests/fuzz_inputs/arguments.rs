@@ -6,7 +6,7 @@ use std::ffi::OsString;
 use clap::{CommandFactory, FromArgMatches};
 use tribo_campaign::study::Shard;
 
-#[path = "../../cli/src/arguments.rs"]
+#[path = "../../cli/src/arguments/mod.rs"]
 #[allow(missing_docs, dead_code, reason = "the command line as the binary has it, which has no library")]
 mod command_line;
 

@@ -1,6 +1,6 @@
 //! Small damages to bytes, the same in every run.
 
-/// Marsaglia's xorshift: damages need variety, not quality.
+/// Marsaglia's xorshift (marsaglia2003): damages need variety, not quality.
 pub struct XorShift(pub u64);
 
 impl XorShift {

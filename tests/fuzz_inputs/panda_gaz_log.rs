@@ -1,4 +1,4 @@
-//! The directory of four text files of Gaz et al. 2019.
+//! The directory of four text files of gaz2019.
 
 use tribo_logs::read_log;
 

@@ -1,4 +1,4 @@
-//! Crates point one way (DESIGN §2), and files keep a friendly size.
+//! Crates point one way (ARCHITECTURE.md, Direction), and files keep a friendly size.
 //!
 //! ```text
 //! robot friction bayesopt logs figure  ←  control ekf residual sim  ←  runtime diagnose  ←  model  ←  campaign export fci

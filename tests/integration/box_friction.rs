@@ -1,7 +1,7 @@
-//! The simulated plant keeps the promises of velocity-level box friction (Moreau 1988): it sticks truly, it dissipates,
+//! The simulated plant keeps the promises of velocity-level box friction (moreau1988): it sticks truly, it dissipates,
 //! and its answer does not depend on the step length.
 //!
-//! Tolerances: the bars of the closed-loop notes §8 (J within 0.2 % from 1 to 50 sub-steps, |qd| < 1e-9 rad/s in stick),
+//! Tolerances: the bars of the prototype (J within 0.2 % from 1 to 50 sub-steps, |qd| < 1e-9 rad/s in stick),
 //! rounding where the scheme is exact (impulse balance), first order in the period where it is not (energy).
 
 use nalgebra::{Matrix3, SVector, Vector3};
@@ -44,7 +44,7 @@ fn fastest_under(truth: &Truth<7>, extra: &Joints, sub_steps: usize) -> f64 {
     })
 }
 
-/// Noise-free encoders, as for the notes' table: encoder noise alone moves J by 2–3 % near the optimum.
+/// Noise-free encoders, as for the prototype's table: encoder noise alone moves J by 2–3 % near the optimum.
 #[test]
 fn cost_does_not_depend_on_the_sub_steps() {
     let truth = Truth::panda_coulomb_viscous();

@@ -1,7 +1,7 @@
 //! What a trial costs: the tables that the tuning strategies are measured against.
 //!
-//! Reference: closed-loop notes §2 and §8, an independent prototype of the same physics (ready pose, paper phases, ±3 %
-//! repeatability). Rows are means over [`SEEDS`]. Tolerances are the notes' acceptance bars where they give one (J0 ±0.5,
+//! Reference: an independent prototype of the same physics (ready pose, paper phases, ±3 %
+//! repeatability). Rows are means over [`SEEDS`]. Tolerances are the prototype's acceptance bars where they give one (J0 ±0.5,
 //! measured oracle ±0.8, reference and hybrid ±0.3, frictionless ±0.2) and otherwise the larger of 3 % and 0.3, which is
 //! three of the prototype's own standard deviations.
 
@@ -62,7 +62,7 @@ fn frictionless_meets_the_acceptance_bar() {
     assert_row("frictionless Dn 50", row(&Truth::panda_frictionless(), 50.0), [2.25; 4], [0.2; 4]);
 }
 
-/// The notes' table was made with Dn = 5 1/s.
+/// The prototype's table was made with Dn = 5 1/s.
 #[test]
 fn coulomb_viscous_agrees_with_the_table() {
     let expected = [24.15, 12.2, 3.08, 3.08];
@@ -88,8 +88,8 @@ fn gaz_agrees_with_the_table() {
 }
 
 /// Regression. Without the pre-roll, eq. (35) starts with a jump of up to 2.5 cm and 5°. The jump, not the friction, is then
-/// what J reports: measured 9.3 in hybrid mode instead of 3.0 (the notes' prototype: 15 instead of 3). The tool's 15 Hz
-/// acceleration, as the length of a vector, passes the 5 m/s² and 30 rad/s² that the notes penalise (notes: 6 and 34).
+/// what J reports: measured 9.3 in hybrid mode instead of 3.0 (the prototype: 15 instead of 3). The tool's 15 Hz
+/// acceleration, as the length of a vector, passes the 5 m/s² and 30 rad/s² that the prototype penalises (prototype: 6 and 34).
 #[test]
 fn without_the_pre_roll_the_first_jump_is_what_is_measured() {
     let truth = Truth::panda_coulomb_viscous();

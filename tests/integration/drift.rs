@@ -24,7 +24,7 @@ fn instantaneous_oracle(tune: &tribo_campaign::ValidTune<7>, number: usize) -> f
 }
 
 /// Friction falls to 74 % over fifty trials. From trial 3 on (counted from 1) every trial costs at most 1.10 of what knowing the friction of that moment
-/// would, by reference velocity, which hides nothing (`closed_loop_notes` §5: frozen parameters end at 2.6).
+/// would, by reference velocity, which hides nothing (an independent prototype: frozen parameters end at 2.6).
 #[test]
 fn grey_box_follows_friction_that_fades() {
     let config = TuneConfig {

@@ -5,7 +5,7 @@
 //! [`WrenchEstimator::step`] (motor torque, friction believed, gravity, J̇ qd); the truth forms its acceleration by another
 //! route (articulated bodies, ABA).
 //!
-//! Bounds: NEES of 18 and 6 degrees of freedom in [16, 20] and [5.5, 6.5] (notes §8); a sample every 50 ms (two delays of
+//! Bounds: NEES of 18 and 6 degrees of freedom in [16, 20] and [5.5, 6.5] (the prototype); a sample every 50 ms (two delays of
 //! the filter) over 16 seeds of 4 s makes about 1100 nearly independent ones, so the standard errors are 0.18 and 0.10.
 //! NIS of a matched filter is white: 4 standard errors of a chi-square mean over all ticks.
 
@@ -176,7 +176,7 @@ fn a_matched_filter_is_consistent() {
 }
 
 /// Power check: a filter that takes its encoders to be twice as good as they are is found out by every statistic
-/// (notes: NEES 38.7 and 8.3).
+/// (prototype: NEES 38.7 and 8.3).
 #[test]
 fn overconfidence_is_found_out() {
     let settings =

@@ -4,7 +4,7 @@
 //! The frictionless Panda is held at its ready pose by the controller (fixed set-point, nobody compensates anything). A
 //! plant of our own pushes its tool by subtracting Jᵀ h from the motor torque behind the loop's back, so the filter is
 //! given the command and not the push. Gain and phase come from correlating estimate and push over whole cycles.
-//! Bars: notes §3 and §8 (DC gain 1.00 ± 0.01, −3 dB at 12.5 Hz / 13.3 Hz ± 10 %, floor 0.13 N / 0.03 Nm).
+//! Bars: the prototype (DC gain 1.00 ± 0.01, −3 dB at 12.5 Hz / 13.3 Hz ± 10 %, floor 0.13 N / 0.03 Nm).
 //! Witness: the steady state of a dense Riccati recursion predicts the whole response; 0.005 is left for the moving arm
 //! (measured 0.0015).
 
@@ -106,7 +106,7 @@ fn cutoff_hz(gain: impl Fn(f64) -> f64) -> f64 {
     0.5 * (low + high)
 }
 
-/// The notes' numbers are those of the two slowest axes, where the tool is heaviest: force along x, moment about y. The
+/// The prototype's numbers are those of the two slowest axes, where the tool is heaviest: force along x, moment about y. The
 /// others are lighter, hence faster (w0 ∝ Λ^(−1/3)).
 #[test]
 fn the_bandwidth_is_the_notes() {
@@ -182,7 +182,7 @@ fn the_response_on_the_arm_is_the_riccati_prediction() {
     println!("worst difference {worst:.2e}; predicted -3 dB {predicted:.2?} Hz");
 }
 
-/// [`WrenchEstimator::delay_s`] (20 ms) is within 15 % of the phase delay of the slowest force axis at 2 Hz (notes: 21.5 ms
+/// [`WrenchEstimator::delay_s`] (20 ms) is within 15 % of the phase delay of the slowest force axis at 2 Hz (prototype: 21.5 ms
 /// force, 16 ms moment) and no shorter than that of any other axis.
 #[test]
 fn the_stated_delay_is_the_delay() {

@@ -1,5 +1,5 @@
 //! What the wrench filter reports is the wrench by the robot on the environment, plus the friction that was not
-//! compensated: `h_hat = h + J̄ᵀ (tau_f − tau_f_hat)`, `J̄ᵀ = Λ J B⁻¹` (notes §3).
+//! compensated: `h_hat = h + J̄ᵀ (tau_f − tau_f_hat)`, `J̄ᵀ = Λ J B⁻¹`.
 //!
 //! The arm follows a prescribed fast motion; recursive Newton–Euler says which motor torque that takes against a known
 //! contact and friction; the filter sees exact joint states and that torque. Every sign of the known input is in this

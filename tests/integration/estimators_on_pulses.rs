@@ -1,7 +1,7 @@
 //! The hand that pushes, seen by the momentum observer and by the friction band: 15 N / 2.5 Nm on each axis in turn.
 //!
 //! The same trial as `wrench_on_pulses`, one seed, in the loop. Beside the error, the share of (sample, component) pairs
-//! whose truth lies in the stated 95 % interval. Bars of the band: notes §8 (no compensation: moving 1.2 N / 0.17 Nm,
+//! whose truth lies in the stated 95 % interval. Bars of the band: the prototype (no compensation: moving 1.2 N / 0.17 Nm,
 //! fixed 1.7 / 0.2). The observer is told the band too: it takes the band's mean off, and its interval holds.
 
 use nalgebra::SVector;

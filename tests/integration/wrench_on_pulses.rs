@@ -1,7 +1,7 @@
 //! How well the filter sees a hand that pushes: 15 N / 2.5 Nm plateaus on each axis, one after the other.
 //!
 //! RMSE over the judged 30 s, pulses, ramps and pauses alike, pooled over the three axes of force and of moment, mean over
-//! three seeds; truth is what the plant felt during the period before the sample. Bars: notes §8 (frictionless
+//! three seeds; truth is what the plant felt during the period before the sample. Bars: the prototype (frictionless
 //! 0.25 N / 0.05 Nm; hybrid oracle compensation moving 0.8 / 0.15, fixed 1.1 / 0.15).
 
 use tribo_campaign::run_trial_observed;
@@ -53,7 +53,7 @@ fn with_the_true_friction_compensated() {
     assert_within("hybrid oracle, fixed", rmse(&truth, &truth.friction, false), 1.1, 0.15);
 }
 
-/// What compensation buys: without it the error is that of notes §3 (2.8 N / 0.5 Nm moving; half of it is the least asked).
+/// What compensation buys: without it the error is that of the prototype (2.8 N / 0.5 Nm moving; half of it is the least asked).
 #[test]
 fn uncompensated_friction_is_what_the_filter_sees_instead() {
     let truth = Truth::panda_coulomb_viscous();

@@ -1,4 +1,4 @@
-//! Campaigns to look at: what is on the disk as immutable snapshots, and the figures of both.
+#![doc = include_str!("../README.md")]
 //!
 //! ```text
 //! campaign.yaml + journal.log → CampaignWatch → CampaignSnapshot → campaign_figures ┐

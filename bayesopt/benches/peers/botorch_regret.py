@@ -23,7 +23,7 @@ MASK = (1 << 64) - 1
 
 
 class RandomSource:
-    """The random source of reference/FUNCTIONS.md §0."""
+    """The random source of docs/optimiser_problems.md."""
 
     def __init__(self, k):
         self.state = (k * 0x9E3779B97F4A7C15 + 0xD1B54A32D192ED03) & MASK

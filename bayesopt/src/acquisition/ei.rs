@@ -3,7 +3,7 @@
 use super::AcquisitionSlope;
 use super::normal::{normal_cdf, normal_pdf};
 
-/// `EI = sd·(φ(z) + z Φ(z)),   z = (best − mean)/sd`   (Močkus 1975; Jones et al. 1998), for minimisation.
+/// `EI = sd·(φ(z) + z Φ(z)),   z = (best − mean)/sd`   (mockus1975, jones1998), for minimisation.
 ///
 /// `∂EI/∂mean = −Φ(z)`, `∂EI/∂sd = φ(z)`. All in target units, `sd > 0`.
 pub fn expected_improvement(mean: f64, sd: f64, best: f64) -> AcquisitionSlope {

@@ -5,7 +5,7 @@ use std::f64::consts::PI;
 use super::AcquisitionSlope;
 use super::normal::{TAIL, normal_cdf, normal_pdf, tail_w};
 
-/// `LogEI = ln sd + ln h(z),   h = φ(z) + z Φ(z),   z = (best − mean)/sd`   (Ament et al. 2023, eq. 9).
+/// `LogEI = ln sd + ln h(z),   h = φ(z) + z Φ(z),   z = (best − mean)/sd`   (ament2023, eq. 9).
 ///
 /// `∂/∂mean = −h'/(h sd)`, `∂/∂sd = (1 − z h'/h)/sd`, h' = Φ. Finite for every finite z: where h
 /// underflows, h = φ·w with w from its asymptotic series. Target units, `sd > 0`.

@@ -46,7 +46,7 @@ mod tests {
 
     #[test]
     fn table_values() {
-        // Abramowitz & Stegun table 26.1 and, in the tail, 50-digit values of ½ erfc(−z/√2).
+        // abramowitz1964, table 26.1 and, in the tail, 50-digit values of ½ erfc(−z/√2).
         for (z, want) in [
             (0.0, 0.5),
             (1.0, 0.841_344_746_068_542_9),

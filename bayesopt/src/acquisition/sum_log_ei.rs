@@ -26,8 +26,8 @@ pub struct Part {
 /// ln 1/M Σ_m τ softplus((J_best − Σ_k c_k(mean_k + f sd_k z_mk))/τ),    τ = 0.01 J_best
 /// ```
 ///
-/// z: scrambled Sobol points made normal, the same for every x, so that the function is smooth (Balandat et al. 2020). A sum knows
-/// more than its total: each part is smoother than the whole, and its maximum of many is not lost in the others (Astudillo and Frazier 2019).
+/// z: scrambled Sobol points made normal, the same for every x, so that the function is smooth (balandat2020). A sum knows
+/// more than its total: each part is smoother than the whole, and its maximum of many is not lost in the others (astudillo2019).
 #[derive(Debug)]
 pub struct SumLogEi {
     parts: Vec<Part>,
@@ -114,7 +114,7 @@ impl Worth for SumLogEi {
     }
 }
 
-/// Two normal numbers from each two uniform ones: `√(−2 ln(1 − u)) (cos 2πv, sin 2πv)` (Box and Muller 1958).
+/// Two normal numbers from each two uniform ones: `√(−2 ln(1 − u)) (cos 2πv, sin 2πv)` (boxmuller1958).
 fn normal_pairs(uniform: &[f64]) -> Vec<f64> {
     let pair = |uv: &[f64]| {
         let (radius, angle) = ((-2.0 * (1.0 - uv[0]).ln()).sqrt(), 2.0 * std::f64::consts::PI * uv[1]);

@@ -38,7 +38,7 @@ impl Worth for OneOutput<'_> {
     }
 }
 
-/// `a(x) + ln P(x)`: a logarithmic acquisition of the trials that do not fail (Gardner et al. 2014).
+/// `a(x) + ln P(x)`: a logarithmic acquisition of the trials that do not fail (gardner2014).
 #[derive(Clone, Copy)]
 pub struct OfFinished<'a> {
     /// a, a logarithm.

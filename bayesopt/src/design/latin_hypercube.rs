@@ -5,7 +5,7 @@ use rand::RngExt;
 use crate::random::{Purpose, stream};
 
 /// Point `index` of a Latin hypercube with `count` points:  `u_i = (π_i(index) + r_i)/count`
-/// (McKay et al. 1979), π_i a random permutation per coordinate, r_i ~ U[0,1); unit coordinates.
+/// (mckay1979), π_i a random permutation per coordinate, r_i ~ U[0,1); unit coordinates.
 ///
 /// Index `count` begins the next, independent hypercube. `count = 0` is read as 1.
 pub fn latin_hypercube_point(dimension: usize, index: usize, count: usize, seed: u64) -> Vec<f64> {

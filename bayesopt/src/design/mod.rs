@@ -30,7 +30,7 @@ pub enum Design {
         start: Vec<f64>,
         /// Share of the box used by the first point after the start. Default 0.1: small steps cannot crash.
         first_factor: f64,
-        /// Share of the box used by the last point. Default 0.6: measured best in `closed_loop_notes` §4.
+        /// Share of the box used by the last point. Default 0.6: measured best on an early prototype of the loop.
         last_factor: f64,
     },
 }

@@ -14,7 +14,7 @@ pub fn growth_factor(index: usize, count: usize, first: f64, last: f64) -> f64 {
 /// Safe growth:  `u_0 = start,  u_i = start + f_i (s_i − start)`, s the Sobol sequence, f_i the growth factor.
 ///
 /// A convex combination, so it never leaves the box. All in unit coordinates.
-/// Starting from zero compensation is worth more than any kernel: `closed_loop_notes` §4, row "z".
+/// Starting from zero compensation is worth more than any kernel: measured on an early prototype of the loop.
 pub fn safe_growth_point(start: &[f64], index: usize, count: usize, first: f64, last: f64, seed: u64) -> Vec<f64> {
     if index == 0 {
         return start.to_vec();

@@ -9,7 +9,7 @@ const TABLE_DIMENSIONS: usize = 256;
 /// Longest sequence of one scramble (`sobol_burley` 0.5).
 const SEQUENCE_LENGTH: usize = 1 << 16;
 
-/// Point `index` of the Owen-scrambled Sobol sequence of `seed` (Burley 2020), unit coordinates in `[0, 1)`.
+/// Point `index` of the Owen-scrambled Sobol sequence of `seed` (burley2020), unit coordinates in `[0, 1)`.
 ///
 /// Every 2^k-aligned block of 2^k points is a (t, m, d)-net. Values have the 24 bits of `f32`.
 /// Beyond 256 coordinates or 65536 points a new scramble is padded on, as Burley describes.

@@ -16,7 +16,7 @@ use crate::kernel::{Kernel, KernelFamily};
 /// L_m L_mᵀ = K_mm,   L_B L_Bᵀ = I + A Aᵀ/σ_n²,   A = L_m⁻¹ K_mn
 /// ```
 ///
-/// Rasmussen & Williams 2006, eqs. (8.27), (8.28). All n observations enter; the m points only carry the functions that the
+/// rasmussen2006, eqs. (8.27), (8.28). All n observations enter; the m points only carry the functions that the
 /// mean is made of. They are chosen greedily, each the point that the others say least about (pivoted Cholesky), until
 /// there are `most` of them or no point has a prior variance above σ_n²/1000 left. With m = n it is the exact process.
 /// A prediction costs m kernels and 2 m² and allocates nothing.

@@ -12,7 +12,7 @@ use crate::kernel::KernelShape;
 /// ∂ ln p/∂θ_j = ½ tr( (α αᵀ − (K + σ_n² I)⁻¹) ∂K/∂θ_j )
 /// ```
 ///
-/// Rasmussen & Williams 2006, eqs. (2.30), (5.9). θ as in [`HyperParameters::from_log`]; points n × d, targets n.
+/// rasmussen2006, eqs. (2.30), (5.9). θ as in [`HyperParameters::from_log`]; points n × d, targets n.
 /// `log_posterior` adds the prior densities of ℓ, σ_f² and σ_n². Leaves out: a mean function (standardise the targets).
 #[derive(Debug, Clone)]
 pub struct MarginalLikelihood<'a> {

@@ -27,7 +27,7 @@ use crate::kernel::{Kernel, KernelShape};
 /// var(x)  = k(x, x) − |L⁻¹ k(x)|²,   L Lᵀ = K + σ_n² I
 /// ```
 ///
-/// Rasmussen & Williams 2006, algorithm 2.1. Variance is that of the noise-free function.
+/// rasmussen2006, algorithm 2.1. Variance is that of the noise-free function.
 #[derive(Debug, Clone)]
 pub struct Gp {
     kernel: Kernel,

@@ -40,8 +40,7 @@ pub enum HyperPrior {
     /// median of 8 seeds of `examples/regret.rs`).
     ///
     /// The length-scale grows as √d, as the distance of random points does, so that the model
-    /// stays as simple in 50-D as in 2-D (Hvarfner, Hellsten & Nardi 2024, "Vanilla Bayesian
-    /// optimization performs great in high dimensions"). Costs are standardised, hence σ_f² near 1.
+    /// stays as simple in 50-D as in 2-D (hvarfner2024). Costs are standardised, hence σ_f² near 1.
     ///
     /// The length-scales are pooled: times `exp(−½ Σ ((ln ℓ_i − mean ln ℓ)/0.3)²)`. Fifty trials cannot tell 14 relevances
     /// apart, and those that a likelihood finds by chance mislead (ackley14: 8.6 instead of 9.1 at 0.5, median of 20 seeds).

@@ -2,7 +2,7 @@
 
 /// `ρ = (1 + √5 r + 5r²/3) e^{−√5 r}`  and  `dρ/dr² = −(5/6)(1 + √5 r) e^{−√5 r}`.
 ///
-/// Rasmussen & Williams 2006, eq. (4.17). `r2 = r² >= 0`, dimensionless.
+/// rasmussen2006, eq. (4.17). `r2 = r² >= 0`, dimensionless.
 #[inline]
 pub fn correlation_and_slope(r2: f64) -> (f64, f64) {
     let s = (5.0 * r2).sqrt();

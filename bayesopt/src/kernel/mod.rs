@@ -38,7 +38,7 @@ pub enum Structure {
     /// `ρ(r²)`: everything may interact with everything.
     Joint,
     /// `(1 − s) ρ(r²) + s Σ_i ρ(d r_i²)/d`, s = 0.8: mostly a sum of functions of one coordinate each
-    /// (Duvenaud, Nickisch & Rasmussen 2011), which d observations per function can tell apart. d r_i² has the mean of r²,
+    /// (duvenaud2011), which d observations per function can tell apart. d r_i² has the mean of r²,
     /// so one length-scale means the same in both terms.
     Additive,
 }

@@ -2,7 +2,7 @@
 
 /// `ρ = e^{−r²/2}`  and  `dρ/dr² = −ρ/2`.
 ///
-/// Rasmussen & Williams 2006, eq. (4.9). `r2 = r² >= 0`, dimensionless.
+/// rasmussen2006, eq. (4.9). `r2 = r² >= 0`, dimensionless.
 #[inline]
 pub fn correlation_and_slope(r2: f64) -> (f64, f64) {
     let rho = (-0.5 * r2).exp();

@@ -15,9 +15,9 @@ use crate::random::{Purpose, scramble_key, stream};
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct SearchSettings {
-    /// Sobol points over the region. Default 1000 (`closed_loop_notes` §4).
+    /// Sobol points over the region. Default 1000 (enough on an early prototype).
     pub candidates: usize,
-    /// Random perturbations of the incumbent. Default 1000 (`closed_loop_notes` §4).
+    /// Random perturbations of the incumbent. Default 1000 (enough on an early prototype).
     pub perturbations: usize,
     /// Candidates refined by projected L-BFGS, half of them from the perturbations. Default 4.
     pub refined: usize,
@@ -43,7 +43,7 @@ pub struct Maximum {
 /// Perturbations have a deviation drawn log-uniformly between these, in unit coordinates:
 /// from the polish of a converged run to a fifth of the box.
 const PERTURBATION_SD: [f64; 2] = [1e-3, 0.2];
-/// Expected number of coordinates moved by a perturbation, as in TuRBO (Eriksson et al. 2019).
+/// Expected number of coordinates moved by a perturbation, as in TuRBO (eriksson2019).
 const MOVED_COORDINATES: f64 = 20.0;
 /// Descents from one start; each but the first below what the limit cut off the one before.
 const DESCENTS: usize = 4;

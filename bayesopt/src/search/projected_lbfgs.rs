@@ -78,14 +78,14 @@ pub struct Minimum {
     pub end: DescentEnd,
 }
 
-/// Sufficient decrease of the Armijo rule (Nocedal & Wright 2006, §3.1).
+/// Sufficient decrease of the Armijo rule (nocedal2006, §3.1).
 const ARMIJO: f64 = 1e-4;
 /// Most halvings of one step.
 const BACKTRACKS: usize = 25;
 
 /// `x ← P(x + t d)`, d the L-BFGS direction of the coordinates not held by a bound, t by Armijo backtracking.
 ///
-/// Projected quasi-Newton (Bertsekas 1982; Nocedal & Wright 2006, algorithm 7.4 for d). Chosen over
+/// Projected quasi-Newton (bertsekas1982; nocedal2006, algorithm 7.4 for d). Chosen over
 /// a smooth box transform because optima of friction compensation lie *on* the box, where a
 /// transform has zero slope or infinite coordinates; and over the line searches of argmin 0.11,
 /// which know no bounds and end in an error at the first non-finite value — here that is a rejected step.

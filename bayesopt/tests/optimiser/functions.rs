@@ -1,4 +1,4 @@
-//! The test problems are the reference's: random source §0 and check values §4.3 of `reference/FUNCTIONS.md`.
+//! The test problems are those of `docs/optimiser_problems.md`: its random source and its check values.
 
 use crate::common::PROBLEMS;
 use crate::common::random_source::RandomSource;

@@ -1,4 +1,4 @@
-//! Log marginal likelihood of the joint-deformation regression, reference numbers of `reference/FUNCTIONS.md` §3
+//! Log marginal likelihood of the joint-deformation regression, reference numbers of `docs/optimiser_problems.md`
 //! (n = 960, d = 6; agreed upon by scikit-learn, GPy and GPyTorch).
 
 use crate::deformation::data;

@@ -1,6 +1,6 @@
-//! Does the search find minima? Median simple regret over eight seeds, protocol of `reference/FUNCTIONS.md` §4.0.
+//! Does the search find minima? Median simple regret over eight seeds, protocol of `docs/optimiser_problems.md`.
 //!
-//! Thresholds are what counts as solved (branin2), the best peer of `reference/peers.md` (fric14, 14.2), and, on hartmann6,
+//! Thresholds are what counts as solved (branin2), the best peer in that file (fric14, 14.2), and, on hartmann6,
 //! where the second-best basin at 0.119 is a matter of luck, BoTorch LogEI (0.207).
 
 use crate::common::{PROBLEMS, Problem, median, random_regret, simple_regret};

@@ -1,6 +1,6 @@
 //! Posterior and marginal likelihood of the exact Gaussian process against scikit-learn's `GaussianProcessRegressor`.
 //!
-//! Both follow Rasmussen & Williams 2006, algorithm 2.1, and share no line: kernels, factorisation and gradients are written
+//! Both follow rasmussen2006, algorithm 2.1, and share no line: kernels, factorisation and gradients are written
 //! twice. Its `alpha` is our σ_n², with which it predicts the noise-free function as we do; its likelihood takes the same
 //! number as a `WhiteKernel`, because only then is there a gradient in ln σ_n².
 

@@ -18,7 +18,7 @@ impl<const N: usize> Strategy<N> for Constant {
     }
 }
 
-/// The friction published by Gaz et al. 2019 for one real Panda.
+/// The friction published by gaz2019 for one real Panda.
 pub(crate) fn published_gaz<const N: usize>() -> Result<FrictionModel<N>, StrategyError> {
     let joints: [JointFriction; 7] = panda_gaz_joints().map(Into::into);
     Ok(FrictionModel { joints: joints.as_slice().try_into().map_err(|_| StrategyError::NotAPanda)? })

@@ -13,7 +13,7 @@ const WALL: f64 = 10.0;
 /// What a trial without cost counts as: worse than any.
 const NO_COST: f64 = f64::MAX;
 
-/// Covariance matrix adaptation (Hansen 2016) from the centre of the box, population `4 + ⌊3 ln d⌋`, points outside the box are put on
+/// Covariance matrix adaptation (hansen2016) from the centre of the box, population `4 + ⌊3 ln d⌋`, points outside the box are put on
 /// its wall and cost more, by a factor that grows with the way; else the search would wander off unpunished. An aborted trial counts with its penalty.
 ///
 /// The crate minimises a function; what is wanted is the next point of a search whose costs come from a journal. So the search

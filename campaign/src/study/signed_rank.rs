@@ -10,7 +10,7 @@ const EXACT: usize = 60;
 /// ```
 ///
 /// Zeros are left out, ties share their mean rank; the distribution is exact up to 60 pairs, ties included, beyond that normal with
-/// the variance of tied ranks. Source: Wilcoxon, Biometrics Bulletin 1 (1945) 80–83. None without a difference.
+/// the variance of tied ranks. Source: wilcoxon1945. None without a difference.
 pub fn signed_rank_p(differences: &[f64]) -> Option<f64> {
     let mut nonzero: Vec<f64> = differences.iter().copied().filter(|d| *d != 0.0 && d.is_finite()).collect();
     nonzero.sort_by(|a, b| a.abs().total_cmp(&b.abs()));

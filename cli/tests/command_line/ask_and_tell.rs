@@ -1,6 +1,6 @@
 //! Story: somebody tunes a robot that only they can run.
 //!
-//! `ask` hands out parameters, `tell` takes logs. With `tribo simulate` in the place of the robot, the loop of the README ends
+//! `ask` hands out parameters, `tell` takes logs. With `tribo simulate` in the place of the robot, the loop of `docs/your_robot.md` ends
 //! with the costs of `tribo tune`, to the last bit; trials in flight, failures, logs that are not what they should be and
 //! processes that die change nothing that was told.
 
@@ -12,12 +12,12 @@ use std::process::{Command, Stdio};
 use crate::common::{journal, journal_lines, run, scratch, start};
 use serde_json::Value;
 
-/// The fenced shell block of the README that speaks of `tribo ask` in a loop.
-fn loop_of_the_readme() -> String {
-    let readme = std::fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join("../README.md")).unwrap();
+/// The fenced shell block of `docs/your_robot.md` that speaks of `tribo ask` in a loop.
+fn loop_of_the_document() -> String {
+    let readme = std::fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join("../docs/your_robot.md")).unwrap();
     let blocks = readme.split("```sh\n").skip(1).map(|rest| rest.split("```").next().unwrap());
     let mut told = blocks.filter(|block| block.contains("tribo ask") && block.contains("done"));
-    told.next().expect("the README shows the loop").to_owned()
+    told.next().expect("the document shows the loop").to_owned()
 }
 
 fn costs(trials: &Value) -> Vec<String> {
@@ -35,16 +35,16 @@ fn ask_and_run(at: &Path, number: usize, flags: &str, name: &str) -> Value {
 }
 
 #[test]
-fn the_loop_of_the_readme_ends_with_the_costs_of_tune() {
+fn the_loop_of_the_document_ends_with_the_costs_of_tune() {
     let at = scratch();
-    // The shell finds the binary under the name that the README calls it by.
+    // The shell finds the binary under the name that the document calls it by.
     let bin = at.path().join("bin");
     std::fs::create_dir(&bin).unwrap();
     let binary = std::env::var_os("TRIBO_BIN").unwrap_or_else(|| env!("CARGO_BIN_EXE_tribo").into());
     std::fs::copy(binary, bin.join("tribo")).unwrap();
     let path = format!("{}:{}", bin.display(), std::env::var("PATH").unwrap());
     let output = Command::new("sh")
-        .args(["-euc", &loop_of_the_readme()])
+        .args(["-euc", &loop_of_the_document()])
         .env("PATH", path)
         .current_dir(at.path())
         .stdin(Stdio::null())

@@ -1,7 +1,7 @@
 //! Story: a stranger types the commands one after the other, and each does what its help says.
 //!
-//! Answers on standard output, everything else on standard error; documents with the keys that DESIGN §9 promises; files
-//! that the next command reads. The costs meet the figures of the closed loop (reference/closed_loop_notes.md).
+//! Answers on standard output, everything else on standard error; documents with the keys that scripts rely on; files
+//! that the next command reads. The costs meet the figures of an independent prototype of the closed loop.
 
 #![allow(clippy::unwrap_used, clippy::panic, reason = "a test fails by panicking, in its helpers too")]
 
@@ -463,7 +463,7 @@ fn pushes_are_felt_through_known_friction() {
     assert!(force < 0.85 * blind_force, "knowing the friction must help: {force} N, without {blind_force} N");
 }
 
-/// RMSE during pushes on a held arm: the bar of the closed loop is 1.1 N / 0.15 Nm (notes §8).
+/// RMSE during pushes on a held arm: the bar of the closed loop is 1.1 N / 0.15 Nm (the prototype).
 const FORCE_BAR_N: f64 = 1.1;
 const MOMENT_BAR_NM: f64 = 0.15;
 

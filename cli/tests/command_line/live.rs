@@ -81,9 +81,11 @@ fn an_fr3_is_tuned_over_floats() {
     assert!(costs[1] < 0.2 * costs[0], "{costs:?}");
     let best = live["best"]["trial"].as_u64().unwrap() as usize;
     let found = &live["trials"][best]["params"];
-    let hidden = [1.14, 1.14, 1.14, 1.14, 0.765, 0.445, 0.255];
-    let text = found.to_string();
-    assert!(text.contains("coulomb"), "{text} {hidden:?}");
+    let hidden = &run(at.path(), "tune --robot fr3 --trials 1 --json -q --out simulated").ok().json()["true_params"];
+    for joint in (0..7).map(|j| format!("joint_{j}")) {
+        let [found, hidden] = [found, hidden].map(|all| all[&joint]["coulomb_nm"].as_f64().unwrap());
+        assert!((found / hidden - 1.0).abs() < 0.1, "{joint}: {found} Nm, {hidden} hidden");
+    }
 }
 
 #[test]
@@ -102,21 +104,17 @@ fn nobody_there_and_nobody_asked_are_told() {
     assert!(refused.stderr.contains("--port"), "{refused:?}");
 }
 
-/// A motion played on the robot, then the whole loop: a payload that the model lacks gets its name and its mass.
+/// Friction that the model lacks gets its joint; all is in files, and a second call moves nothing and says the same.
 #[test]
-fn a_payload_is_found_by_asking_the_robot() {
+fn a_live_robot_is_asked_for_its_friction() {
     let at = scratch();
-    let robot = std::fs::read_to_string(
-        Path::new(env!("CARGO_MANIFEST_DIR")).join("../experiments/06_diagnosis/example/nominal.yaml"),
-    );
-    let known = robot.unwrap();
-    std::fs::write(at.path().join("known.yaml"), &known).unwrap();
-    let payload = "effects:\n- {cause: payload, mass_kg: 0.8, com_m: [0.0, 0.0, 0.06]}\n";
-    std::fs::write(at.path().join("truth.yaml"), known + payload).unwrap();
+    hide(at.path(), "{cause: coulomb, joint: 2, delta_coulomb_nm: 0.6}");
     let server = Served::new(at.path(), "--truth truth.yaml");
     let call = format!("investigate --live {} --yes --model known.yaml --json -q --out found", server.host);
     let found = run(at.path(), &call).ok().json();
-    assert_eq!(found["answer"]["findings"][0]["label"], "payload", "{found:#}");
+    let findings = found["answer"]["findings"].as_array().unwrap();
+    let named = |finding: &&Value| finding["label"] == "coulomb" && finding["joint"] == 2;
+    assert!(findings.iter().any(|finding| named(&finding)), "{found:#}");
     for name in [
         "investigation.yaml",
         "motion_00.yaml",
@@ -128,7 +126,40 @@ fn a_payload_is_found_by_asking_the_robot() {
     ] {
         assert!(at.path().join("found").join(name).exists(), "{name}");
     }
-    // All is there: nothing moves any more, and the answer is the same.
-    let again = run(at.path(), &call).ok().json();
-    assert_eq!(found, again);
+    drop(server);
+    let again = run(at.path(), &call);
+    assert_eq!(again.code, Some(2), "nobody there to be asked what it is: {again:?}");
+    let server = Served::new(at.path(), "--truth truth.yaml");
+    let call = format!("investigate --live {} --yes --model known.yaml --json -q --out found", server.host);
+    assert_eq!(run(at.path(), &call).ok().json(), found);
+    let other = run(at.path(), &format!("{call} --seed 5"));
+    assert_eq!(other.code, Some(2), "another seed is another investigation: {other:?}");
+}
+
+/// One motion cannot tell a payload from a heavier link; the one that the answer advises does. The robot is a command.
+#[test]
+fn a_payload_is_told_from_a_heavier_link_by_a_second_motion() {
+    let at = scratch();
+    hide(at.path(), "{cause: payload, mass_kg: 0.8, com_m: [0.0, 0.0, 0.06]}");
+    let binary = std::env::var_os("TRIBO_BIN").unwrap_or_else(|| env!("CARGO_BIN_EXE_tribo").into());
+    let robot =
+        format!("'{}' simulate --truth truth.yaml --trajectory {{trajectory}} --log {{log}} -q", binary.display());
+    let call = ["investigate", "--robot-command", &robot, "--model", "known.yaml", "--json", "-q", "--out", "asked"];
+    let found = crate::common::Run::from(tribo(at.path(), call).output().unwrap()).ok().json();
+    assert_eq!((&found["motions"], &found["verdict"]), (&Value::from(2), &Value::from("named")), "{found:#}");
+    assert_eq!(found["answer"]["findings"][0]["label"], "payload", "{found:#}");
+
+    let failing =
+        ["investigate", "--robot-command", "false {trajectory} {log}", "--robot", "panda", "--out", "failing"];
+    let failing = crate::common::Run::from(tribo(at.path(), failing).output().unwrap());
+    assert_eq!(failing.code, Some(2), "{failing:?}");
+    assert!(failing.stderr.contains("the robot's command failed"), "{failing:?}");
+}
+
+/// `known.yaml`, and `truth.yaml` with one effect more.
+fn hide(at: &Path, effect: &str) {
+    let known = Path::new(env!("CARGO_MANIFEST_DIR")).join("../experiments/06_diagnosis/example/nominal.yaml");
+    let known = std::fs::read_to_string(known).unwrap();
+    std::fs::write(at.join("known.yaml"), &known).unwrap();
+    std::fs::write(at.join("truth.yaml"), format!("{known}effects:\n- {effect}\n")).unwrap();
 }

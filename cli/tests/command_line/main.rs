@@ -15,6 +15,7 @@ mod diagnose_refusals;
 mod diagnose_story;
 mod exports;
 mod extended_models;
+mod help_texts;
 #[cfg(unix)]
 mod kill_and_resume;
 mod live;

@@ -212,7 +212,7 @@ fn robots_that_cannot_be_are_refused() {
         ("tune --robot ur5", &["`robot` is ur5", "panda, fr3, ur10e, kinova_gen3, iiwa14", "URDF"][..]),
         ("tune --robot prismatic.urdf", &["prismatic.urdf: joint `joint_1` is prismatic"]),
         ("tune --robot torn.urdf", &["torn.urdf: not a URDF"]),
-        ("tune --robot bare.urdf", &["`truth` is coulomb_viscous", "nobody says what friction this robot has"]),
+        ("tune --robot bare.urdf", &["`truth` is coulomb_viscous", "the friction of this robot is not known"]),
         ("tune --robot ur10e --truth gaz", &["`truth` is gaz", "the friction of a Panda"]),
         ("tune --robot iiwa14 --strategy gaz", &["`strategy` is gaz", "one Panda"]),
         ("tune --model prismatic.yaml", &["prismatic.urdf: joint `joint_1` is prismatic"]),

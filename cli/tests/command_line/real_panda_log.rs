@@ -1,7 +1,7 @@
-//! Story: somebody brings the log of a real Panda (Gaz et al. 2019, four text files) and asks what is in its torques.
+//! Story: somebody brings the log of a real Panda (gaz2019, four text files) and asks what is in its torques.
 //!
 //! `convert` makes it a canonical CSV, `estimate` tells the joint torque residual: measured less rigid model, both behind
-//! the same low-pass filter of 10 Hz. Reference: an independent prototype on the same data (reference/closed_loop_notes.md §1).
+//! the same low-pass filter of 10 Hz. Reference: an independent prototype on the same data.
 //! Runs where `$TRIBO_DATA/panda_gaz2019` (default: ../shared/data beside the workspace) exists and says so where not.
 
 #![allow(clippy::unwrap_used, clippy::panic, reason = "a test fails by panicking, in its helpers too")]

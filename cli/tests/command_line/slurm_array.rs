@@ -1,6 +1,6 @@
 //! Story: a study as a job array of a real Slurm, on a cluster of one node that lives as long as the test.
 //!
-//! The line of the README, `sbatch --array`, leaves what one process leaves, byte for byte. Needs Debian's slurm-wlm and munge and
+//! The line of `docs/strategies.md`, `sbatch --array`, leaves what one process leaves, byte for byte. Needs Debian's slurm-wlm and munge and
 //! root, which `.ci/run` sees to; elsewhere it says SKIPPED.
 
 #![allow(clippy::unwrap_used, clippy::panic, reason = "a test fails by panicking, in its helpers too")]
@@ -21,10 +21,10 @@ oracle_runs: 1
 settings: {sub_steps: 1}
 ";
 
-/// The line of the README that sends a study to Slurm.
-fn line_of_the_readme() -> String {
-    let readme = std::fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join("../README.md")).unwrap();
-    readme.lines().find(|line| line.starts_with("sbatch --array")).expect("the README shows the line").to_owned()
+/// The line of `docs/strategies.md` that sends a study to Slurm.
+fn line_of_the_document() -> String {
+    let readme = std::fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join("../docs/strategies.md")).unwrap();
+    readme.lines().find(|line| line.starts_with("sbatch --array")).expect("the document shows the line").to_owned()
 }
 
 #[test]
@@ -36,11 +36,11 @@ fn a_job_array_of_slurm_leaves_what_one_process_leaves() {
     std::fs::write(at.path().join("study.yaml"), STUDY).unwrap();
     run(at.path(), "study study.yaml --out at_once -q").ok();
 
-    let line = line_of_the_readme();
+    let line = line_of_the_document();
     let command = line.split('#').next().unwrap().trim();
     assert!(command.contains("--array=1-4") && command.contains("tribo study study.yaml"), "{line}");
     let waiting = command.replacen("sbatch", "sbatch --wait --output=task_%a.txt", 1);
-    // The shell of the tasks finds the binary under the name that the README calls it by.
+    // The shell of the tasks finds the binary under the name that the document calls it by.
     let bin = at.path().join("bin");
     std::fs::create_dir(&bin).unwrap();
     std::fs::copy(env!("CARGO_BIN_EXE_tribo"), bin.join("tribo")).unwrap();

@@ -1,6 +1,6 @@
 //! Differentiation on a uniform grid.
 
-/// Weights of x_{k+i} − x_{k−i}, i = 1, 2, …, of the central differences of order 2, 4, 6 and 8 (Fornberg 1988).
+/// Weights of x_{k+i} − x_{k−i}, i = 1, 2, …, of the central differences of order 2, 4, 6 and 8 (fornberg1988).
 const WEIGHTS: [&[f64]; 4] = [
     &[1.0 / 2.0],
     &[2.0 / 3.0, -1.0 / 12.0],

@@ -58,7 +58,7 @@ fn run<const L: usize>(sections: &[Section], x: &mut [[f64; L]]) {
 /// Signals filtered side by side: their states fill half of the registers that every x86-64 and AArch64 has.
 const LANES: usize = 4;
 
-/// Butterworth low-pass run forward and backward (Gustafsson 1996).
+/// Butterworth low-pass run forward and backward (gustafsson1996).
 ///
 /// ```text
 /// y = F⁻ F⁺ x,   gain(f) = |H(f)|² = 1 / (1 + (tan(πf/fs) / tan(πfc/fs))^2n),   phase(f) = 0

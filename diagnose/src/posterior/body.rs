@@ -6,7 +6,7 @@
 //! ```
 //!
 //! I about the link's origin, h = m c, E_a = ∂P/∂π_a for the ten parameters π = [m, h, I: xx xy xz yy yz zz]. H is the metric
-//! in which distances between bodies do not depend on the frame (Lee, Wensing and Park 2020): the precision of a link's
+//! in which distances between bodies do not depend on the frame (lee2020): the precision of a link's
 //! parameters for one unit of scale.
 
 use nalgebra::{Matrix3, Matrix4, SMatrix, SVector, Vector3};

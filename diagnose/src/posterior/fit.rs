@@ -7,7 +7,7 @@
 //! ln Z = −½(Σ w bᵀb − μᵀh) − ½ Σ (n/κ_j) ln 2πσ_j² − ½(ln|Λ| − ln|Q/α²|) − ½ Σ (ln(α_f/α0)/1.5)² + Σ ln odds_f
 //! ```
 //!
-//! Scales and noise are alternated (MacKay 1992); κ is that of the fit of all families and stays.
+//! Scales and noise are alternated (mackay1992); κ is that of the fit of all families and stays.
 
 use nalgebra::{DMatrix, DVector, SVector};
 

@@ -129,7 +129,7 @@ pub(crate) const RIPPLES: usize = 4;
 /// Largest number of waves per revolution of a joint's slowest ripple: a joint that moves less than a sixth of a turn has none.
 pub(crate) const MOST_WAVES: usize = 6;
 /// Scale of the links' pseudo-inertia: 3 % of mass, 3 % of a gyration radius of their centre of mass. CAD models are about
-/// that good; see Lee, Wensing and Park 2020 for the metric.
+/// that good; see lee2020 for the metric.
 pub(crate) const LINK_SCALE: f64 = 0.03;
 /// Radius of gyration of a payload about its centre of mass (m).
 pub(crate) const PAYLOAD_RADIUS_M: f64 = 0.05;

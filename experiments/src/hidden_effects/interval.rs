@@ -1,6 +1,6 @@
 //! Interval of a share.
 
-/// 95 % interval of a share from `hits` of `trials` (Wilson 1927); 0..1 without trials.
+/// 95 % interval of a share from `hits` of `trials` (wilson1927); 0..1 without trials.
 ///
 /// ```text
 /// (p + z²/2n ± z √(p(1−p)/n + z²/4n²)) / (1 + z²/n),   z = 1.96
@@ -22,7 +22,7 @@ pub fn wilson95(hits: usize, trials: usize) -> [f64; 2] {
 mod tests {
     use super::*;
 
-    /// Newcombe 1998, table I: 81 of 263, and 0 of 20.
+    /// newcombe1998, table I: 81 of 263, and 0 of 20.
     #[test]
     fn published_values() {
         let close = |a: [f64; 2], b: [f64; 2]| (a[0] - b[0]).abs() < 5e-5 && (a[1] - b[1]).abs() < 5e-5;

@@ -2,7 +2,7 @@
 //!
 //! Witnesses: the C and C++ compilers with every warning an error, rustc likewise, and 10 000 states per variant, among
 //! them ±0, the smallest numbers, the threshold itself and its neighbours, 1e300 and what is not a number. What is hostile is in
-//! `export_bounds.rs`.
+//! `bounds.rs` beside this file.
 
 #![allow(clippy::expect_used, clippy::panic, reason = "a test fails by panicking, in its helpers too")]
 

@@ -16,7 +16,7 @@ pub struct BoxLeastSquares {
 /// Minimises `½ xᵀ H x − bᵀ x` over `lower ≤ x ≤ upper`, H symmetric positive definite (n×n).
 ///
 /// Coordinate descent from the projected unconstrained minimiser; each coordinate is solved exactly, so for strictly
-/// convex problems the limit is the unique solution (Luo & Tseng 1992). Meant for n ≲ 50, off the tick.
+/// convex problems the limit is the unique solution (luo1992). Meant for n ≲ 50, off the tick.
 pub fn minimize_in_box(h: &DMatrix<f64>, b: &DVector<f64>, lower: &[f64], upper: &[f64]) -> BoxLeastSquares {
     const SWEEPS: usize = 20_000;
     const TOLERANCE: f64 = 1e-12;

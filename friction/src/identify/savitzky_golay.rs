@@ -1,6 +1,6 @@
 //! Zero-phase smoothing and differentiation of a uniformly sampled signal.
 
-/// Savitzky–Golay filter: the derivative at the centre of a local quadratic fitted to 2m + 1 samples.
+/// Savitzky–Golay filter (savitzky1964): the derivative at the centre of a local quadratic fitted to 2m + 1 samples.
 ///
 /// ```text
 /// ẋ_k = Σ_{i=−m..m} i x_{k+i} / (dt Σ i²)

@@ -2,7 +2,7 @@
 
 use super::{JointFriction, SetValued};
 
-/// `tau_f = φ1/(1 + exp(−φ2 (qd + φ3))) − φ1/(1 + exp(−φ2 φ3))` (Gaz et al., RA-L 2019).
+/// `tau_f = φ1/(1 + exp(−φ2 (qd + φ3))) − φ1/(1 + exp(−φ2 φ3))` (gaz2019).
 ///
 /// Smooth and zero at rest; the two branches differ by direction through φ3.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -2,7 +2,7 @@
 
 use super::{JointFriction, SetValued};
 
-/// LuGre friction (Canudas de Wit et al. 1995) with a constant sliding limit:
+/// LuGre friction (canudas1995) with a constant sliding limit:
 ///
 /// ```text
 /// ż = qd − σ0 |qd| z / Fc,   tau_f = σ0 z + σ1 ż + Fv qd,   σ0 = Fc / dz

@@ -36,7 +36,7 @@ pub enum JointFriction {
     CoulombViscous(CoulombViscous),
     /// Coulomb, viscous and Stribeck friction.
     Stribeck(Stribeck),
-    /// The smooth sigmoid of Gaz et al. 2019.
+    /// The smooth sigmoid of gaz2019.
     GazSigmoid(GazSigmoid),
     /// Coulomb and viscous friction that differ by direction.
     Asymmetric(Asymmetric),

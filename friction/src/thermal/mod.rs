@@ -1,4 +1,4 @@
-//! Joint friction that depends on the temperature inside the joint (Simoni et al. 2017, 2019).
+//! Joint friction that depends on the temperature inside the joint (simoni2017, simoni2019).
 //!
 //! ```text
 //! tau_f(q̇, T) = tau_pol(q̇) [α (T − T0) + β] + tau_str(q̇) [γ (T − T0) + δ]      simoni2017 (6)

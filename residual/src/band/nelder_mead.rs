@@ -1,6 +1,6 @@
 //! Minimum of a function of few variables without derivatives.
 
-/// Downhill simplex of Nelder & Mead (1965), standard coefficients: reflect 1, expand 2, contract ½, shrink ½.
+/// Downhill simplex of Nelder and Mead (nelder1965), standard coefficients: reflect 1, expand 2, contract ½, shrink ½.
 ///
 /// Starts from `start` and `start + step_i e_i`; ends when the values of the simplex agree to `tolerance` or after
 /// `evaluations`. Returns the best point and its value; a value that is NaN counts as the worst.

@@ -10,7 +10,7 @@ use super::{CalibrationError, DoubleEncoderModel, Rests, StiffnessCurve, ValidDo
 /// Fewest rests without load: below, a length-scale per joint is guesswork.
 pub const FEWEST_POSES: usize = 40;
 
-/// Stiffness of every joint from the loaded rests, then its process from the free ones (Uhlmann et al. 2023, section 3).
+/// Stiffness of every joint from the loaded rests, then its process from the free ones (uhlmann2023, section 3).
 ///
 /// `arm` supplies the Jacobian and, for [`super::DeflectionMean::RigidBody`], gravity. `seed` feeds further starts of the
 /// fits; the default fit has one start and does not depend on it.

@@ -35,7 +35,7 @@ pub(super) fn inputs<const N: usize>(
 /// Δθ₁(x) = m(x) + f(x) + ε,   f ~ GP(0, σ_f² exp(−½ Σ ((x_i − x_i')/ℓ_i)²)),   ε ~ N(0, σ_n²)
 /// ```
 ///
-/// Uhlmann et al. 2023, eqs. (8)–(15): squared exponential with a length-scale per input, hyper-parameters by marginal
+/// uhlmann2023, eqs. (8)–(15): squared exponential with a length-scale per input, hyper-parameters by marginal
 /// likelihood alone. ε is what does not repeat: the encoders, and stiction.
 #[derive(Clone, Debug)]
 pub struct DeflectionGp {

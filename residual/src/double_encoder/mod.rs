@@ -1,4 +1,4 @@
-//! Wrench from two encoders per joint (Uhlmann et al. 2023).
+//! Wrench from two encoders per joint (uhlmann2023).
 
 mod calibrate;
 mod deflection_gp;

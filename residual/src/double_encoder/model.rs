@@ -7,7 +7,7 @@ use super::deflection_gp::{DeflectionGp, inputs};
 use super::{DeflectionMean, Rest, StiffnessCurve, ValidDoubleEncoder};
 use crate::damped_wrench::damped_wrench;
 
-/// Hybrid model of Uhlmann et al. 2023: what the joints of a free arm are deflected by, and what a wrench adds.
+/// Hybrid model of uhlmann2023: what the joints of a free arm are deflected by, and what a wrench adds.
 ///
 /// ```text
 /// Δθ = Δθ₁ + Δθ₂,   Δθ₁: Gaussian process (5), (6), (8)–(15),   Δθ₂ = g(τ_W): stiffness (7), (16),   τ_W = Jᵀ W (17)

@@ -49,7 +49,7 @@ pub struct DoubleEncoderSettings {
 }
 
 impl Default for DoubleEncoderSettings {
-    /// The model's gravity as the mean, and everything that Uhlmann et al. 2023 propose as extensions.
+    /// The model's gravity as the mean, and everything that uhlmann2023 propose as extensions.
     fn default() -> Self {
         Self {
             mean: DeflectionMean::RigidBody,

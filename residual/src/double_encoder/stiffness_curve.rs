@@ -8,7 +8,7 @@ use nalgebra::{Matrix3, Vector3};
 /// T(δ) = k₁ min(δ + δ₀, 0) + k₂ clamp(δ, −δ₀, δ₀) + k₃ max(δ − δ₀, 0)
 /// ```
 ///
-/// Uhlmann et al. 2023, eq. (16), the other way round: the paper writes δ = g(τ) with slopes m = 1/k and the near-zero
+/// uhlmann2023, eq. (16), the other way round: the paper writes δ = g(τ) with slopes m = 1/k and the near-zero
 /// load τ_W0 = k₂ δ₀; its additive constants follow from continuity, which it asks of its fit and we build in. We keep
 /// the torque as a function of the deflection, because then its slopes enter linearly in both of its uses
 /// (see [`Self::torque_nm`] and [`Self::torque_between_nm`]), and so does their covariance.

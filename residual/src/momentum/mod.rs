@@ -1,4 +1,4 @@
-//! The generalised-momentum observer and the wrench it implies (De Luca et al. 2006; Haddadin, De Luca & Albu-Schäffer 2017).
+//! The generalised-momentum observer and the wrench it implies (deluca2006, haddadin2017).
 
 mod estimator;
 mod observer;

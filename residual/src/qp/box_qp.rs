@@ -59,9 +59,9 @@ const ROUNDING: f64 = 64.0 * f64::EPSILON;
 /// ```
 ///
 /// Principal pivoting: for a guess A of the coordinates at a bound, `C_AA λ_A = d_A − bound_A` and
-/// `t_F = d_F − C_FA λ_A`; every coordinate that then breaks its condition changes side (Júdice & Pires 1994). While the
+/// `t_F = d_F − C_FA λ_A`; every coordinate that then breaks its condition changes side (judice1994). While the
 /// number of broken conditions does not fall, only the one broken most changes, at first; later only the last one
-/// (Murty 1974), which ends after finitely many steps for every positive definite C. C itself is never inverted: the work
+/// (murty1974), which ends after finitely many steps for every positive definite C. C itself is never inverted: the work
 /// is that of the coordinates at a bound.
 ///
 /// The active set of one call is the guess of the next. Bounds may be equal (the coordinate is then a constant) or

@@ -1,4 +1,4 @@
-//! The thermal virtual force sensor (Simoni et al. 2017, 2019).
+//! The thermal virtual force sensor (simoni2017, simoni2019).
 
 mod contact_gate;
 mod estimator;

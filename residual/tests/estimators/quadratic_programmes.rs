@@ -1,4 +1,4 @@
-//! Friction-band programmes against DAQP (dual active set, Arnström 2022) and quadprog (Goldfarb & Idnani 1983).
+//! Friction-band programmes against DAQP (dual active set, arnstrom2022) and quadprog (goldfarb1983).
 //!
 //! The witnesses get the programme as linderoth2013 (11) prints it, in force and friction together, with weights that are
 //! inverses. [`ForceSolver`] eliminates the force first and inverts neither covariance: if its elimination were wrong, the

@@ -20,7 +20,7 @@ const DH: [(f64, f64, f64); 7] = [
 /// Distance of the flange from joint 7 along its axis (m).
 const FLANGE_D_M: f64 = 0.107;
 
-/// (mass, CoM, inertia about the CoM as xx xy xz yy yz zz). Source: Gaz et al., RA-L 2019, feasible parameter set.
+/// (mass, CoM, inertia about the CoM as xx xy xz yy yz zz). Source: gaz2019, feasible parameter set.
 const LINKS: [super::Link; 7] = [
     (4.970684, [0.003875, 0.002081, -0.1750], [0.70337, -0.000139, 0.006772, 0.70661, 0.019169, 0.009117]),
     (0.646926, [-0.003141, -0.02872, 0.003495], [0.007962, -0.003925, 0.010254, 0.02811, 0.000704, 0.025995]),
@@ -34,7 +34,7 @@ const LINKS: [super::Link; 7] = [
 /// Reflected rotor inertia [kg m²]. Source: vendor values for the successor FR3, as quoted by Drake's model README.
 pub(super) const ROTOR_INERTIA: [f64; 7] = [0.606, 0.606, 0.462, 0.462, 0.206, 0.206, 0.206];
 
-/// The Panda with the Gaz 2019 link set, reflected rotor inertia and no payload; flange 0.107 m beyond joint 7.
+/// The Panda with the gaz2019 link set, reflected rotor inertia and no payload; flange 0.107 m beyond joint 7.
 ///
 /// Limits from franka_description and libfranka `rate_limiting.h`.
 pub fn panda() -> Arm<7> {

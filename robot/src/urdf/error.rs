@@ -48,10 +48,10 @@ pub enum UrdfError {
         /// The other.
         second: String,
     },
-    /// No link, or more than one, that is nobody's child.
-    #[error("{} links are nobody's child ({}); name one as base_link", links.len(), links.join(", "))]
+    /// No root, or more than one: a root is a link that is the child of no joint.
+    #[error("{}", no_root(links))]
     NoRoot {
-        /// The links.
+        /// The roots.
         links: Vec<String>,
     },
     /// A base or tip that is not there.
@@ -134,4 +134,16 @@ pub enum UrdfError {
         /// The tip.
         tip: String,
     },
+}
+
+/// Says what is wrong with the roots, and what to do.
+fn no_root(roots: &[String]) -> String {
+    if roots.is_empty() {
+        "the URDF has no root link (one that is the child of no joint); is it xacro? run `xacro arm.urdf.xacro > arm.urdf` first".to_owned()
+    } else {
+        let (count, names) = (roots.len(), roots.join(", "));
+        format!(
+            "the URDF has {count} root links ({names}), each the child of no joint; name the arm's base as base_link"
+        )
+    }
 }

@@ -54,7 +54,11 @@ fn refusals_name_the_joint_or_link_to_blame() {
         (changed("<parent link=\"link_0\"/>", "<parent link=\"flange\"/>"), &["0 joints", "`link_0`"]),
         (
             changed("<link name=\"flange\"/>", "<link name=\"flange\"/><link name=\"island\"/>"),
-            &["island, link_0", "nobody's child"],
+            &["2 root links", "island, link_0", "base_link"],
+        ),
+        (
+            "<robot name=\"arm\" xmlns:xacro=\"http://ros.org/wiki/xacro\"><xacro:arm/></robot>".to_owned(),
+            &["no root link", "xacro"],
         ),
         (changed("joint_2", "joint_1"), &["joint `joint_1` is there twice"]),
         (

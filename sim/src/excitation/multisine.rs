@@ -12,7 +12,7 @@ const SEARCH_STEP_S: f64 = 5e-3;
 /// Part of the envelope that is used: the search may miss a peak by less than the rest.
 const USED: f64 = 0.99;
 
-/// Fourier series per joint (Swevers et al. 1997), faded in and out:
+/// Fourier series per joint (swevers1997), faded in and out:
 ///
 /// ```text
 /// q_j(t) = centre_j + w(t) Σ_k (a_jk sin kωt + b_jk cos kωt),   w = 10u³ − 15u⁴ + 6u⁵ at both ends, 1 between

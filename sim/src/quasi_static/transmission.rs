@@ -7,7 +7,7 @@
 /// L = gravity + Jᵀ W + F y,                          dy = (1 − y sign dq) |dq|/d
 /// ```
 ///
-/// Stiff at high loads, softer near zero, with a Dahl hysteresis over the load and one over the angle (stiction of the
+/// Stiff at high loads, softer near zero, with a Dahl hysteresis (dahl1968) over the load and one over the angle (stiction of the
 /// link's bearing), and the kinematic error of a strain-wave gear. Smooth where estimators are piecewise linear.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Transmission {

@@ -12,7 +12,7 @@ pub struct Crash {
     pub problem: &'static str,
     pub kind: &'static str,
     pub dimension: usize,
-    /// From the ten given points of FUNCTIONS §4.0, or else by safe growth from zero compensation.
+    /// From the ten given points of the protocol, or else by safe growth from zero compensation.
     pub given: bool,
     pub outcome: fn(&[f64]) -> Outcome,
 }

@@ -1,4 +1,4 @@
-//! The friction-compensation-like functions of `reference/FUNCTIONS.md` §4.2, on the unit cube.
+//! The friction-compensation-like functions of `docs/optimiser_problems.md`, on the unit cube.
 
 use std::f64::consts::PI;
 

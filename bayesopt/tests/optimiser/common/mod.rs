@@ -1,4 +1,4 @@
-//! A library of problems with known answers (`reference/FUNCTIONS.md`), shared by all tests and examples.
+//! A library of problems with known answers (`docs/optimiser_problems.md`), shared by all tests and examples.
 #![allow(dead_code, missing_docs)]
 
 pub mod crash;
@@ -38,7 +38,7 @@ pub const VARIANTS: [Problem; 6] = [
     Problem { name: "ellipsoid14", dimension: 14, value: variants::ellipsoid14, least: 0.0 },
 ];
 
-/// The ten given points of seed s, FUNCTIONS §4.0.
+/// The ten given points of seed s, by the protocol of `docs/optimiser_problems.md`.
 pub fn given_history(problem: &Problem, s: u64) -> History {
     let mut source = RandomSource::seed(1000 + s);
     let mut history = History::new();
@@ -62,7 +62,7 @@ pub fn simple_regret(problem: &Problem, settings: &Settings, s: u64, evaluations
     Ok(best_cost(&history) - problem.least)
 }
 
-/// Simple regret of the peers' random search, FUNCTIONS §4.0.
+/// Simple regret of the peers' random search, by the protocol of `docs/optimiser_problems.md`.
 pub fn random_regret(problem: &Problem, s: u64, evaluations: usize) -> f64 {
     let mut source = RandomSource::seed(900_000 + s);
     let mut best = best_cost(&given_history(problem, s));

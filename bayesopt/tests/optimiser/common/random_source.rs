@@ -1,4 +1,4 @@
-//! The random source of `reference/FUNCTIONS.md` §0.
+//! The random source of `docs/optimiser_problems.md`.
 
 /// `s ← a·s + c (mod 2^64)`, output mixed by xor-shift-multiply.
 pub struct RandomSource {

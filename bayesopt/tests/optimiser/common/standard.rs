@@ -1,4 +1,4 @@
-//! The standard functions of `reference/FUNCTIONS.md` §4.1, on the unit cube.
+//! The standard functions of `docs/optimiser_problems.md`, on the unit cube.
 
 use std::f64::consts::PI;
 

@@ -14,7 +14,7 @@ pub(super) struct Expansion {
     pub information: Information,
 }
 
-/// Levenberg (1944) and Marquardt (1963) with Nielsen's damping, steps clipped to the box; parameters that are not `free`
+/// Levenberg and Marquardt (levenberg1944, marquardt1963) with Nielsen's damping (nielsen1999), steps clipped to the box; parameters that are not `free`
 /// stay. Returns the minimiser and its expansion.
 pub(super) fn minimise(
     start: Parameters,

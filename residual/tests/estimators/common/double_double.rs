@@ -1,4 +1,4 @@
-//! Numbers of 106 bits: unevaluated sums of two doubles (Dekker 1971, Knuth), for references only.
+//! Numbers of 106 bits: unevaluated sums of two doubles (dekker1971, knuth1997), for references only.
 
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
