@@ -56,7 +56,10 @@ fn run() -> ExitCode {
     };
     let common = arguments.common;
     let result = match command {
-        Command::Tune(tune) => command::tune::run(&tune, &common),
+        Command::Tune(tune) => match &tune.live {
+            Some(host) => command::tune_live::run(&tune, host, &common),
+            None => command::tune::run(&tune, &common),
+        },
         Command::Ask(ask) => command::ask::run(&ask, &common),
         Command::Tell(tell) => command::tell::run(&tell, &common),
         Command::Simulate(simulate) => command::simulate::run(&simulate, &common),

@@ -20,7 +20,7 @@ pub mod study;
 pub mod tell;
 mod transmission;
 pub mod tune;
-mod tune_live;
+pub mod tune_live;
 
 use std::path::Path;
 

@@ -23,9 +23,6 @@ use crate::threads;
 
 /// Runs or resumes a campaign.
 pub fn run(arguments: &Tune, common: &Common) -> anyhow::Result<()> {
-    if let Some(host) = &arguments.live {
-        return super::tune_live::run(arguments, host, common);
-    }
     let started = Instant::now();
     if arguments.resume {
         let directory = resumed(arguments)?;

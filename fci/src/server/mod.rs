@@ -2,67 +2,24 @@
 
 mod inbox;
 mod session;
+mod settings;
 mod wait;
 
-use std::net::{IpAddr, SocketAddr, TcpListener};
+use std::net::{SocketAddr, TcpListener};
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::time::Duration;
 
 use tribo_robot::{Plant, PlantLost};
 
 pub(crate) use inbox::{Arrival, Inbox};
 use session::Session;
+pub use settings::{Pace, ServerEvent, ServerSettings};
+use wait::ATTENTION;
 pub(crate) use wait::wait_for;
 
 use crate::unit::ControlUnit;
-use crate::wire::{ErrorFlags, FciVersion, MotionRequest, MoveEnd};
 
 /// TCP port of the robot's commands.
 const COMMAND_PORT: u16 = franka::wire::ROBOT_COMMAND_PORT;
-/// How long the server may sleep before it looks whether it shall stop.
-const ATTENTION: Duration = Duration::from_millis(100);
-
-/// What makes time pass.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Pace {
-    /// A period each millisecond, with or without a command.
-    RealTime,
-    /// A period for each command; without one, time stands still. Between motions states come each millisecond, of an arm
-    /// that does not move.
-    Lockstep,
-}
-
-/// Where and how to serve.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct ServerSettings {
-    /// Version of the interface.
-    pub version: FciVersion,
-    /// Address to listen on; whoever reaches it can move the arm.
-    pub address: IpAddr,
-    /// TCP port; `None` is the interface's own, 1337, the only one that libfranka knows.
-    pub port: Option<u16>,
-    /// What makes time pass.
-    pub pace: Pace,
-}
-
-/// What happens at a server, for its user.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum ServerEvent {
-    /// A client is there.
-    Connected(SocketAddr),
-    /// A client of another version was sent away.
-    OtherVersion(u16),
-    /// A second client was sent away.
-    Busy(SocketAddr),
-    /// The client has gone; the arm is stopped.
-    Disconnected,
-    /// A message that is none of this interface; its client was sent away.
-    Nonsense,
-    /// A motion began.
-    MoveStarted(MotionRequest),
-    /// A motion ended, with the flags that say why.
-    MoveEnded(MoveEnd, ErrorFlags),
-}
 
 /// Why a server cannot start or go on.
 #[derive(Debug, thiserror::Error)]

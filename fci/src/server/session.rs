@@ -12,8 +12,8 @@ use zerocopy::IntoBytes;
 use zerocopy::little_endian::F64;
 
 use super::inbox::{Arrival, Inbox};
-use super::wait::wait_for;
-use super::{ATTENTION, Pace, ServerEvent, ServerSettings};
+use super::settings::{Pace, ServerEvent, ServerSettings};
+use super::wait::{ATTENTION, wait_for};
 use crate::unit::ControlUnit;
 use crate::wire::{Answer, CyclicCommand, ErrorFlags, MoveEnd, Refusal, Request, RobotMode, STATE_BYTES_MAX};
 

@@ -7,6 +7,9 @@ use std::time::Duration;
 use rustix::event::{PollFd, PollFlags, Timespec, poll};
 use rustix::io::Errno;
 
+/// How long the server may sleep before it looks whether it shall stop.
+pub(super) const ATTENTION: Duration = Duration::from_millis(100);
+
 /// Waits until one of the sockets can be read or `within` is over. A socket's own timeout is rounded up to a tick of the
 /// kernel, 4 ms; this wait is not.
 pub(crate) fn wait_for<const N: usize>(sockets: &[&dyn AsFd; N], within: Duration) -> io::Result<()> {

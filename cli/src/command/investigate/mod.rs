@@ -3,7 +3,7 @@
 mod robot;
 mod settings;
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use serde_json::{Value, json};
 use tribo_diagnose::report::{finding_sentence, verdict_sentence};
@@ -16,7 +16,6 @@ use tribo_sim::excitation::{Envelope, ViaPoints};
 use super::diagnose::diagnosed;
 use super::live::made;
 use crate::arguments::{Common, Diagnose, Investigate};
-use crate::failure::BadInput;
 use crate::output::{print, print_json, significant};
 use crate::progress::stop_on_signal;
 use robot::Robot;
@@ -32,7 +31,7 @@ const EXPLORING_S: f64 = 40.0;
 pub fn run(arguments: &Investigate, common: &Common) -> anyhow::Result<()> {
     stop_on_signal();
     let robot = Robot::of(arguments)?;
-    let settings = Settings::of(arguments, &robot)?;
+    let settings = Settings::of(arguments, robot.preset());
     let arm = settings.arm()?;
     made(&arguments.out)?;
     settings.agree_with(&arguments.out)?;
@@ -49,12 +48,19 @@ pub fn run(arguments: &Investigate, common: &Common) -> anyhow::Result<()> {
         let diagnosis = steps.answer(number)?;
         let motions = counted(number + 1);
         steps.say(format_args!("after {motions}: {}", verdict_sentence(&diagnosis)));
-        let advised = diagnosis.next_experiment.as_ref().filter(|next| !next.via_points.is_empty());
-        let goes_on = diagnosis.verdict == Verdict::Ambiguous && number + 1 < usize::from(arguments.budget);
-        match advised.filter(|_| goes_on) {
+        let undecided = matches!(diagnosis.verdict, Verdict::Ambiguous | Verdict::Unknown);
+        if !undecided || number + 1 >= usize::from(arguments.budget) {
+            break;
+        }
+        match diagnosis.next_experiment.as_ref().filter(|next| !next.via_points.is_empty()) {
             // Its motion is in a file by now.
             Some(next) => steps.say(format_args!("next motion: {}", next.instruction)),
-            None => break,
+            None => {
+                steps.say(format_args!(
+                    "no motion is known that tells the rivals apart; the next one is more of the first kind"
+                ));
+                steps.plan(number + 1, &steps.exploring(arguments.seed.wrapping_add(2 + number as u64)))?;
+            }
         }
         number += 1;
     }
@@ -233,10 +239,4 @@ fn worth(validation: &Validation) -> String {
 /// `1 motion`, `2 motions`.
 fn counted(motions: usize) -> String {
     format!("{motions} motion{}", if motions == 1 { "" } else { "s" })
-}
-
-/// A directory of another investigation.
-fn differs(directory: &Path, what: &str) -> anyhow::Error {
-    let message = format!("{}: holds an investigation with another {what}; choose another --out", directory.display());
-    BadInput(message).into()
 }

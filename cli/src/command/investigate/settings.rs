@@ -9,8 +9,6 @@ use tribo_robot::Arm;
 use tribo_sim::TorqueSide;
 
 use super::super::named;
-use super::differs;
-use super::robot::Robot;
 use crate::arguments::Investigate;
 use crate::failure::BadInput;
 
@@ -35,18 +33,17 @@ pub(super) struct Settings {
 const FILE: &str = "investigation.yaml";
 
 impl Settings {
-    /// Settings of this call; a live robot says itself what it is.
-    pub(super) fn of(arguments: &Investigate, robot: &Robot) -> anyhow::Result<Self> {
-        let live = robot.preset();
+    /// Settings of this call; a live robot has said what preset it is.
+    pub(super) fn of(arguments: &Investigate, live: Option<&str>) -> Self {
         let given = arguments.robot.clone().or_else(|| live.map(str::to_owned));
-        Ok(Self {
+        Self {
             schema: "tribo.investigation/1".to_owned(),
             robot: if arguments.model.is_some() { None } else { Some(given.unwrap_or_else(|| "panda".to_owned())) },
             model: arguments.model.clone(),
             torque_side: arguments.torque_side.clone(),
             log_format: if live.is_some() { "parquet".to_owned() } else { arguments.log_format.clone() },
             seed: arguments.seed,
-        })
+        }
     }
 
     /// The arm as the model has it.
@@ -96,4 +93,10 @@ impl Settings {
         }
         Ok(())
     }
+}
+
+/// A directory of another investigation.
+fn differs(directory: &Path, what: &str) -> anyhow::Error {
+    let message = format!("{}: holds an investigation with another {what}; choose another --out", directory.display());
+    BadInput(message).into()
 }
