@@ -20,8 +20,8 @@ use crate::wire::{
 const JOINT_STIFFNESS: [f64; 7] = [3000.0, 3000.0, 3000.0, 2500.0, 2500.0, 2000.0, 2000.0];
 /// Stiffness of the end effector (N/m, Nm/rad), likewise.
 const CARTESIAN_STIFFNESS: [f64; 6] = [3000.0, 3000.0, 3000.0, 300.0, 300.0, 300.0];
-/// Below this speed (rad/s) a joint that is being stopped is held where it is.
-const STANDING_RAD_S: f64 = 0.02;
+/// Time constant (s) with which an arm is stopped: 40 rad/s² from the Panda's full speed.
+const STOPPING_S: f64 = 0.05;
 /// Periods within which an arm stands that is being stopped.
 const STOPPING_PERIODS: u32 = 500;
 /// Speed beyond its limit (rad/s) at which a joint's motion is stopped: noise of the velocity signal is no violation.
@@ -158,9 +158,9 @@ impl<P: Plant<7>> ControlUnit<P> {
 
     /// Ends the motion, if there is one, and stops the arm.
     pub fn stop(&mut self) {
-        if self.motion.take().is_some() {
+        if let Some(motion) = self.motion.take() {
             self.mode = RobotMode::Idle;
-            self.brake();
+            self.brake(motion.request.controller);
         }
     }
 
@@ -281,29 +281,34 @@ impl<P: Plant<7>> ControlUnit<P> {
         if command.finished && !lost {
             self.motion = None;
             self.mode = RobotMode::Idle;
-            self.brake();
+            self.brake(motion.request.controller);
             return Some(MoveEnd::Finished);
         }
         None
     }
 
-    /// Holds the arm: joints that still move are damped, and held where they come to rest.
+    /// Holds the arm. While it is being stopped, what is held slows down: `q̇_d ← q̇_d (1 − dt/T)`, tracked with the unit's full
+    /// stiffness, so that no load moves the arm away meanwhile.
     fn hold(&mut self) {
         if self.stopping > 0 {
             self.stopping -= 1;
-            for j in 0..7 {
-                if self.frame.qd[j].abs() > STANDING_RAD_S {
-                    self.desired.q[j] = self.frame.q[j];
-                }
-            }
-            self.desired = Desired::rest(self.desired.q, self.end_effector_at_desired());
+            let slowed =
+                if self.stopping > 0 { self.desired.qd * (1.0 - PERIOD_S / STOPPING_S) } else { SVector::zeros() };
+            let qdd = (slowed - self.desired.qd) / PERIOD_S;
+            let (lower, upper) = (&self.arm.limits.q_min_rad, &self.arm.limits.q_max_rad);
+            let q = (self.desired.q + slowed * PERIOD_S).sup(lower).inf(upper);
+            self.desired = Desired { qd: slowed, qdd, ..Desired::rest(q, self.desired.pose) };
+            self.desired.pose = self.end_effector_at_desired();
         }
         self.torque_nm = joint_impedance(&JOINT_STIFFNESS, &self.frame, &self.terms, &self.desired);
     }
 
-    fn brake(&mut self) {
+    /// Begins to stop the arm, from where it is and as fast as it is; where the unit itself has led it, from where it was led.
+    fn brake(&mut self, led_by: ControllerMode) {
         self.stopping = STOPPING_PERIODS;
-        self.desired = Desired::rest(self.frame.q, self.desired.pose);
+        if led_by == ControllerMode::External {
+            self.desired = Desired { qd: self.frame.qd, ..Desired::rest(self.frame.q, self.desired.pose) };
+        }
     }
 
     fn reflex(&mut self, error: RobotError) -> MoveEnd {
@@ -311,7 +316,8 @@ impl<P: Plant<7>> ControlUnit<P> {
         self.mode = RobotMode::Reflex;
         self.errors = self.errors.and(ErrorFlags::of(error));
         self.reflex_reason = self.errors;
-        self.brake();
+        // Whatever was asked for is no longer trusted.
+        self.brake(ControllerMode::External);
         MoveEnd::Reflex
     }
 

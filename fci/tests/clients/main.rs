@@ -5,6 +5,7 @@
 
 mod franka_rs;
 mod mutations;
+mod own_client;
 mod python;
 #[path = "../../../tests/python_witness.rs"]
 mod python_witness;
