@@ -90,7 +90,11 @@ fn rig<W: FnMut(u64), C: Clock>(clock: C, wait: W, ring: usize) -> (Loop<W, C>, 
     let plant = SlowBus { arm, wait, senses: 0, sent: Vec::new(), fastest: 0.0 };
     let (sink, drain) = record_ring(ring);
     let timing = LoopTiming::new().expect("valid bounds");
-    (RealTimeLoop::new(control, plant, clock, OverrunPolicy::default(), sink, timing, held).unwrap(), drain)
+    (
+        RealTimeLoop::new(control, plant, clock, OverrunPolicy::default(), sink, timing, held)
+            .expect("a simulated arm answers"),
+        drain,
+    )
 }
 
 /// Every tick takes [`TICK_NS`], those of `stalls` so much longer (ns).

@@ -1,6 +1,8 @@
 //! What the wire does to a trial: nothing. A trial over TCP and UDP is, bit for bit, the trial before the same control unit in
 //! this process.
 
+#![allow(clippy::unwrap_used, clippy::panic, reason = "tests")]
+
 use std::net::{IpAddr, Ipv4Addr};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -30,7 +32,7 @@ impl Plant<7> for Near {
 
     fn actuate(&mut self, tau_nm: &SVector<f64, 7>) {
         let q = self.unit.state(0).q_rad;
-        let torque_nm = (tau_nm - gravity_torque(self.unit.arm(), &q)).into();
+        let torque_nm = (tau_nm - gravity_torque(self.unit.bare_arm(), &q)).into();
         let (zero, pose) = ([0.0; 7], [0.0; 16]);
         let command = CyclicCommand {
             message_id: self.periods,

@@ -25,13 +25,13 @@ pub fn urdf(arm: &Arm<7>) -> String {
     for line in text.lines() {
         urdf.push_str(line);
         urdf.push('\n');
-        if line.trim_start().starts_with("<limit ") {
-            if let Some(envelope) = envelopes.next() {
-                urdf.push_str(&format!(
-                    "    <position_based_velocity_limits velocity_offset=\"{}\" deceleration_limit=\"{}\"/>\n",
-                    envelope.offset_rad_s, envelope.deceleration_rad_s2
-                ));
-            }
+        if line.trim_start().starts_with("<limit ")
+            && let Some(envelope) = envelopes.next()
+        {
+            urdf.push_str(&format!(
+                "    <position_based_velocity_limits velocity_offset=\"{}\" deceleration_limit=\"{}\"/>\n",
+                envelope.offset_rad_s, envelope.deceleration_rad_s2
+            ));
         }
     }
     urdf

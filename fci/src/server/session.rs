@@ -165,11 +165,11 @@ impl<'a, P: Plant<7>> Session<'a, P> {
             self.read_requests(event)?;
             // Only the answer to the last state counts: a client that was asked twice has answered both.
             self.read_commands(|command| command.message_id == id);
-            if let Some(command) = self.command.take() {
-                if was_moving {
-                    self.cycle(Some(command), event);
-                    break;
-                }
+            if let Some(command) = self.command.take()
+                && was_moving
+            {
+                self.cycle(Some(command), event);
+                break;
             }
         }
         self.finish_stopping();

@@ -109,7 +109,7 @@ impl<P: Plant<7>> ControlUnit<P> {
     }
 
     /// The arm as the unit believes it, without load.
-    pub fn arm(&self) -> &Arm<7> {
+    pub fn bare_arm(&self) -> &Arm<7> {
         &self.bare
     }
 

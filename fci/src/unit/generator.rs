@@ -103,24 +103,24 @@ impl Generator<'_> {
     ) -> Result<Desired, RobotError> {
         let acceleration = (twist - last.twist) / PERIOD_S;
         let jerk = (acceleration - last.acceleration) / PERIOD_S;
-        let within = |x: &Vector6<f64>, order: usize, tolerance: f64| {
+        let moderate = |x: &Vector6<f64>, order: usize, tolerance: f64| {
             let [linear, angular] = parts(x);
             linear <= tolerance * self.limits.translation[order] && angular <= tolerance * self.limits.rotation[order]
         };
-        if !within(&twist, 0, 1.0) {
+        if !moderate(&twist, 0, 1.0) {
             return Err(RobotError::CartesianMotionGeneratorVelocityLimitsViolation);
         }
-        if !within(&acceleration, 1, ACCELERATION_TOLERANCE) {
+        if !moderate(&acceleration, 1, ACCELERATION_TOLERANCE) {
             return Err(RobotError::CartesianMotionGeneratorVelocityDiscontinuity);
         }
-        if !within(&jerk, 2, JERK_TOLERANCE) {
+        if !moderate(&jerk, 2, JERK_TOLERANCE) {
             return Err(RobotError::CartesianMotionGeneratorAccelerationDiscontinuity);
         }
         if let Some([angle, sign]) = elbow {
             if sign * last.q[3].signum() < 0.0 {
                 return Err(RobotError::CartesianMotionGeneratorElbowSignInconsistent);
             }
-            if !((angle - last.q[2]).abs() <= self.limits.qd_rad_s[2] * PERIOD_S) {
+            if !within((angle - last.q[2]).abs(), self.limits.qd_rad_s[2] * PERIOD_S) {
                 return Err(RobotError::CartesianMotionGeneratorStartElbowInvalid);
             }
         }
@@ -178,10 +178,10 @@ impl Generator<'_> {
             if !(least..=greatest).contains(&qd[j]) {
                 return Err(errors[1]);
             }
-            if !(qdd[j].abs() <= ACCELERATION_TOLERANCE * limits.qdd_rad_s2[j]) {
+            if !within(qdd[j].abs(), ACCELERATION_TOLERANCE * limits.qdd_rad_s2[j]) {
                 return Err(errors[2]);
             }
-            if !(jerk[j].abs() <= JERK_TOLERANCE * limits.qddd_rad_s3[j]) {
+            if !within(jerk[j].abs(), JERK_TOLERANCE * limits.qddd_rad_s3[j]) {
                 return Err(errors[3]);
             }
         }
@@ -204,6 +204,11 @@ const CARTESIAN_ERRORS: [RobotError; 4] = [
     RobotError::CartesianMotionGeneratorJointVelocityDiscontinuity,
     RobotError::CartesianMotionGeneratorJointAccelerationDiscontinuity,
 ];
+
+/// Whether a size is a number and no more than that.
+fn within(size: f64, most: f64) -> bool {
+    size <= most
+}
 
 /// Norms of the linear and of the angular part.
 fn parts(twist: &Vector6<f64>) -> [f64; 2] {

@@ -196,7 +196,7 @@ impl Steps<'_> {
             "answer": answer,
         });
         let text = serde_json::to_string_pretty(&document)?;
-        write_atomic(&self.directory.join("result.json"), |file| file.write_all(text.as_bytes()))?;
+        write_atomic(self.directory.join("result.json"), |file| file.write_all(text.as_bytes()))?;
         if self.common.json {
             print_json(&document);
             return Ok(());
