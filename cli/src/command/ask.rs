@@ -3,13 +3,14 @@
 use std::path::Path;
 
 use serde_json::{Value, json};
+use tribo_campaign::scenario::TruthName;
 use tribo_campaign::strategy::StrategyName;
 use tribo_campaign::{AnyTune, Asked, CampaignError, TuneConfig, UserCampaign, UserTrials, first_difference};
 use tribo_logs::write_atomic;
 use tribo_model::{FileError, to_yaml};
 
 use super::{configured, now, opened, set};
-use crate::arguments::{Ask, Common};
+use crate::arguments::{Ask, CampaignSettings, Common};
 use crate::failure::BadInput;
 use crate::output::{print, print_json};
 use crate::threads;
@@ -46,21 +47,31 @@ fn begun_by_another(directory: &Path, error: CampaignError) -> Result<(), Campai
 
 /// Trials of a new campaign that nobody gave a number: one without compensation, three of least squares and one beyond settle
 /// nearly all that `grey_box` finds, and a robot's time is dear.
-pub(super) const TRIALS_OF_GREY_BOX: usize = 5;
+const TRIALS_OF_GREY_BOX: usize = 5;
 
 /// Settings of a new campaign.
 fn begun(arguments: &Ask) -> anyhow::Result<AnyTune> {
-    configured(arguments.config.as_deref(), |config| {
-        if arguments.config.is_none() {
-            config.truth = tribo_campaign::scenario::TruthName::Unknown;
+    on_own_robot(arguments.config.as_deref(), &arguments.settings, |config| {
+        apply(arguments, config.user_trials.get_or_insert_default())
+    })
+}
+
+/// Settings of a new campaign on a robot that is not simulated: its friction is not known, and its trials are few. `more` has the last word.
+pub(super) fn on_own_robot(
+    file: Option<&Path>,
+    settings: &CampaignSettings,
+    more: impl FnOnce(&mut TuneConfig) -> anyhow::Result<()>,
+) -> anyhow::Result<AnyTune> {
+    configured(file, |config| {
+        if file.is_none() {
+            config.truth = TruthName::Unknown;
         }
-        arguments.settings.apply(config)?;
-        let nobody_said = arguments.config.is_none() && arguments.settings.trials.is_none();
+        settings.apply(config)?;
+        let nobody_said = file.is_none() && settings.trials.is_none();
         if nobody_said && config.strategy == StrategyName::GreyBox {
             config.trials = TRIALS_OF_GREY_BOX;
         }
-        let trials = config.user_trials.get_or_insert_default();
-        apply(arguments, trials)
+        more(config)
     })
 }
 

@@ -5,7 +5,7 @@ use std::net::ToSocketAddrs;
 use std::path::Path;
 use std::sync::atomic::Ordering;
 
-use tribo_campaign::{Trial, follow_on};
+use tribo_campaign::{AnyTune, Trial, ValidTune, follow_on};
 use tribo_fci::{Connection, ConnectionError, FciVersion, TorquePlant};
 use tribo_friction::FrictionModel;
 use tribo_logs::{LogColumns, LogError, RobotLog};
@@ -110,6 +110,14 @@ fn seen_from(side: TorqueSide, log: RobotLog) -> Result<RobotLog, LogError> {
     let late = |sent: &Vec<f64>| sent.first().into_iter().chain(sent).take(sent.len()).copied().collect();
     let Some(tau_j_nm) = motors.map(|sent| sent.iter().map(late).collect()) else { return Ok(log) };
     LogColumns { tau_j_nm, ..log.into_columns() }.validate()
+}
+
+/// The settings of an arm of seven joints, as each Franka is.
+pub fn of_seven_joints(tune: AnyTune) -> Result<ValidTune<7>, BadInput> {
+    match tune {
+        AnyTune::Seven(tune) => Ok(tune),
+        AnyTune::Six(_) => Err(BadInput("a Franka has seven joints".to_owned())),
+    }
 }
 
 /// Name of the preset that speaks this version.

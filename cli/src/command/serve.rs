@@ -3,13 +3,14 @@
 use std::net::SocketAddr;
 
 use serde_json::json;
-use tribo_campaign::{AnyTune, Trial, TuneConfig};
+use tribo_campaign::{Trial, TuneConfig};
 use tribo_fci::{
     ControlUnit, FciVersion, GripperServer, MoveEnd, Pace, ServeError, Server, ServerEvent, ServerSettings, model,
 };
 use tribo_model::PushesFile;
 use tribo_sim::{BoxFrictionPlant, Sensors, TorqueSide, WrenchPulses, not_simulated};
 
+use super::live::of_seven_joints;
 use super::{configured, set};
 use crate::arguments::{Common, Serve};
 use crate::failure::BadInput;
@@ -23,7 +24,7 @@ pub fn run(arguments: &Serve, common: &Common) -> anyhow::Result<()> {
         (config.seed, config.pose) = (arguments.seed, usize::from(arguments.pose));
         set(&mut config.truth, Some(&arguments.truth))
     })?;
-    let AnyTune::Seven(tune) = tune else { return Err(BadInput("a Franka has seven joints".to_owned()).into()) };
+    let tune = of_seven_joints(tune)?;
     let version = if arguments.robot == "panda" { FciVersion::V5 } else { FciVersion::V10 };
     let arm = tune.trial.model.clone();
     let pushes = arguments.pushes.as_deref().map(PushesFile::read).transpose()?.unwrap_or_default();

@@ -10,7 +10,7 @@ use tribo_model::{Believed, ModelFile, NotCancelled, TrajectoryFile, TunedFile, 
 use tribo_sim::{WrenchPulses, not_simulated};
 
 use super::convert::{target_of, write_log};
-use super::live::{Link, confirm, preset_of};
+use super::live::{Link, confirm, of_seven_joints, preset_of};
 use super::{configured, named, warn_not_cancelled};
 use crate::arguments::{Common, Simulate};
 use crate::failure::BadInput;
@@ -202,7 +202,7 @@ fn play(arguments: &Simulate, host: &str, common: &Common) -> anyhow::Result<()>
         config.robot.get_or_insert_with(|| robot.to_owned());
         arguments.scenario.apply(config)
     })?;
-    let AnyTune::Seven(mut tune) = tune else { return Err(BadInput("a Franka has seven joints".to_owned()).into()) };
+    let mut tune = of_seven_joints(tune)?;
     let (friction, left) = belief(arguments, &mut tune)?;
     warn_not_cancelled(&left, common);
     let motion = TrajectoryFile::read(path, &tune.trial.model)?.path();

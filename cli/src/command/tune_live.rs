@@ -4,22 +4,21 @@ use std::path::PathBuf;
 use std::time::Instant;
 
 use serde_json::{Value, json};
-use tribo_campaign::scenario::TruthName;
-use tribo_campaign::strategy::{BestTrial, StrategyName};
+use tribo_campaign::strategy::BestTrial;
 use tribo_campaign::{
-    AnyEstimator, AnyTune, Asked, CampaignError, SentTorque, Told, Trial, UserCampaign, UserTrials, record_trial,
+    AnyEstimator, Asked, CampaignError, SentTorque, Told, Trial, UserCampaign, ValidTune, record_trial,
 };
 use tribo_fci::Connection;
 use tribo_friction::FrictionModel;
 use tribo_logs::RobotLog;
 use tribo_watch::refresh_report;
 
-use super::ask::TRIALS_OF_GREY_BOX;
+use super::ask::on_own_robot;
 use super::convert::write_log;
-use super::live::{Link, confirm, made, preset_of};
+use super::live::{Link, confirm, made, of_seven_joints, preset_of};
 use super::tell::judged_trial;
 use super::tune::{new_directory, resumed, show_parameters};
-use super::{configured, expected, now, opened};
+use super::{expected, now, opened};
 use crate::arguments::{Common, Tune};
 use crate::failure::BadInput;
 use crate::output::{print, print_json, significant, table};
@@ -58,28 +57,16 @@ pub fn run(arguments: &Tune, host: &str, common: &Common) -> anyhow::Result<()> 
     Ok(())
 }
 
-/// Settings of a new campaign on this robot, whose friction nobody knows.
-fn settings(arguments: &Tune, robot: &str) -> anyhow::Result<tribo_campaign::ValidTune<7>> {
-    let tune = configured(arguments.config.as_deref(), |config| {
-        if arguments.config.is_none() {
-            config.truth = TruthName::Unknown;
-        }
-        if config.robot.is_none() && arguments.settings.scenario.model.is_none() {
+/// Settings of a new campaign on this robot.
+fn settings(arguments: &Tune, robot: &str) -> anyhow::Result<ValidTune<7>> {
+    let tune = on_own_robot(arguments.config.as_deref(), &arguments.settings, |config| {
+        if config.robot.is_none() && config.model.is_none() {
             config.robot = Some(robot.to_owned());
         }
-        arguments.settings.apply(config)?;
-        if arguments.config.is_none() && arguments.settings.trials.is_none() && config.strategy == StrategyName::GreyBox
-        {
-            config.trials = TRIALS_OF_GREY_BOX;
-        }
-        config.user_trials =
-            Some(UserTrials { torque: SentTorque::Commanded, ..config.user_trials.unwrap_or_default() });
+        config.user_trials.get_or_insert_default().torque = SentTorque::Commanded;
         Ok(())
     })?;
-    match tune {
-        AnyTune::Seven(tune) => Ok(tune),
-        AnyTune::Six(_) => Err(BadInput("a Franka has seven joints".to_owned()).into()),
-    }
+    Ok(of_seven_joints(tune)?)
 }
 
 /// A campaign and the robot that runs its trials.

@@ -87,26 +87,26 @@ impl Connection {
     }
 
     /// Moves the arm to `q` (rad) by a minimum-jerk motion of the unit's joint impedance controller, at no more than a fifth of
-    /// the joints' speed limits; an arm that stands there stays untouched. Returns how long the motion took (s).
+    /// the joints' speed limits; an arm that stands there stays untouched.
     ///
     /// # Errors
     ///
     /// [`RobotError`]: a start outside the limits, a reflex on the way.
-    pub fn approach(&self, arm: &Arm<7>, q: &SVector<f64, 7>) -> Result<f64, RobotError> {
+    pub fn approach(&self, arm: &Arm<7>, q: &SVector<f64, 7>) -> Result<(), RobotError> {
         if let Some(joint) = arm.first_joint_outside_limits(q) {
             return Err(RobotError::StartOutside { joint });
         }
         let here = SVector::from(self.state()?.q);
         if (q - here).amax() < THERE_RAD {
-            return Ok(0.0);
+            return Ok(());
         }
         let mut motion = None;
-        let (mut time_s, mut lasts_s) = (0.0, 0.0);
+        let mut time_s = 0.0;
         let command = |state: &RobotState, period: franka::Duration| {
             let motion = motion.get_or_insert_with(|| {
                 let from = SVector::from(state.q_d);
-                lasts_s = duration_s(&from, q, &arm.limits.qd_max_rad_s);
-                MinimumJerk { from, to: *q, duration_s: lasts_s }
+                let duration_s = duration_s(&from, q, &arm.limits.qd_max_rad_s);
+                MinimumJerk { from, to: *q, duration_s }
             });
             time_s += period.as_secs_f64();
             let mut positions = franka::JointPositions::new(motion.at(time_s).into());
@@ -115,7 +115,7 @@ impl Connection {
         };
         let controller = franka::ControllerMode::JointImpedance;
         self.robot.control_joint_positions(command, controller, true, franka::MAX_CUTOFF_FREQUENCY)?;
-        Ok(lasts_s)
+        Ok(())
     }
 
     /// Starts torque control: from now on the robot wants a command each millisecond. Once `stop` is true the plant gives no

@@ -27,6 +27,7 @@ use crate::output::print_json;
 use crate::progress::{StageProgress, stop_on_signal};
 use crate::threads;
 use files::Outputs;
+pub(super) use files::write_text;
 
 /// What a run has to say besides the diagnosis.
 #[derive(Debug, Default)]
@@ -232,7 +233,7 @@ fn write<const N: usize>(
                 tracking_rms_mm: [gain.tracking_rms_mm_before, gain.tracking_rms_mm_after],
             }),
         };
-        files::write_text(path, &html(diagnosis, &context))?;
+        write_text(path, &html(diagnosis, &context))?;
         extras.written.push(("report", path.display().to_string()));
     }
     if let Some(path) = &outputs.trajectory {

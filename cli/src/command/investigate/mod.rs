@@ -3,17 +3,16 @@
 mod robot;
 mod settings;
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use serde_json::{Value, json};
 use tribo_diagnose::report::{finding_sentence, verdict_sentence};
 use tribo_diagnose::{Diagnosis, Validation, Verdict};
-use tribo_logs::write_atomic;
-use tribo_model::TrajectoryFile;
+use tribo_model::{TrajectoryFile, to_yaml};
 use tribo_robot::{Arm, presets};
 use tribo_sim::excitation::{Envelope, ViaPoints};
 
-use super::diagnose::diagnosed;
+use super::diagnose::{diagnosed, write_text};
 use super::live::made;
 use crate::arguments::{Common, Diagnose, Investigate};
 use crate::output::{print, print_json, significant};
@@ -41,10 +40,11 @@ pub fn run(arguments: &Investigate, common: &Common) -> anyhow::Result<()> {
         Some(path) => TrajectoryFile::new(&steps.arm, &TrajectoryFile::read(path, &steps.arm)?, None),
         None => steps.exploring(arguments.seed),
     };
-    steps.plan(0, &first)?;
+    steps.plan(&steps.trajectory(0), &first)?;
     let mut number = 0;
     loop {
-        steps.make(number, &robot)?;
+        let called = format!("motion {}", number + 1);
+        steps.make(&robot, &called, &steps.trajectory(number), &steps.log(number))?;
         let diagnosis = steps.answer(number)?;
         let motions = counted(number + 1);
         steps.say(format_args!("after {motions}: {}", verdict_sentence(&diagnosis)));
@@ -59,7 +59,8 @@ pub fn run(arguments: &Investigate, common: &Common) -> anyhow::Result<()> {
                 steps.say(format_args!(
                     "no motion is known that tells the rivals apart; the next one is more of the first kind"
                 ));
-                steps.plan(number + 1, &steps.exploring(arguments.seed.wrapping_add(2 + number as u64)))?;
+                let more = steps.exploring(arguments.seed.wrapping_add(2 + number as u64));
+                steps.plan(&steps.trajectory(number + 1), &more)?;
             }
         }
         number += 1;
@@ -108,23 +109,17 @@ impl Steps<'_> {
     }
 
     /// Writes a motion down; one that is there stays.
-    fn plan(&self, number: usize, motion: &TrajectoryFile) -> anyhow::Result<()> {
-        let path = self.trajectory(number);
-        if !path.exists() {
-            let text = tribo_model::to_yaml(motion)?;
-            write_atomic(&path, |file| file.write_all(text.as_bytes()))?;
-        }
-        Ok(())
+    fn plan(&self, trajectory: &Path, motion: &TrajectoryFile) -> anyhow::Result<()> {
+        if trajectory.exists() { Ok(()) } else { write_text(trajectory, &to_yaml(motion)?) }
     }
 
-    /// Lets the robot make a motion; one whose log is there has been made.
-    fn make(&self, number: usize, robot: &Robot) -> anyhow::Result<()> {
-        let (trajectory, log) = (self.trajectory(number), self.log(number));
-        if !log.exists() {
-            self.say(format_args!("motion {}: {}", number + 1, trajectory.display()));
-            robot.make(&trajectory, &log, &self.settings)?;
+    /// Lets the robot make a motion, which is `called` so; one whose log is there has been made.
+    fn make(&self, robot: &Robot, called: &str, trajectory: &Path, log: &Path) -> anyhow::Result<()> {
+        if log.exists() {
+            return Ok(());
         }
-        Ok(())
+        self.say(format_args!("{called}: {}", trajectory.display()));
+        robot.make(trajectory, log, &self.settings)
     }
 
     /// The answer to all logs so far; the motion that it advises becomes the next one.
@@ -135,24 +130,17 @@ impl Steps<'_> {
         let diagnosed = diagnosed(&self.diagnose(self.logs(number), trajectory), self.common)?;
         let (diagnosis, document) = diagnosed.document()?;
         let path = self.directory.join(format!("answer_{number:02}.json"));
-        let text = serde_json::to_string_pretty(&document)?;
-        write_atomic(&path, |file| file.write_all(text.as_bytes()))?;
+        write_text(&path, &serde_json::to_string_pretty(&document)?)?;
         Ok(diagnosis)
     }
 
     /// The same answer with what its extended model is worth on a motion that nothing was fitted to.
     fn check(&self, last: usize, robot: &Robot, seed: u64) -> anyhow::Result<(Diagnosis, Value)> {
         let trajectory = self.directory.join("check.yaml");
-        if !trajectory.exists() {
-            // Another draw than the first motion's.
-            let text = tribo_model::to_yaml(&self.exploring(seed.wrapping_add(1)))?;
-            write_atomic(&trajectory, |file| file.write_all(text.as_bytes()))?;
-        }
         let log = self.directory.join(format!("check.{}", self.settings.log_format));
-        if !log.exists() {
-            self.say(format_args!("a last motion, to check the answer: {}", trajectory.display()));
-            robot.make(&trajectory, &log, &self.settings)?;
-        }
+        // Another draw than the first motion's.
+        self.plan(&trajectory, &self.exploring(seed.wrapping_add(1)))?;
+        self.make(robot, "a last motion, to check the answer", &trajectory, &log)?;
         let mut arguments = self.diagnose(self.logs(last), None);
         arguments.validate = vec![log];
         arguments.extend = Some(self.extended());
@@ -195,8 +183,7 @@ impl Steps<'_> {
             "report": self.report(),
             "answer": answer,
         });
-        let text = serde_json::to_string_pretty(&document)?;
-        write_atomic(self.directory.join("result.json"), |file| file.write_all(text.as_bytes()))?;
+        write_text(&self.directory.join("result.json"), &serde_json::to_string_pretty(&document)?)?;
         if self.common.json {
             print_json(&document);
             return Ok(());

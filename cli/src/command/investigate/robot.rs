@@ -3,14 +3,14 @@
 use std::path::Path;
 use std::process::{Command, Stdio};
 
-use tribo_campaign::{AnyTune, TuneConfig};
+use tribo_campaign::TuneConfig;
 use tribo_friction::FrictionModel;
 use tribo_model::TrajectoryFile;
 
 use super::settings::Settings;
 use crate::arguments::Investigate;
 use crate::command::convert::write_log;
-use crate::command::live::{Link, confirm, preset_of};
+use crate::command::live::{Link, confirm, of_seven_joints, preset_of};
 use crate::failure::BadInput;
 
 /// A live Franka, or a command.
@@ -57,9 +57,7 @@ impl Robot {
                     model: settings.model.clone(),
                     ..TuneConfig::default()
                 };
-                let AnyTune::Seven(tune) = config.validate_any()? else {
-                    return Err(BadInput("a Franka has seven joints".to_owned()).into());
-                };
+                let tune = of_seven_joints(config.validate_any()?)?;
                 let motion = TrajectoryFile::read(trajectory, &tune.trial.model)?.path();
                 let resume = "the same command goes on";
                 let side = settings.side()?;

@@ -3,11 +3,11 @@
 use std::path::{Path, PathBuf};
 
 use serde::{Deserialize, Serialize};
-use tribo_logs::write_atomic;
-use tribo_model::{AnyModel, Model, ModelChoice, YamlDocument};
+use tribo_model::{AnyModel, Model, ModelChoice, YamlDocument, to_yaml};
 use tribo_robot::Arm;
 use tribo_sim::TorqueSide;
 
+use super::super::diagnose::write_text;
 use super::super::named;
 use crate::arguments::Investigate;
 use crate::failure::BadInput;
@@ -76,8 +76,7 @@ impl Settings {
     pub(super) fn agree_with(&self, directory: &Path) -> anyhow::Result<()> {
         let path = directory.join(FILE);
         if !path.exists() {
-            let text = tribo_model::to_yaml(self)?;
-            return Ok(write_atomic(&path, |file| file.write_all(text.as_bytes()))?);
+            return write_text(&path, &to_yaml(self)?);
         }
         let held: Self = YamlDocument::read(&path)?.parse()?;
         for (what, same) in [
