@@ -1,6 +1,7 @@
 //! What a better model is worth in the loop.
 
 use rayon::prelude::*;
+use serde_json::{Value, json};
 use tribo_control::{ImpedanceSettings, PAPER_PHASES_RAD, ReferenceModel, SinusoidReference};
 use tribo_ekf::{WrenchEkf, WrenchEkfSettings};
 use tribo_friction::{JointEffects, VelocitySource};
@@ -35,6 +36,22 @@ pub struct ClosedLoopGain {
     pub aborted_after: Option<AbortReason>,
     /// Effects of the extended model that the controller cannot cancel, one sentence each.
     pub not_cancelled: Vec<String>,
+}
+
+impl ClosedLoopGain {
+    /// The gain as an entry of `tribo.diagnosis/1`.
+    pub fn to_json(&self) -> Value {
+        json!({
+            "cost_before": self.cost_before,
+            "cost_after": self.cost_after,
+            "tracking_rms_mm_before": self.tracking_rms_mm_before,
+            "tracking_rms_mm_after": self.tracking_rms_mm_after,
+            "tracking_rms_mrad_before": self.tracking_rms_mrad_before,
+            "tracking_rms_mrad_after": self.tracking_rms_mrad_after,
+            "reason_before": self.aborted_before,
+            "reason_after": self.aborted_after,
+        })
+    }
 }
 
 /// Runs both trials: the paper's reference at the ready pose, hybrid velocity, default gains, sensors and limits.

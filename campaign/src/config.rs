@@ -155,6 +155,24 @@ impl Default for TuneConfig {
     }
 }
 
+/// Trials of a campaign on one's own robot that nobody gave a number: one without compensation, three of least squares and one beyond
+/// settle nearly all that `grey_box` finds, and a robot's time is dear.
+const TRIALS_OF_OWN_ROBOT: usize = 5;
+
+impl TuneConfig {
+    /// The defaults of a campaign on a robot that is not simulated: its friction is not known.
+    pub fn of_own_robot() -> Self {
+        Self { truth: TruthName::Unknown, ..Self::default() }
+    }
+
+    /// Puts the number of trials that is enough on one's own robot in place of the default; strategies other than `grey_box` keep theirs.
+    pub fn take_own_robot_trials(&mut self) {
+        if self.strategy == StrategyName::GreyBox {
+            self.trials = TRIALS_OF_OWN_ROBOT;
+        }
+    }
+}
+
 /// Validated settings with everything they refer to.
 #[derive(Clone, Debug)]
 pub struct ValidTune<const N: usize> {

@@ -39,6 +39,7 @@ mod friction_limit;
 mod in_memory;
 pub mod journal;
 mod leftovers;
+mod log_estimator;
 mod log_recorder;
 mod log_wrench;
 mod monitor;
@@ -64,7 +65,7 @@ mod tuned;
 
 pub use against_ekf::{AgainstEkf, against_ekf};
 pub use ask_tell::{
-    Asked, JudgeError, JudgedLog, Learnt, SentTorque, Told, UserCampaign, UserTrials, judge_log, reach, trial_remarks,
+    Asked, JudgeError, JudgedLog, Learnt, RecognisedTrial, SentTorque, Told, UserCampaign, UserTrials, judge_log, recognise_trial,
 };
 pub use batches::Batches;
 pub use calibration::Calibration;
@@ -81,6 +82,7 @@ pub use estimator::{AnyEstimator, EstimatorError, EstimatorName, VELOCITY_SD_RAD
 pub use follow::{Followed, follow, follow_on};
 pub use friction_limit::{Allowance, FrictionLimit};
 pub use in_memory::{InMemory, run_in_memory};
+pub use log_estimator::{LogEstimate, LogEstimator};
 pub use log_wrench::{LogWrench, ReferenceErrors, SETTLE_S, WrenchSummary, wrench_on_log};
 pub use monitor::{AbortReason, PenaltyLimits, TrialMonitor};
 pub use numbered_trial::{noise_seed, run_numbered};

@@ -3,9 +3,8 @@
 use std::path::Path;
 use std::sync::LazyLock;
 
-use tribo_campaign::{EstimatorName, SentTorque, TuneConfig, UserTrials, ValidTune, judge_log, reach, trial_remarks};
+use tribo_campaign::{EstimatorName, RecognisedTrial, SentTorque, TuneConfig, UserTrials, ValidTune, judge_log, recognise_trial};
 use tribo_logs::read_log_from;
-use tribo_logs::recognise::{recognise, without_impossible_rows};
 
 /// What errors call the input.
 const NAME: &str = "input.log";
@@ -28,9 +27,8 @@ pub fn check(input: &[u8]) {
     let user_trials = UserTrials { judged_from_s: 0.005, judged_s: 0.02, torque };
     let theta = vec![0.25; tune.space.zero().len()];
     // As `tell` does it: what cannot be is left out, then the log and the arm are asked.
-    let (log, impossible) = without_impossible_rows(&log, &reach(&tune.trial.model, log.joints()));
-    let remarks = recognise(&log).into_iter().chain(trial_remarks(tune, &user_trials, &log, failed)).chain(impossible);
-    for remark in remarks {
+    let RecognisedTrial { log, remarks } = recognise_trial(tune, &user_trials, &log, failed);
+    for remark in remarks.into_iter().flatten() {
         assert!(!remark.evidence.is_empty() && !remark.remedy.is_empty(), "{remark:?}");
         assert!(remark.joints.iter().all(|joint| *joint < log.joints()), "{remark:?}");
     }

@@ -3,8 +3,6 @@
 use std::path::Path;
 
 use serde_json::{Value, json};
-use tribo_campaign::scenario::TruthName;
-use tribo_campaign::strategy::StrategyName;
 use tribo_campaign::{AnyTune, Asked, CampaignError, TuneConfig, UserCampaign, UserTrials, first_difference};
 use tribo_logs::write_atomic;
 use tribo_model::{FileError, to_yaml};
@@ -45,10 +43,6 @@ fn begun_by_another(directory: &Path, error: CampaignError) -> Result<(), Campai
     if directory.join("campaign.yaml").exists() { Ok(()) } else { Err(error) }
 }
 
-/// Trials of a new campaign that nobody gave a number: one without compensation, three of least squares and one beyond settle
-/// nearly all that `grey_box` finds, and a robot's time is dear.
-const TRIALS_OF_GREY_BOX: usize = 5;
-
 /// Settings of a new campaign.
 fn begun(arguments: &Ask) -> anyhow::Result<AnyTune> {
     on_own_robot(arguments.config.as_deref(), &arguments.settings, |config| {
@@ -64,12 +58,11 @@ pub(super) fn on_own_robot(
 ) -> anyhow::Result<AnyTune> {
     configured(file, |config| {
         if file.is_none() {
-            config.truth = TruthName::Unknown;
+            *config = TuneConfig::of_own_robot();
         }
         settings.apply(config)?;
-        let nobody_said = file.is_none() && settings.trials.is_none();
-        if nobody_said && config.strategy == StrategyName::GreyBox {
-            config.trials = TRIALS_OF_GREY_BOX;
+        if file.is_none() && settings.trials.is_none() {
+            config.take_own_robot_trials();
         }
         more(config)
     })

@@ -4,17 +4,13 @@ use std::path::{Path, PathBuf};
 
 use serde_json::{Map, Value, json};
 use tribo_campaign::{
-    AnyEstimator, Calibration, ContactPrior, EstimatorError, EstimatorName, LogWrench, SETTLE_S, TransmissionFriction,
-    WrenchSummary, believed_band, wrench_on_log,
+    Calibration, ContactPrior, EstimatorError, EstimatorName, LogEstimate, LogEstimator, SETTLE_S, TransmissionFriction,
 };
 use tribo_diagnose::{BlockSettings, Diagnosable, FrictionReport, FrictionSettings, JointReport, Nominal};
-use tribo_ekf::WrenchEkfSettings;
-use tribo_friction::law::CoulombViscous;
-use tribo_friction::{FrictionBand, FrictionModel, JointBand, JointFriction};
+use tribo_friction::{FrictionModel, JointFriction};
 use tribo_logs::recognise::{self, Use};
 use tribo_logs::{LogSummary, RobotLog, Table, write_table};
 use tribo_model::{AnyModel, Believed, Model, ModelChoice, SIGN_SMOOTHING_RAD_S};
-use tribo_residual::{OBSERVER_GAIN_RAD_S, identify_band};
 use tribo_sim::{Effect, panda_gaz_joints};
 
 use super::believe::{Refused, believe};
@@ -100,8 +96,7 @@ where
         refused,
         common.quiet,
     )?;
-    let believed = Believed::on_log(model);
-    warn_not_cancelled(&believed.not_cancelled, common);
+    warn_not_cancelled(&Believed::on_log(model).not_cancelled, common);
     if !(arguments.block_s > 0.0 && arguments.block_s.is_finite()) {
         let message = format!("--block-s is {}; allowed: greater than 0", arguments.block_s);
         return Err(BadInput(message).into());
@@ -120,9 +115,9 @@ where
     let everything = arguments.residual == "all";
     let wants = |name: &str| everything || arguments.residual == name;
     let torque = wants("torque").then(|| torque_residual(arguments, log, model)).transpose()?;
-    let free = arguments.free.as_deref().map(|path| FreeLog::read(path, model, &believed, common)).transpose()?;
+    let free = free_log(arguments, model, common)?;
     let one_encoder = wants(EstimatorName::DoubleEncoder.as_str())
-        .then(|| [Some((&arguments.log, log)), free.as_ref().map(|free| (&free.path, &free.log))])
+        .then(|| [Some((&arguments.log, log)), free.as_ref().map(|(path, log)| (path, log))])
         .and_then(|logs| logs.into_iter().flatten().find(|(_, log)| log.theta_rad.is_none()))
         .map(|(path, _)| {
             format!("{}: missing columns theta_0 to theta_{}, which double_encoder needs", path.display(), N - 1)
@@ -132,40 +127,22 @@ where
         Some(message) if !common.quiet => message!("tribo: {message}; it is left out"),
         _ => {}
     }
-    let contact =
-        arguments.touched.map(ContactPrior::rarely).transpose().map_err(|error| BadInput(error.to_string()))?;
-    let band = free.as_ref().map_or_else(|| believed_band(&believed.friction), |free| free.band);
-    let watch =
-        |name: EstimatorName, noise_factor: f64, log: &RobotLog| {
-            let settings = WrenchEkfSettings::default();
-            // What the joints have today, at the temperature of today; the others take no more than its band.
-            let friction = match &free {
-                Some(free) if name == EstimatorName::Thermal => free.friction(),
-                _ => believed.friction,
-            };
-            let mut estimator =
-                AnyEstimator::with_confidence(name, settings, &believed.arm, &friction, &band, noise_factor)?
-                    .on_gears(&believed.arm, believed.joint_stiffness_nm_per_rad(), noise_factor)?;
-            Ok::<LogWrench, EstimatorError>(wrench_on_log(log, &believed, model.smoothing_rad_s, &mut estimator))
-        };
+    let mut estimator = LogEstimator::new(model);
+    if let Some((path, log)) = &free {
+        estimator = estimator
+            .calibrated_on(log.clone())
+            .map_err(|error| BadInput(format!("{}: {error}", path.display())))?;
+    }
+    if let Some(share) = arguments.touched {
+        let prior = ContactPrior::rarely(share).map_err(|error| BadInput(error.to_string()))?;
+        estimator = estimator.with_contact_prior(prior);
+    }
     let wrenches = EstimatorName::ALL
         .into_iter()
         .filter(|name| wants(name.as_str()))
         .filter(|name| *name != EstimatorName::DoubleEncoder || one_encoder.is_none())
-        .map(|name| {
-            let calibration = free
-                .as_ref()
-                .map(|free| Calibration::of_free_stretch(|factor| watch(name, factor, &free.log)))
-                .transpose()?;
-            let used = calibration.unwrap_or_default();
-            let mut wrench = watch(name, used.noise_factor, log)?;
-            used.apply(&mut wrench);
-            if let Some(prior) = &contact {
-                prior.apply(&mut wrench);
-            }
-            Ok(Estimated { name, calibration, summary: wrench.summary(), wrench })
-        })
-        .collect::<Result<Vec<Estimated>, EstimatorError>>()?;
+        .map(|name| estimator.estimate(name, log))
+        .collect::<Result<Vec<LogEstimate>, EstimatorError>>()?;
     if let (Some(out), false) = (&arguments.out, wrenches.is_empty()) {
         write_table(out, &wrench_table(&wrenches))?;
     }
@@ -191,44 +168,21 @@ where
     Ok(())
 }
 
-/// What one estimator made of the log.
-struct Estimated {
-    name: EstimatorName,
-    calibration: Option<Calibration>,
-    wrench: LogWrench,
-    summary: WrenchSummary,
-}
-
-/// A log of strokes that nobody touches, and the friction band that it shows.
-struct FreeLog<const N: usize> {
-    path: PathBuf,
-    log: RobotLog,
-    band: FrictionBand<N>,
-}
-
-impl<const N: usize> FreeLog<N> {
-    fn read(path: &Path, model: &Model<N>, believed: &Believed<N>, common: &Common) -> anyhow::Result<Self>
-    where
-        Nominal<N>: Diagnosable,
-    {
-        let (log, _) = read_log(path, common)?;
-        believe(path, &recognise::recognise(&log), Use::Wrench, Refused::IsAnError, common.quiet)?;
-        let remarks = tribo_diagnose::recognise::recognise(&log, &model.to_nominal());
-        believe(path, &remarks, Use::Wrench, Refused::IsAnError, common.quiet)?;
-        let bad = |error: &dyn std::fmt::Display| BadInput(format!("{}: {error}", path.display()));
-        let fits = identify_band(&log, &believed.arm, OBSERVER_GAIN_RAD_S).map_err(|error| bad(&error))?;
-        let band = FrictionBand::new(fits.map(|fit| fit.band)).map_err(|error| bad(&error))?;
-        Ok(Self { path: path.to_owned(), log, band })
-    }
-
-    /// Coulomb and viscous friction in the middle of the band, the same both ways.
-    fn friction(&self) -> FrictionModel<N> {
-        let law = |band: &JointBand| CoulombViscous {
-            coulomb_nm: 0.5 * (band.coulomb_max_nm - band.coulomb_min_nm),
-            viscous_nm_s_per_rad: band.viscous_nm_s_per_rad,
-        };
-        FrictionModel { joints: std::array::from_fn(|j| law(&self.band.joints()[j]).into()) }
-    }
+/// The log of strokes that nobody touches, where there is one.
+fn free_log<const N: usize>(
+    arguments: &Estimate,
+    model: &Model<N>,
+    common: &Common,
+) -> anyhow::Result<Option<(PathBuf, RobotLog)>>
+where
+    Nominal<N>: Diagnosable,
+{
+    let Some(path) = &arguments.free else { return Ok(None) };
+    let (log, _) = read_log(path, common)?;
+    believe(path, &recognise::recognise(&log), Use::Wrench, Refused::IsAnError, common.quiet)?;
+    let remarks = tribo_diagnose::recognise::recognise(&log, &model.to_nominal());
+    believe(path, &remarks, Use::Wrench, Refused::IsAnError, common.quiet)?;
+    Ok(Some((path.clone(), log)))
 }
 
 /// Friction model that the residual is compared with: the given model's, or the published one of the Panda; none of other
@@ -306,7 +260,7 @@ fn show_torque(report: &FrictionReport, rigid: &str, model_label: &str) {
     }
 }
 
-fn show_wrenches(wrenches: &[Estimated], out: Option<&Path>) {
+fn show_wrenches(wrenches: &[LogEstimate], out: Option<&Path>) {
     let samples = wrenches.first().map_or(0, |estimated| estimated.summary.samples);
     print(format_args!("\nTool wrench by the robot on the environment (flange, base axes), {samples} samples"));
     let compared = wrenches.iter().any(|estimated| estimated.summary.against_reference.is_some());
@@ -315,7 +269,7 @@ fn show_wrenches(wrenches: &[Estimated], out: Option<&Path>) {
         header.extend(["bias", "coverage 95 %"]);
     }
     let mut rows = table(&header);
-    for Estimated { name, summary, .. } in wrenches {
+    for LogEstimate { name, summary, .. } in wrenches {
         // What nothing was estimated from has no figures.
         let told = summary.samples > summary.faults;
         let figure = |value: f64| significant(if told { value } else { f64::NAN }, 3);
@@ -341,7 +295,7 @@ fn show_wrenches(wrenches: &[Estimated], out: Option<&Path>) {
     if samples == 0 {
         print(format_args!("no figures: estimators settle for {SETTLE_S} s, and no burst of the log lasts longer"));
     }
-    for Estimated { name, calibration, summary, .. } in wrenches {
+    for LogEstimate { name, calibration, summary, .. } in wrenches {
         let name = name.as_str();
         if let Some(Calibration { tare: [fx, fy, fz, mx, my, mz], noise_factor, .. }) = calibration {
             print(format_args!(
@@ -384,7 +338,7 @@ fn show_wrenches(wrenches: &[Estimated], out: Option<&Path>) {
     }
 }
 
-fn document(log: &LogSummary, torque: Option<&FrictionReport>, wrenches: &[Estimated]) -> Value {
+fn document(log: &LogSummary, torque: Option<&FrictionReport>, wrenches: &[LogEstimate]) -> Value {
     let entries = wrenches.iter().map(|estimated| {
         let mut entry = estimated.summary.to_json();
         entry["calibration"] = estimated.calibration.map_or(
@@ -436,13 +390,13 @@ fn joint_json(joint: &JointReport) -> Value {
 
 /// The wrenches along the log as a table, each column named after its estimator where there are several; samples during which
 /// the estimators settle are left out.
-fn wrench_table(wrenches: &[Estimated]) -> Table {
-    let Some(Estimated { wrench: first, .. }) = wrenches.first() else { return Table::default() };
+fn wrench_table(wrenches: &[LogEstimate]) -> Table {
+    let Some(LogEstimate { wrench: first, .. }) = wrenches.first() else { return Table::default() };
     let settled: Vec<usize> = (0..first.wrench.len()).filter(|&k| first.wrench[k][0].is_finite()).collect();
     let column = |value: &dyn Fn(usize) -> f64| settled.iter().map(|&k| value(k)).collect::<Vec<f64>>();
     let mut columns = vec![("time".to_owned(), column(&|k| first.time_s[k]))];
     let names = ["fx_n", "fy_n", "fz_n", "mx_nm", "my_nm", "mz_nm"];
-    for Estimated { name, wrench, .. } in wrenches {
+    for LogEstimate { name, wrench, .. } in wrenches {
         let prefix = if wrenches.len() == 1 { String::new() } else { format!("{}_", name.as_str()) };
         for (i, name) in names.iter().enumerate() {
             columns.push((format!("{prefix}wrench_{name}"), column(&|k| wrench.wrench[k][i])));

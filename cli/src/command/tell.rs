@@ -4,9 +4,11 @@ use std::path::Path;
 
 use serde_json::{Map, Value, json};
 use tribo_campaign::strategy::{BestTrial, LawCheck};
-use tribo_campaign::{AbortReason, JudgedLog, Told, TuneConfig, UserCampaign, judge_log, reach, trial_remarks};
+use tribo_campaign::{
+    AbortReason, JudgedLog, RecognisedTrial, Told, TuneConfig, UserCampaign, judge_log, recognise_trial,
+};
 use tribo_diagnose::{Diagnosable, Nominal};
-use tribo_logs::recognise::{Fault, Use, recognise, without_impossible_rows};
+use tribo_logs::recognise::Use;
 use tribo_logs::{RobotLog, read_log};
 use tribo_watch::refresh_report;
 
@@ -125,17 +127,12 @@ where
     Nominal<N>: Diagnosable,
 {
     let theta = campaign.asked(number)?.theta;
-    let (log, impossible) = without_impossible_rows(log, &reach(&campaign.tune().trial.model, log.joints()));
-    let log = &log;
-    // Somebody may have stopped a trial before the arm moved.
-    let mut remarks = recognise(log);
-    remarks.retain(|remark| !failed || remark.fault != Fault::Standstill);
-    believe(path, &remarks, Use::Trial, Refused::IsAnError, common.quiet)?;
-    let remarks = trial_remarks(campaign.tune(), campaign.user_trials(), log, failed);
-    believe(path, &remarks, Use::Trial, Refused::IsAnError, common.quiet)?;
-    // What is wrong with a unit says so itself, in better words.
-    believe(path, impossible.as_slice(), Use::Trial, Refused::IsAnError, common.quiet)?;
-    let judged = judge_log(campaign.tune(), campaign.user_trials(), &theta, log, failed);
+    let RecognisedTrial { log, remarks } =
+        recognise_trial(campaign.tune(), campaign.user_trials(), log, failed);
+    for remarks in &remarks {
+        believe(path, remarks, Use::Trial, Refused::IsAnError, common.quiet)?;
+    }
+    let judged = judge_log(campaign.tune(), campaign.user_trials(), &theta, &log, failed);
     Ok(judged.map_err(|error| BadInput(format!("{}: {error}", path.display())))?)
 }
 

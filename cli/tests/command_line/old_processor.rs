@@ -57,7 +57,7 @@ fn nothing_before_the_question_needs_a_new_processor() {
         assert_eq!(instructions(start).iter().find(new), None, "{start}");
     }
     // The answer of the witness can be no: the command itself is compiled for new ones.
-    let run = instructions(symbol("5tribo3run"));
+    let run = instructions(symbol("9tribo_cli3run"));
     assert!(
         !cfg!(target_feature = "avx2") || run.iter().any(|one| new(&one)),
         "nothing is compiled for new processors"

@@ -1,4 +1,4 @@
-//! A diagnosis for people: sentences, and one HTML file with its plots.
+//! A diagnosis for people: sentences, and one HTML file with its plots; and for programs: one JSON document.
 //!
 //! ```text
 //! Diagnosis → verdict_sentence, finding_sentence → terminal, report
@@ -10,6 +10,7 @@
 //! number is one of the [`Diagnosis`](crate::Diagnosis).
 
 mod closed_loop;
+mod document;
 mod html;
 mod pictures;
 #[cfg(test)]
@@ -18,6 +19,7 @@ mod section;
 mod sentence;
 
 pub use closed_loop::ClosedLoop;
+pub use document::{Extras, document};
 pub use html::{ReportContext, html};
 pub use pictures::{held_out_bars, via_points};
 pub use sentence::{cause_at, cause_name, description, finding_sentence, verdict_sentence};

@@ -1,6 +1,5 @@
 //! `tribo diagnose`.
 
-mod document;
 mod files;
 mod input;
 mod show;
@@ -10,13 +9,13 @@ use std::path::Path;
 use serde_json::Value;
 use tribo_campaign::{ClosedLoopGain, closed_loop_gain};
 use tribo_diagnose::recognise::recognise;
-use tribo_diagnose::report::{ClosedLoop, ReportContext, html};
+use tribo_diagnose::report::{ClosedLoop, Extras, ReportContext, document, html};
 use tribo_diagnose::{
     CauseLabel, Diagnosable, DiagnoseError, DiagnoseSettings, Diagnosis, Nominal, Verdict, diagnose_with_reference,
 };
 use tribo_logs::RobotLog;
 use tribo_logs::recognise::Use;
-use tribo_model::{AnyModel, Believed, Model, ModelFile, not_cancelled_sentences};
+use tribo_model::{AnyModel, Model, ModelFile, not_cancelled_of};
 use tribo_robot::Arm;
 
 use super::believe::{Refused, believe};
@@ -29,28 +28,15 @@ use crate::threads;
 use files::Outputs;
 pub(super) use files::write_text;
 
-/// What a run has to say besides the diagnosis.
-#[derive(Debug, Default)]
-struct Extras {
-    /// Cost with the old and the extended model, where asked for.
-    closed_loop: Option<ClosedLoopGain>,
-    /// What the compensator cannot cancel of the extended model, one sentence each.
-    not_cancelled: Vec<String>,
-    /// Files written: option and path.
-    written: Vec<(&'static str, String)>,
-    /// Why something that was asked for is missing.
-    remarks: Vec<String>,
-}
-
 /// Diagnoses and prints.
 pub fn run(arguments: &Diagnose, common: &Common) -> anyhow::Result<()> {
-    let Diagnosed { diagnosis, extras, written } = diagnosed(arguments, common)?;
+    let Diagnosed { diagnosis, closed_loop, extras, written } = diagnosed(arguments, common)?;
     if common.json {
-        print_json(&document::document(&diagnosis, &extras));
+        print_json(&document(&diagnosis, &extras));
     } else if common.quiet {
         show::verdict(&diagnosis);
     } else {
-        show::show(&diagnosis, &extras, common.verbose);
+        show::show(&diagnosis, closed_loop.as_ref(), &extras, common.verbose);
     }
     for remark in extras.remarks.iter().filter(|_| common.json && !common.quiet) {
         message!("tribo: {remark}");
@@ -69,6 +55,7 @@ pub fn run(arguments: &Diagnose, common: &Common) -> anyhow::Result<()> {
 pub(super) struct Diagnosed {
     /// The answer.
     pub diagnosis: Diagnosis,
+    closed_loop: Option<ClosedLoopGain>,
     extras: Extras,
     /// Whether the files could be written.
     written: anyhow::Result<()>,
@@ -78,7 +65,7 @@ impl Diagnosed {
     /// The answer as `diagnose --json` prints it; an error where its files could not be written.
     pub(super) fn document(self) -> anyhow::Result<(Diagnosis, Value)> {
         self.written?;
-        let document = document::document(&self.diagnosis, &self.extras);
+        let document = document(&self.diagnosis, &self.extras);
         Ok((self.diagnosis, document))
     }
 }
@@ -167,21 +154,17 @@ where
     // The extended model, what it is worth, and the files.
     let extended = held.model_file.extended(&diagnosis.effects());
     let valid = extended.validate::<N>();
-    let mut extras = Extras::default();
+    let (mut extras, mut gain) = (Extras::default(), None);
     if let Some(asked) = arguments.band_hz.filter(|asked| (asked - diagnosis.band_hz).abs() > 1e-6 * asked) {
         let used = diagnosis.band_hz;
         extras.remarks.push(format!("--band-hz {asked} does not fit these logs; the band used is {used:.1} Hz"));
     }
     if let Ok(better) = &valid {
-        let mut left = Believed::by_controller(better).not_cancelled;
-        left.retain(|left| {
-            let cause = left.effect.cause();
-            is_told(&diagnosis, cause) || model.effects.iter().any(|effect| effect.cause() == cause)
-        });
-        extras.not_cancelled = not_cancelled_sentences(&left);
+        extras.not_cancelled = not_cancelled_of(&diagnosis, model, better);
         if arguments.closed_loop {
             progress.stage("closed loop", 0.0);
-            extras.closed_loop = pool.install(|| closed_loop(model, better, arguments.seed, &mut extras.remarks));
+            gain = pool.install(|| closed_loop(model, better, arguments.seed, &mut extras.remarks));
+            extras.closed_loop = gain.as_ref().map(ClosedLoopGain::to_json);
         }
     }
     progress.finish();
@@ -190,14 +173,8 @@ where
     }
     let extended =
         valid.map(|_| extended).map_err(|error| anyhow::anyhow!("the findings make no valid model: {error}"));
-    let written = write(held, outputs, &model.arm, &diagnosis, extended, &mut extras);
-    Ok(Diagnosed { diagnosis, extras, written })
-}
-
-/// Whether the answer tells of this cause: the means of all other parameters are in the file too, and are next to nothing.
-fn is_told(diagnosis: &Diagnosis, cause: &str) -> bool {
-    let nameless = CauseLabel::ALL.iter().all(|label| label.name() != cause);
-    nameless || diagnosis.findings.iter().any(|finding| finding.label.name() == cause)
+    let written = write(held, outputs, &model.arm, (&diagnosis, gain.as_ref()), extended, &mut extras);
+    Ok(Diagnosed { diagnosis, closed_loop: gain, extras, written })
 }
 
 /// Runs the closed loop where there is a difference to measure.
@@ -219,7 +196,7 @@ fn write<const N: usize>(
     held: &Held,
     outputs: &Outputs,
     arm: &Arm<N>,
-    diagnosis: &Diagnosis,
+    (diagnosis, gain): (&Diagnosis, Option<&ClosedLoopGain>),
     extended: anyhow::Result<ModelFile>,
     extras: &mut Extras,
 ) -> anyhow::Result<()> {
@@ -228,7 +205,7 @@ fn write<const N: usize>(
             logs: held.names.clone(),
             model: held.model_name.clone(),
             program: format!("tribo {}", env!("CARGO_PKG_VERSION")),
-            closed_loop: extras.closed_loop.as_ref().map(|gain| ClosedLoop {
+            closed_loop: gain.map(|gain| ClosedLoop {
                 cost: [gain.cost_before, gain.cost_after],
                 tracking_rms_mm: [gain.tracking_rms_mm_before, gain.tracking_rms_mm_after],
             }),

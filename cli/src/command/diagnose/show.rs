@@ -1,13 +1,13 @@
 //! A diagnosis on the terminal: the verdict first, then the evidence.
 
 use comfy_table::{CellAlignment, Table};
+use tribo_campaign::ClosedLoopGain;
 use tribo_diagnose::report::number::{
     fixed, percent, percent_with_interval, probability, quantity_and_unit, significant, with_interval,
 };
-use tribo_diagnose::report::{cause_at, finding_sentence, verdict_sentence};
+use tribo_diagnose::report::{Extras, cause_at, finding_sentence, verdict_sentence};
 use tribo_diagnose::{Diagnosis, Finding, JointMisfit, Location};
 
-use super::Extras;
 use crate::output::{print, table};
 
 /// Width of running text (columns).
@@ -21,14 +21,14 @@ pub(super) fn verdict(diagnosis: &Diagnosis) {
 }
 
 /// Prints everything; `verbose` adds what was considered and rejected, and the assumptions.
-pub(super) fn show(diagnosis: &Diagnosis, extras: &Extras, verbose: bool) {
+pub(super) fn show(diagnosis: &Diagnosis, gain: Option<&ClosedLoopGain>, extras: &Extras, verbose: bool) {
     paragraph("", &verdict_sentence(diagnosis));
     if !diagnosis.findings.is_empty() {
         show_findings(&diagnosis.findings);
     }
     show_joints(diagnosis);
     show_unseen(diagnosis);
-    show_elsewhere(diagnosis, extras);
+    show_elsewhere(diagnosis, gain, extras);
     show_next(diagnosis);
     if verbose && !diagnosis.rejected.is_empty() {
         show_rejected(diagnosis);
@@ -177,12 +177,12 @@ fn show_unseen(diagnosis: &Diagnosis) {
 }
 
 /// What the extended model is worth on other logs and in the loop.
-fn show_elsewhere(diagnosis: &Diagnosis, extras: &Extras) {
+fn show_elsewhere(diagnosis: &Diagnosis, gain: Option<&ClosedLoopGain>, extras: &Extras) {
     for validation in &diagnosis.validation {
         let gain = percent_with_interval(validation.gain, validation.gain_ci95);
         paragraph("", &format!("\non {}: the findings remove {gain} of the residual", validation.log));
     }
-    if let Some(gain) = &extras.closed_loop {
+    if let Some(gain) = gain {
         let mut rows = table(&["closed loop", "cost J [N + Nm]", "tracking [mm RMS]", "[mrad RMS]", "state"]);
         let state = |aborted: Option<tribo_campaign::AbortReason>| {
             aborted.map_or("complete".to_owned(), |reason| format!("failed: {reason}"))

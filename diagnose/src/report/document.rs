@@ -1,15 +1,24 @@
 //! A diagnosis as one JSON document, `tribo.diagnosis/1`.
 
 use serde_json::{Map, Value, json};
-use tribo_campaign::ClosedLoopGain;
-use tribo_diagnose::{
-    Alternative, CauseLabel, Diagnosis, Finding, JointMisfit, Location, NextExperiment, Rejected, Unseen,
-};
 
-use super::Extras;
+use crate::{Alternative, CauseLabel, Diagnosis, Finding, JointMisfit, Location, NextExperiment, Rejected, Unseen};
 
-/// The document of `tribo diagnose --json`. A number that is not finite is null.
-pub(super) fn document(diagnosis: &Diagnosis, extras: &Extras) -> Value {
+/// What a run has to say besides the diagnosis.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Extras {
+    /// Cost with the old and the extended model, where it was asked for.
+    pub closed_loop: Option<Value>,
+    /// What a compensator cannot cancel of the extended model, one sentence each.
+    pub not_cancelled: Vec<String>,
+    /// Files written: option and path.
+    pub written: Vec<(&'static str, String)>,
+    /// Why something that was asked for is missing.
+    pub remarks: Vec<String>,
+}
+
+/// The diagnosis as a JSON document, `tribo.diagnosis/1`: what `tribo diagnose --json` prints. A number that is not finite is null.
+pub fn document(diagnosis: &Diagnosis, extras: &Extras) -> Value {
     let column = |pick: fn(&JointMisfit) -> f64| diagnosis.joints.iter().map(pick).collect::<Vec<f64>>();
     json!({
         "schema": "tribo.diagnosis/1",
@@ -25,7 +34,7 @@ pub(super) fn document(diagnosis: &Diagnosis, extras: &Extras) -> Value {
         "gain_heldout_ci95": diagnosis.gain_heldout_ci95,
         "unseen": diagnosis.unseen.as_ref().map(unseen),
         "predictive_sd_nm": diagnosis.predictive_sd_nm,
-        "closed_loop": extras.closed_loop.as_ref().map(closed_loop),
+        "closed_loop": extras.closed_loop,
         "next_experiment": diagnosis.next_experiment.as_ref().map(next_experiment),
         "validation": diagnosis.validation.iter().map(|validation| json!({
             "log": validation.log,
@@ -125,19 +134,6 @@ fn rejected(rejected: &Rejected) -> Value {
     with(located(rejected.label, rejected.location), more)
 }
 
-fn closed_loop(gain: &ClosedLoopGain) -> Value {
-    json!({
-        "cost_before": gain.cost_before,
-        "cost_after": gain.cost_after,
-        "tracking_rms_mm_before": gain.tracking_rms_mm_before,
-        "tracking_rms_mm_after": gain.tracking_rms_mm_after,
-        "tracking_rms_mrad_before": gain.tracking_rms_mrad_before,
-        "tracking_rms_mrad_after": gain.tracking_rms_mrad_after,
-        "reason_before": gain.aborted_before,
-        "reason_after": gain.aborted_after,
-    })
-}
-
 fn joint(joint: &JointMisfit) -> Value {
     json!({
         "rms_nm": joint.rms_nm,
@@ -162,7 +158,7 @@ fn next_experiment(next: &NextExperiment) -> Value {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use tribo_diagnose::{CrossJointPattern, Parameter, Validation, Verdict};
+    use crate::{CrossJointPattern, Parameter, Validation, Verdict};
 
     fn sample() -> Diagnosis {
         let payload = Finding {
@@ -265,17 +261,16 @@ mod tests {
     #[test]
     fn the_document_is_as_it_was() {
         let extras = Extras {
-            closed_loop: Some(ClosedLoopGain {
-                cost_before: 24.0,
-                cost_after: 12.0,
-                tracking_rms_mm_before: 3.0,
-                tracking_rms_mm_after: 1.0,
-                tracking_rms_mrad_before: 9.0,
-                tracking_rms_mrad_after: 2.0,
-                aborted_before: None,
-                aborted_after: None,
-                not_cancelled: Vec::new(),
-            }),
+            closed_loop: Some(json!({
+                "cost_before": 24.0,
+                "cost_after": 12.0,
+                "tracking_rms_mm_before": 3.0,
+                "tracking_rms_mm_after": 1.0,
+                "tracking_rms_mrad_before": 9.0,
+                "tracking_rms_mrad_after": 2.0,
+                "reason_before": null,
+                "reason_after": null,
+            })),
             not_cancelled: vec!["time_delay is not cancelled: …".to_owned()],
             written: vec![("report", "r.html".to_owned())],
             remarks: vec!["a remark".to_owned()],
