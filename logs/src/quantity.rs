@@ -143,7 +143,9 @@ impl Quantity {
         self.stem().trim_end_matches('_')
     }
 
-    fn from_canonical_name(name: &str) -> Option<(Self, usize)> {
+    /// The quantity of a canonical column name and the index in it; `None` of any other name.
+    #[must_use]
+    pub fn from_canonical_name(name: &str) -> Option<(Self, usize)> {
         Self::ALL.into_iter().find_map(|quantity| {
             let rest = name.strip_prefix(quantity.stem())?;
             if quantity.is_single() {

@@ -109,6 +109,11 @@ impl<const N: usize> BoxFrictionPlant<N> {
         self
     }
 
+    /// Lets `pulses` push the plant from now on.
+    pub fn set_pulses(&mut self, pulses: WrenchPulses) {
+        self.pulses = pulses;
+    }
+
     /// The same plant starting with joint velocity qd [rad/s].
     pub fn with_velocity(mut self, qd: SVector<f64, N>) -> Self {
         self.qd = qd;

@@ -1,5 +1,6 @@
 //! Campaigns whose trials the user runs: ask for parameters, tell what came of them.
 
+mod documents;
 mod judge_error;
 mod judged_log;
 mod learnt;

@@ -2,8 +2,8 @@
 
 use std::path::Path;
 
-use serde_json::{Value, json};
-use tribo_campaign::{AnyTune, Asked, CampaignError, TuneConfig, UserCampaign, UserTrials, first_difference};
+use serde_json::json;
+use tribo_campaign::{AnyTune, CampaignError, TuneConfig, UserCampaign, UserTrials, first_difference};
 use tribo_logs::write_atomic;
 use tribo_model::{FileError, to_yaml};
 
@@ -140,7 +140,7 @@ fn ask<const N: usize>(mut campaign: UserCampaign<N>, arguments: &Ask, common: &
         write_atomic(out, |file| file.write_all(text.as_bytes()))?;
     }
     if common.json {
-        print_json(&document(&campaign, &asked));
+        print_json(&campaign.ask_document(&asked));
     } else if out.is_none() {
         print(text.trim_end());
     }
@@ -161,16 +161,4 @@ fn ask<const N: usize>(mut campaign: UserCampaign<N>, arguments: &Ask, common: &
         );
     }
     Ok(())
-}
-
-fn document<const N: usize>(campaign: &UserCampaign<N>, asked: &Asked) -> Value {
-    json!({
-        "schema": "tribo.ask/1",
-        "trial": asked.number,
-        "origin": asked.origin,
-        "params": campaign.tune().space.nested(&asked.theta),
-        "compensator": asked.file,
-        "beyond_box": campaign.beyond_box(),
-        "running": campaign.running(),
-    })
 }

@@ -1,6 +1,5 @@
 //! What a campaign has learnt about the friction of its robot.
 
-use serde_json::{Value, json};
 use tribo_campaign::Learnt;
 
 use crate::output::{print, significant, table};
@@ -40,17 +39,4 @@ fn unsure(learnt: &[Learnt], name: &str) -> Option<String> {
     let unsure = learnt.iter().filter(|parameter| parameter.name == name && parameter.is_unsure());
     let joints: Vec<String> = unsure.map(|parameter| parameter.joint.to_string()).collect();
     (!joints.is_empty()).then(|| format!("{name} of joint {}", joints.join(", ")))
-}
-
-/// The same for programs.
-pub fn json(learnt: &[Learnt]) -> Value {
-    let parameter = |known: &Learnt| {
-        json!({
-            "parameter": format!("joint_{}.{}", known.joint, known.name),
-            "value": known.value,
-            "sd": known.sd,
-            "unsure": known.is_unsure(),
-        })
-    };
-    learnt.iter().map(parameter).collect()
 }

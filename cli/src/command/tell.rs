@@ -2,8 +2,8 @@
 
 use std::path::Path;
 
-use serde_json::{Map, Value, json};
-use tribo_campaign::strategy::{BestTrial, LawCheck};
+use serde_json::json;
+use tribo_campaign::strategy::BestTrial;
 use tribo_campaign::{
     AbortReason, JudgedLog, RecognisedTrial, Told, TuneConfig, UserCampaign, judge_log, recognise_trial,
 };
@@ -65,9 +65,7 @@ where
         (None, reason) => campaign.tell_failed(number, reason.unwrap_or_default())?,
     };
     if common.json {
-        let mut document = document(&campaign, &told, judged.as_ref(), failed);
-        document["learnt"] = learnt::json(&campaign.learnt()?);
-        print_json(&document);
+        print_json(&campaign.tell_document(&told, judged.as_ref(), failed)?);
     } else if !common.quiet {
         show(&campaign, &told, judged.as_ref());
         learnt::show(&campaign.learnt()?);
@@ -80,16 +78,7 @@ where
 fn show_withdrawn<const N: usize>(campaign: &UserCampaign<N>, number: usize, reason: &str, common: &Common) {
     let (best, finished) = (campaign.best(), campaign.finished().count());
     if common.json {
-        print_json(&json!({
-            "schema": "tribo.tell/1",
-            "trial": number,
-            "state": "withdrawn",
-            "reason": reason,
-            "best": best,
-            "finished": finished,
-            "trials": campaign.tune().config.trials,
-            "running": campaign.running(),
-        }));
+        print_json(&campaign.withdrawn_document(number, reason));
     } else if !common.quiet {
         let total = campaign.tune().config.trials;
         print(format_args!("trial {number} withdrawn: {finished} of {total} count; {}", best_so_far(best)));
@@ -134,36 +123,6 @@ where
     }
     let judged = judge_log(campaign.tune(), campaign.user_trials(), &theta, &log, failed);
     Ok(judged.map_err(|error| BadInput(format!("{}: {error}", path.display())))?)
-}
-
-fn document<const N: usize>(
-    campaign: &UserCampaign<N>,
-    told: &Told,
-    judged: Option<&JudgedLog<N>>,
-    failed: Option<&str>,
-) -> Value {
-    let cost = &told.trial.cost;
-    json!({
-        "schema": "tribo.tell/1",
-        "trial": told.trial.number,
-        "state": if failed.is_some() { "failed" } else { "complete" },
-        "cost": cost.total(),
-        "cost_parts": cost.parts().into_iter().map(|(k, v)| (k.to_owned(), json!(v))).collect::<Map<_, _>>(),
-        "penalty": cost.penalty,
-        "reason": failed,
-        "aborted_at_s": told.aborted_at_s,
-        "faults": judged.map(|judged| judged.faults),
-        "logged_compensation": judged.map(|judged| judged.logged_compensation),
-        "best": told.conclusion.best,
-        "law_check": told.conclusion.law_check.map(LawCheck::summary),
-        "standing": told.conclusion.standing,
-        "beyond_box": told.conclusion.beyond_box,
-        "remarks": told.conclusion.remarks(),
-        "early_stop": told.early_stop,
-        "finished": told.finished,
-        "trials": campaign.tune().config.trials,
-        "running": campaign.running(),
-    })
 }
 
 fn show<const N: usize>(campaign: &UserCampaign<N>, told: &Told, judged: Option<&JudgedLog<N>>) {

@@ -1,0 +1,38 @@
+//! Whether a log is believed.
+
+use std::ffi::CString;
+
+use pyo3::exceptions::PyUserWarning;
+use pyo3::prelude::*;
+use tribo_logs::recognise::{Remark, Use};
+
+use crate::failure::bad;
+
+/// Refuses a log that cannot be right for what it is wanted for; what only may be wrong is a `UserWarning`. With `anyway`
+/// everything is a warning.
+///
+/// # Errors
+/// `ValueError` with one line per reason.
+pub(crate) fn believe(py: Python<'_>, name: &str, remarks: &[Remark], wanted: Use, anyway: bool) -> PyResult<()> {
+    let reasons: Vec<String> = remarks
+        .iter()
+        .filter(|remark| remark.refuses(wanted))
+        .map(|remark| format!("{name}: {}: {remark}", remark.fault.name()))
+        .collect();
+    if !reasons.is_empty() && !anyway {
+        return Err(bad(reasons.join("\n")));
+    }
+    for remark in remarks.iter().filter(|remark| remark.concerns(wanted)) {
+        warn(py, &format!("{name}: {remark}"))?;
+    }
+    Ok(())
+}
+
+/// A `UserWarning` about the caller's line.
+///
+/// # Errors
+/// Where warnings are made errors.
+pub(crate) fn warn(py: Python<'_>, message: &str) -> PyResult<()> {
+    let text = CString::new(message.replace('\0', " ")).unwrap_or_default();
+    PyErr::warn(py, &py.get_type::<PyUserWarning>(), &text, 2)
+}

@@ -1,0 +1,129 @@
+//! Arrays of samples, in and out.
+
+use nalgebra::SVector;
+use numpy::{AllowTypeChange, IxDyn, PyArray1, PyArrayDyn, PyArrayLikeDyn, PyArrayMethods};
+use pyo3::prelude::*;
+
+use crate::failure::bad;
+
+/// Samples of N joints: `(n, N)`, or `(N,)` of one.
+#[derive(Debug)]
+pub(crate) struct Rows {
+    /// Row by row.
+    pub numbers: Vec<f64>,
+    /// `[n]`, or `[]` of one sample.
+    pub leading: Vec<usize>,
+    /// N.
+    pub joints: usize,
+}
+
+impl Rows {
+    /// Reads what NumPy takes for an array of numbers.
+    ///
+    /// # Errors
+    /// No numbers, or more dimensions than two.
+    pub(crate) fn of(value: &Bound<'_, PyAny>, name: &str) -> PyResult<Self> {
+        let array: PyArrayLikeDyn<'_, f64, AllowTypeChange> =
+            value.extract().map_err(|error| bad(format!("{name} is no array of numbers: {error}")))?;
+        let array = array.as_array();
+        let (leading, joints) = match array.shape() {
+            [joints] => (Vec::new(), *joints),
+            [rows, joints] => (vec![*rows], *joints),
+            shape => return Err(bad(format!("{name} has shape {shape:?}; allowed: (n, joints) or (joints,)"))),
+        };
+        let numbers = array.as_slice().map_or_else(|| array.iter().copied().collect(), <[f64]>::to_vec);
+        Ok(Self { numbers, leading, joints })
+    }
+
+    /// [`Self::of`] an arm with so many joints, and as many samples as `like`, where there is such.
+    ///
+    /// # Errors
+    /// Another shape.
+    pub(crate) fn of_arm(
+        value: &Bound<'_, PyAny>,
+        name: &str,
+        joints: usize,
+        like: Option<&Self>,
+    ) -> PyResult<Self> {
+        let rows = Self::of(value, name)?;
+        if rows.joints != joints {
+            return Err(bad(format!("{name} has {} columns; the arm has {joints} joints", rows.joints)));
+        }
+        match like {
+            Some(like) if like.leading != rows.leading => {
+                let (shape, other) = (rows.shape(), like.shape());
+                Err(bad(format!("{name} has shape {shape:?}; the first array has {other:?}")))
+            }
+            _ => Ok(rows),
+        }
+    }
+
+    /// The same shape, all zero.
+    pub(crate) fn zeros_like(&self) -> Self {
+        Self { numbers: vec![0.0; self.numbers.len()], leading: self.leading.clone(), joints: self.joints }
+    }
+
+    fn shape(&self) -> Vec<usize> {
+        self.leading.iter().copied().chain([self.joints]).collect()
+    }
+
+    /// Columns, one per joint.
+    pub(crate) fn columns(&self) -> Vec<Vec<f64>> {
+        (0..self.joints).map(|j| self.numbers.iter().skip(j).step_by(self.joints.max(1)).copied().collect()).collect()
+    }
+}
+
+/// Numbers in one dimension.
+///
+/// # Errors
+/// No numbers, or another number of dimensions.
+pub(crate) fn column(value: &Bound<'_, PyAny>, name: &str) -> PyResult<Vec<f64>> {
+    let rows = Rows::of(value, name)?;
+    if rows.leading.is_empty() { Ok(rows.numbers) } else { Err(bad(format!("{name} has two dimensions; allowed: (n,)"))) }
+}
+
+/// One sample of N joints.
+///
+/// # Errors
+/// Another shape.
+pub(crate) fn sample<const N: usize>(value: &Bound<'_, PyAny>, name: &str) -> PyResult<SVector<f64, N>> {
+    let numbers = column(value, name)?;
+    if numbers.len() == N {
+        Ok(SVector::from_column_slice(&numbers))
+    } else {
+        Err(bad(format!("{name} has {} numbers; the arm has {N} joints", numbers.len())))
+    }
+}
+
+/// `f(row of each input, row of the output)`, row by row, without Python's lock; the output is `(n, *each)`.
+pub(crate) fn over_rows<'py, const N: usize, const K: usize>(
+    py: Python<'py>,
+    inputs: [&Rows; K],
+    each: &[usize],
+    f: impl Fn([SVector<f64, N>; K], &mut [f64]) + Sync,
+) -> PyResult<Bound<'py, PyArrayDyn<f64>>> {
+    let Some(first) = inputs.first() else { return Err(bad("no input")) };
+    let width: usize = each.iter().product();
+    let shape: Vec<usize> = first.leading.iter().chain(each).copied().collect();
+    let rows = first.numbers.len() / N;
+    let output = py.detach(|| {
+        let mut output = vec![0.0; rows * width];
+        for (k, out) in output.chunks_exact_mut(width).enumerate() {
+            f(inputs.map(|input| SVector::from_column_slice(&input.numbers[k * N..(k + 1) * N])), out);
+        }
+        output
+    });
+    array(py, output, &shape)
+}
+
+/// An array of this shape.
+pub(crate) fn array<'py>(py: Python<'py>, numbers: Vec<f64>, shape: &[usize]) -> PyResult<Bound<'py, PyArrayDyn<f64>>> {
+    PyArray1::from_vec(py, numbers).reshape(IxDyn(shape))
+}
+
+/// Columns as an array `(n, columns)`.
+pub(crate) fn from_columns<'py>(py: Python<'py>, columns: &[&[f64]]) -> PyResult<Bound<'py, PyArrayDyn<f64>>> {
+    let rows = columns.first().map_or(0, |column| column.len());
+    let numbers = (0..rows).flat_map(|k| columns.iter().map(move |column| column[k])).collect();
+    array(py, numbers, &[rows, columns.len()])
+}

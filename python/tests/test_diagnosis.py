@@ -1,0 +1,52 @@
+"""Diagnosis."""
+
+import _thread
+import json
+import threading
+
+import pytest
+import tribo
+
+
+def test_a_payload_is_named_written_and_then_nothing_is_missing(model, loaded_log, tmp_path):
+    heard = []
+    diagnosis = tribo.diagnose(loaded_log, model, progress=lambda stage, part: heard.append((stage, part)))
+    assert (diagnosis.verdict, diagnosis.findings[0].label) == ("named", "payload")
+    assert diagnosis.findings[0].params["mass_kg"] == pytest.approx(0.8, abs=0.02)
+    assert all(0 <= part <= 1 for _, part in heard) and heard
+    extended = diagnosis.extend(tmp_path / "extended.yaml")
+    assert extended.to_yaml() == tribo.Model.read(tmp_path / "extended.yaml").to_yaml()
+    assert tribo.diagnose(loaded_log, tmp_path / "extended.yaml").verdict == "nothing_missing"
+    diagnosis.report(tmp_path / "report.html")
+    assert (tmp_path / "report.html").read_text(encoding="utf-8").startswith("<!doctype html>")
+    assert "payload" in str(diagnosis) and "<table>" in diagnosis._repr_html_()
+    assert diagnosis.unseen is not None and diagnosis.unseen["ratio_to_better_baseline"] > 0
+
+
+def test_the_command_says_the_same(model, loaded_log, tmp_path, command):
+    loaded_log.write(tmp_path / "log.csv")
+    model.save(tmp_path / "model.yaml")
+    said = json.loads(command("diagnose", "log.csv", "--model", "model.yaml", "--json").stdout)
+    ours = tribo.diagnose(tmp_path / "log.csv", tmp_path / "model.yaml").document
+    assert ours == said
+
+
+def test_a_wrong_log_is_refused_and_a_doubtful_one_warned_of(model, loaded_log):
+    tau = loaded_log.quantity("tau")
+    flipped = tribo.Log.from_arrays(loaded_log.time, loaded_log.quantity("q"), -tau, loaded_log.quantity("dq"))
+    with pytest.raises(ValueError, match="opposite sign"):
+        tribo.diagnose(flipped, model)
+    with pytest.raises(ValueError, match="7 joints; the model has 6"):
+        tribo.diagnose(loaded_log, "ur10e")
+    with pytest.raises(ValueError, match="band_hz is -1; allowed: greater than 0"):
+        tribo.diagnose(loaded_log, model, band_hz=-1)
+    with pytest.raises(ValueError, match="no log is given"):
+        tribo.diagnose([], model)
+
+
+def test_control_c_ends_it(model, loaded_log):
+    timer = threading.Timer(0.2, _thread.interrupt_main)
+    timer.start()
+    with pytest.raises(KeyboardInterrupt):
+        tribo.diagnose([loaded_log, loaded_log.slice(0, 9000)], model)
+    timer.join()
