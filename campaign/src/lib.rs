@@ -65,7 +65,8 @@ mod tuned;
 
 pub use against_ekf::{AgainstEkf, against_ekf};
 pub use ask_tell::{
-    Asked, JudgeError, JudgedLog, Learnt, RecognisedTrial, SentTorque, Told, UserCampaign, UserTrials, judge_log, recognise_trial,
+    Asked, JudgeError, JudgedLog, Learnt, RecognisedTrial, SentTorque, Told, UserCampaign, UserTrials, judge_log,
+    recognise_trial,
 };
 pub use batches::Batches;
 pub use calibration::Calibration;

@@ -49,12 +49,7 @@ pub struct LogEstimate {
 impl<const N: usize> LogEstimator<N> {
     /// Estimators that believe in `model` ([`Believed::on_log`]) and have seen no log in free motion.
     pub fn new(model: &Model<N>) -> Self {
-        Self {
-            believed: Believed::on_log(model),
-            smoothing_rad_s: model.smoothing_rad_s,
-            free: None,
-            contact: None,
-        }
+        Self { believed: Believed::on_log(model), smoothing_rad_s: model.smoothing_rad_s, free: None, contact: None }
     }
 
     /// What of the model estimators believe, and what they cannot use.

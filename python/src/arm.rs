@@ -81,6 +81,15 @@ impl PyArm {
 }
 
 #[pymethods]
+impl PyModel {
+    /// The arm with the model's payload, without its effects; without rotor inertia where torques are meant link-side.
+    #[getter]
+    fn arm(&self) -> PyArm {
+        PyArm { arm: AnyArm::of(&self.model), model: self.clone() }
+    }
+}
+
+#[pymethods]
 impl PyArm {
     /// The arm of a name: one of `tribo.PRESETS`.
     #[staticmethod]
@@ -122,7 +131,10 @@ impl PyArm {
 
     /// Limits as arrays `(joints,)`: `q_min` and `q_max` (rad), `qd_max` (rad/s), `tau_max` (Nm), `tau_rate_max` (Nm/s).
     #[getter]
-    fn limits<'py>(&self, py: Python<'py>) -> PyResult<std::collections::BTreeMap<&'static str, Bound<'py, PyArrayDyn<f64>>>> {
+    fn limits<'py>(
+        &self,
+        py: Python<'py>,
+    ) -> PyResult<std::collections::BTreeMap<&'static str, Bound<'py, PyArrayDyn<f64>>>> {
         fn named<'py, const N: usize>(
             py: Python<'py>,
             arm: &Arm<N>,

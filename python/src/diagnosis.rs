@@ -17,6 +17,7 @@ use crate::arm::either;
 use crate::failure::{bad, raised};
 use crate::interrupt::interruptible;
 use crate::log::PyLog;
+use crate::meant::meant;
 use crate::model::PyModel;
 use crate::remarks::believe;
 
@@ -102,7 +103,7 @@ pub(crate) fn diagnose(
         return Err(bad(format!("band_hz is {band_hz}; allowed: greater than 0")));
     }
     let raw: Vec<RobotLog> = logs.iter().map(|log| log.get().log.clone()).collect();
-    let model = PyModel::meant(model.as_ref(), &raw)?;
+    let model = meant(model.as_ref(), &raw)?;
     let (names, session): (Vec<String>, Vec<RobotLog>) = believed(py, &logs, &model, anyway)?.into_iter().unzip();
     let validate = believed(py, &validate, &model, anyway)?;
     let unloaded: Vec<RobotLog> = believed(py, &reference, &model, anyway)?.into_iter().map(|(_, log)| log).collect();
@@ -112,7 +113,9 @@ pub(crate) fn diagnose(
         let heard = |stage: &str, part: f64| {
             if let Some(progress) = &progress {
                 // Whoever listens does not break the work.
-                Python::attach(|py| progress.call1(py, (stage, part)).map(drop).unwrap_or_else(|error| error.print(py)));
+                Python::attach(|py| {
+                    progress.call1(py, (stage, part)).map(drop).unwrap_or_else(|error| error.print(py))
+                });
             }
             !stop.load(Ordering::Relaxed)
         };

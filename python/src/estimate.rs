@@ -12,7 +12,7 @@ use crate::arm::either;
 use crate::failure::{bad, raised};
 use crate::interrupt::interruptible;
 use crate::log::PyLog;
-use crate::model::PyModel;
+use crate::meant::meant;
 use crate::remarks::{believe, warn};
 use crate::rows::array;
 
@@ -41,7 +41,7 @@ pub(crate) fn estimate<'py>(
     anyway: bool,
 ) -> PyResult<Series<'py>> {
     let name = estimator_named(residual)?;
-    let model = PyModel::meant(model.as_ref(), std::slice::from_ref(&log.get().log))?;
+    let model = meant(model.as_ref(), std::slice::from_ref(&log.get().log))?;
     let found = either!(&model.model, AnyModel, model => {
         run(py, model, name, log.get(), free.as_ref().map(|free| free.get()), touched, anyway)
     })?;

@@ -17,6 +17,7 @@ mod estimator;
 mod failure;
 mod interrupt;
 mod log;
+mod meant;
 mod model;
 mod record;
 mod remarks;

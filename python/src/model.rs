@@ -4,10 +4,11 @@ use std::path::{Path, PathBuf};
 
 use pyo3::prelude::*;
 use tribo_logs::{RobotLog, write_atomic};
-use tribo_model::{AnyModel, FrictionSection, JointParameters, LawName, ModelChoice, ModelFile, PayloadSection, to_yaml};
+use tribo_model::{
+    AnyModel, FrictionSection, JointParameters, LawName, ModelChoice, ModelFile, PayloadSection, to_yaml,
+};
 use tribo_robot::presets;
 
-use crate::arm::{AnyArm, PyArm};
 use crate::failure::{bad, raised};
 
 /// What is believed of a robot: the arm, its friction, further effects, and the side of the gears on which torques are meant.
@@ -49,26 +50,6 @@ impl PyModel {
         let name = ModelChoice::default().name(robot);
         Ok(Self { file, model, name })
     }
-
-    /// The model that somebody means by a `Model`, an `Arm`, the path of a model file, a preset or a robot description; of none, a
-    /// Panda where there are seven joints.
-    pub(crate) fn meant(given: Option<&Bound<'_, PyAny>>, logs: &[RobotLog]) -> PyResult<Self> {
-        let Some(given) = given else {
-            return match logs.first().map(|log| log.joints()) {
-                Some(7) => Self::bare_robot("panda", "motor", None, None, logs),
-                joints => Err(bad(format!("no model is given, and {} joints are no Panda's", joints.unwrap_or(0)))),
-            };
-        };
-        if let Ok(model) = given.cast::<Self>() {
-            return Ok(model.get().clone());
-        }
-        if let Ok(arm) = given.cast::<PyArm>() {
-            return Ok(arm.get().model.clone());
-        }
-        let path: PathBuf = given.extract().map_err(|_| bad("model is none of Model, Arm, path of a model file, name of a robot"))?;
-        let is_model = path.extension().is_some_and(|ending| ending == "yaml" || ending == "yml");
-        if is_model { Self::read(path) } else { Self::bare_robot(&path.to_string_lossy(), "motor", None, None, logs) }
-    }
 }
 
 #[pymethods]
@@ -102,7 +83,11 @@ impl PyModel {
     fn with_friction(&self, coulomb: Vec<f64>, viscous: Vec<f64>) -> PyResult<Self> {
         let joints = self.joints();
         if [coulomb.len(), viscous.len()] != [joints; 2] {
-            return Err(bad(format!("coulomb has {}, viscous {} numbers; the arm has {joints} joints", coulomb.len(), viscous.len())));
+            return Err(bad(format!(
+                "coulomb has {}, viscous {} numbers; the arm has {joints} joints",
+                coulomb.len(),
+                viscous.len()
+            )));
         }
         let joints = coulomb.into_iter().zip(viscous).map(|(coulomb, viscous)| JointParameters {
             coulomb_nm: Some(coulomb),
@@ -132,12 +117,6 @@ impl PyModel {
         write_atomic(&path, |file| file.write_all(text.as_bytes())).map_err(raised)
     }
 
-    /// The arm with the model's payload, without its effects; without rotor inertia where torques are meant link-side.
-    #[getter]
-    fn arm(&self) -> PyArm {
-        PyArm { arm: AnyArm::of(&self.model), model: self.clone() }
-    }
-
     /// Number of joints.
     #[getter]
     fn joints(&self) -> usize {
@@ -157,7 +136,10 @@ impl PyModel {
     /// Side of the gears on which torques are meant: `motor` or `link`.
     #[getter]
     fn torque_side(&self) -> String {
-        serde_json::to_value(self.file.torque_side).ok().and_then(|side| side.as_str().map(str::to_owned)).unwrap_or_default()
+        serde_json::to_value(self.file.torque_side)
+            .ok()
+            .and_then(|side| side.as_str().map(str::to_owned))
+            .unwrap_or_default()
     }
 
     fn __repr__(&self) -> String {

@@ -9,7 +9,7 @@ use tribo_sim::{Recording, RecordingError, record as recorded};
 use crate::arm::either;
 use crate::failure::{bad, raised};
 use crate::log::PyLog;
-use crate::model::PyModel;
+use crate::meant::meant;
 
 /// The motions by name.
 const MOTIONS: [(&str, Excitation); 6] = [
@@ -33,7 +33,7 @@ pub(crate) fn record(
     noise: f64,
     seed: u64,
 ) -> PyResult<PyLog> {
-    let model = PyModel::meant(Some(model), &[])?;
+    let model = meant(Some(model), &[])?;
     let named = MOTIONS.into_iter().find(|(name, _)| *name == motion);
     let Some((_, excitation)) = named else {
         return Err(bad(format!("motion is {motion}; allowed: {}", MOTIONS.map(|(name, _)| name).join(", "))));
@@ -44,11 +44,8 @@ pub(crate) fn record(
         }
     }
     let usual = Recording { rate_hz: rate, ..Recording::default() };
-    let recording = Recording {
-        encoder_sd_rad: noise * usual.encoder_sd_rad,
-        torque_sd_nm: noise * usual.torque_sd_nm,
-        ..usual
-    };
+    let recording =
+        Recording { encoder_sd_rad: noise * usual.encoder_sd_rad, torque_sd_nm: noise * usual.torque_sd_nm, ..usual };
     let log = py
         .detach(|| either!(&model.model, AnyModel, model => of(model, excitation, duration, &recording, seed)))
         .map_err(raised)?;

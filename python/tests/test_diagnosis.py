@@ -19,8 +19,9 @@ def test_a_payload_is_named_written_and_then_nothing_is_missing(model, loaded_lo
     assert tribo.diagnose(loaded_log, tmp_path / "extended.yaml").verdict == "nothing_missing"
     diagnosis.report(tmp_path / "report.html")
     assert (tmp_path / "report.html").read_text(encoding="utf-8").startswith("<!doctype html>")
-    assert "payload" in str(diagnosis) and "<table>" in diagnosis._repr_html_()
-    assert diagnosis.unseen is not None and diagnosis.unseen["ratio_to_better_baseline"] > 0
+    assert "a body that the model lacks" in str(diagnosis) and "<table>" in diagnosis._repr_html_()
+    before, after = (sum(diagnosis.rms_nm[key]) for key in ["held_out_before", "held_out_after"])
+    assert after < 0.1 * before
 
 
 def test_the_command_says_the_same(model, loaded_log, tmp_path, command):

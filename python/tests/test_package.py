@@ -52,10 +52,10 @@ def test_the_stub_has_what_the_module_has():
     if importlib.util.find_spec("mypy") is None:
         pytest.skip("SKIPPED: no mypy here")
     done = subprocess.run(
-        [sys.executable, "-m", "mypy.stubtest", "tribo._tribo", "--ignore-missing-stub"],
+        [sys.executable, "-m", "mypy.stubtest", "tribo._tribo", "--ignore-missing-stub", "--ignore-disjoint-bases"],
         capture_output=True,
         text=True,
         check=False,
         cwd=pathlib.Path(tribo.__file__).parent.parent,
     )
-    assert "not present at runtime" not in done.stdout, done.stdout
+    assert done.returncode == 0, done.stdout

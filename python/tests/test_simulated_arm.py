@@ -53,7 +53,7 @@ def test_reset_and_wrong_input():
         arm.step(np.full(7, np.nan))
     with pytest.raises(ValueError, match="six numbers"):
         arm.step(np.zeros(7), [1, 2])
-    with pytest.raises(ValueError, match="no_such"):
+    with pytest.raises(FileNotFoundError, match="no_such"):
         tribo.SimulatedArm(friction="no_such.yaml")
     with pytest.raises(ValueError, match="noise is -1"):
         tribo.SimulatedArm(noise=-1)

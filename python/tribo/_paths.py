@@ -25,9 +25,9 @@ def as_log(log: LogLike) -> Log:
 
 def as_logs(logs: LogLike | Iterable[LogLike]) -> list[Log]:
     """The logs, read where they are paths."""
-    if isinstance(logs, (Log, str)) or hasattr(logs, "__fspath__"):
+    if isinstance(logs, (Log, str, os.PathLike)):
         return [as_log(logs)]
-    return [as_log(log) for log in logs]  # type: ignore[union-attr]
+    return [as_log(log) for log in logs]
 
 
 def plain(value: Any) -> Any:

@@ -2,7 +2,7 @@
 
 import os
 from collections.abc import Callable, Mapping, Sequence
-from typing import Any, TypedDict
+from typing import Any, TypedDict, final
 
 import numpy as np
 import numpy.typing as npt
@@ -14,18 +14,19 @@ _ModelLike = Model | Arm | _Path
 VERSION: str
 PRESETS: list[str]
 
-class State(TypedDict):
+class _State(TypedDict):
     time: float
     q: _Array
     dq: _Array
     tau: _Array
 
-class Hidden(TypedDict):
+class _Hidden(TypedDict):
     q: _Array
     dq: _Array
     friction: _Array
     wrench: _Array
 
+@final
 class Arm:
     """A serial arm of six or seven revolute joints; arrays are (n, joints), or (joints,) of one sample."""
 
@@ -68,6 +69,7 @@ class Arm:
     ) -> _Array:
         """Regressor of the rigid-body torque, (n, joints, 10 joints)."""
 
+@final
 class Model:
     """What is believed of a robot: arm, friction, further effects, side of the gears on which torques are meant."""
 
@@ -81,7 +83,7 @@ class Model:
     ) -> Model: ...
     def with_friction(self, coulomb: Sequence[float], viscous: Sequence[float]) -> Model: ...
     def with_payload(
-        self, mass: float, com: Sequence[float] = (0.0, 0.0, 0.0), inertia: Sequence[float] = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
+        self, mass: float, com: Sequence[float] = ..., inertia: Sequence[float] = ...
     ) -> Model: ...
     def to_yaml(self) -> str: ...
     def save(self, path: _Path) -> None: ...
@@ -94,6 +96,7 @@ class Model:
     @property
     def torque_side(self) -> str: ...
 
+@final
 class Log:
     """A robot log: columns of one length, stamps that increase, every number finite; joint arrays are (n, joints)."""
 
@@ -119,10 +122,11 @@ class Log:
     def slice(self, start: int, end: int) -> Log: ...
     def __len__(self) -> int: ...
 
+@final
 class WrenchEstimator:
     """A wrench estimator that is given one sample after the other."""
 
-    def __init__(self, model: _ModelLike, residual: str = "ekf") -> None: ...
+    def __new__(cls, model: _ModelLike, residual: str = "ekf") -> WrenchEstimator: ...
     def reset(self) -> None: ...
     def step(
         self,
@@ -139,6 +143,7 @@ class WrenchEstimator:
     @property
     def limits95(self) -> _Array: ...
 
+@final
 class Compensator:
     """What a campaign tuned: the torque that cancels friction, tick by tick."""
 
@@ -166,41 +171,43 @@ class Compensator:
     @property
     def joints(self) -> int: ...
 
+@final
 class SimulatedArm:
     """A simulated arm with true friction and hidden effects, driven by motor torque at 1 kHz."""
 
-    def __init__(
-        self,
+    def __new__(
+        cls,
         robot: str | None = None,
         friction: str = "coulomb_viscous",
         *,
         pose: int = 0,
         seed: int = 1,
         noise: float = 1.0,
-    ) -> None: ...
-    def reset(self, q: npt.ArrayLike | None = None, *, seed: int | None = None) -> State: ...
-    def step(self, tau: npt.ArrayLike, wrench: npt.ArrayLike | None = None) -> State: ...
+    ) -> SimulatedArm: ...
+    def reset(self, q: npt.ArrayLike | None = None, *, seed: int | None = None) -> _State: ...
+    def step(self, tau: npt.ArrayLike, wrench: npt.ArrayLike | None = None) -> _State: ...
     @property
-    def state(self) -> State: ...
+    def state(self) -> _State: ...
     @property
-    def hidden(self) -> Hidden: ...
+    def hidden(self) -> _Hidden: ...
     @property
     def dt(self) -> float: ...
     @property
     def joints(self) -> int: ...
 
+@final
 class Study:
     """Bayesian optimisation of a function each evaluation of which is dear: costs are minimised over a box."""
 
-    def __init__(
-        self,
+    def __new__(
+        cls,
         space: Mapping[str, tuple[float, float]] | Sequence[tuple[str, tuple[float, float]]],
         *,
         start: Sequence[float] | None = None,
         seed: int = 1,
         method: str = "bo",
         init: int | None = None,
-    ) -> None: ...
+    ) -> Study: ...
     def ask(self) -> tuple[int, list[float]]: ...
     def tell(self, trial: int, cost: float | None = None) -> None: ...
     @property
@@ -208,6 +215,7 @@ class Study:
     def recommend(self) -> tuple[int, list[float], float] | None: ...
     def __len__(self) -> int: ...
 
+@final
 class RawDiagnosis:
     def document(self) -> str: ...
     def verdict_sentence(self) -> str: ...

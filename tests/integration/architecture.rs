@@ -13,7 +13,7 @@ use std::process::Command;
 use serde::Deserialize;
 
 /// The table: a crate may use crates of a lower layer, and of its own layer only where [`SIDEWAYS`] says so.
-const LAYERS: [&[&str]; 8] = [
+const LAYERS: [&[&str]; 9] = [
     &["robot", "friction", "bayesopt", "logs", "figure"],
     &["control", "ekf", "residual", "sim"],
     &["runtime", "diagnose"],
@@ -22,13 +22,16 @@ const LAYERS: [&[&str]; 8] = [
     &["watch", "bench", "experiments"],
     &["dashboard"],
     &["cli"],
+    &["python"],
 ];
 /// Edges inside a layer.
 const SIDEWAYS: [(&str, &str); 1] = [("friction", "robot")];
 /// Edges that point downwards and are forbidden all the same: the loop knows a robot and an estimator by trait only.
 const FORBIDDEN: [(&str, &str); 3] = [("runtime", "sim"), ("runtime", "ekf"), ("runtime", "residual")];
 /// Crates from outside and who may use them (prefix match where the name ends with `*`).
-const RESERVED: [(&str, &[&str]); 7] = [
+const RESERVED: [(&str, &[&str]); 9] = [
+    ("pyo3", &["python"]),
+    ("numpy", &["python"]),
     ("egui*", &["dashboard", "cli"]),
     ("eframe", &["dashboard", "cli"]),
     ("clap*", &["cli", "tests"]),

@@ -355,7 +355,17 @@ pub struct Simulate {
 pub struct Estimate {
     /// The log, in any format that convert reads. Of a log with torque on both sides of the gears, without --model, only the friction
     /// of the gears is estimated.
-    pub log: PathBuf,
+    #[arg(required_unless_present = "live")]
+    pub log: Option<PathBuf>,
+    /// Watch the Panda or FR3 at this address in place of a log; nothing is commanded. Its torques are those of its sensors, on the link side.
+    #[arg(long, value_name = "HOST", conflicts_with_all = ["log", "torque_side"], requires = "record")]
+    pub live: Option<String>,
+    /// How long the live robot is watched (s).
+    #[arg(long, default_value_t = 10.0, value_name = "S", requires = "live", allow_negative_numbers = true)]
+    pub seconds: f64,
+    /// Log of the watched states: .csv, .csv.gz, .parquet or .mcap.
+    #[arg(long, value_name = "FILE", requires = "live")]
+    pub record: Option<PathBuf>,
     /// Use a log even if it is refused; the reasons against it are printed.
     #[arg(long)]
     pub anyway: bool,

@@ -11,9 +11,11 @@ use tribo_friction::{FrictionModel, JointFriction};
 use tribo_logs::recognise::{self, Use};
 use tribo_logs::{LogSummary, RobotLog, Table, write_table};
 use tribo_model::{AnyModel, Believed, Model, ModelChoice, SIGN_SMOOTHING_RAD_S};
-use tribo_sim::{Effect, panda_gaz_joints};
+use tribo_sim::{Effect, TorqueSide, panda_gaz_joints};
 
 use super::believe::{Refused, believe};
+use super::convert::{target_of, write_log};
+use super::live::watched;
 use super::{check_joints, named, read_log, transmission, warn_not_cancelled};
 use crate::arguments::{Common, Estimate};
 use crate::failure::BadInput;
@@ -27,27 +29,38 @@ const OVERCONFIDENT_NIS: f64 = 8.0;
 
 /// Runs the estimators over a log and prints what they say.
 pub fn run(arguments: &Estimate, common: &Common) -> anyhow::Result<()> {
-    let choice = ModelChoice {
+    let mut choice = ModelChoice {
         model: arguments.model.clone(),
         robot: arguments.robot.clone(),
         torque_side: named(&arguments.torque_side)?,
     };
     let given = choice.given()?;
-    let (log, summary) = read_log(&arguments.log, common)?;
+    let path = match (&arguments.live, &arguments.record) {
+        (Some(host), Some(record)) => {
+            target_of(record)?;
+            let (log, preset) = watched(host, arguments.seconds, common)?;
+            write_log(record, &log)?;
+            choice.torque_side = TorqueSide::Link;
+            choice.robot.get_or_insert_with(|| preset.to_owned());
+            record
+        }
+        _ => arguments.log.as_ref().ok_or_else(|| BadInput("no log is given".to_owned()))?,
+    };
+    let (log, summary) = read_log(path, common)?;
     let everything = arguments.residual == "all";
     // Tables show the warnings of the log themselves.
     let (wanted, refused) = judgement(arguments);
-    believe(&arguments.log, &recognise::recognise(&log), wanted, refused, common.quiet || !common.json)?;
+    believe(path, &recognise::recognise(&log), wanted, refused, common.quiet || !common.json)?;
     let nameless = given.is_none() && choice.robot.is_none();
     let smoothing_rad_s = given.as_ref().map_or(SIGN_SMOOTHING_RAD_S, |(_, model)| model.smoothing_rad_s());
     let gears = match TransmissionFriction::of_log(&log, smoothing_rad_s) {
         Ok(gears) => gears,
         Err(error) if nameless && everything => {
-            return Err(BadInput(format!("{}: {error}", arguments.log.display())).into());
+            return Err(BadInput(format!("{}: {error}", path.display())).into());
         }
         Err(error) => {
             if !common.quiet {
-                message!("tribo: {}: {error}", arguments.log.display());
+                message!("tribo: {}: {error}", path.display());
             }
             None
         }
@@ -57,9 +70,10 @@ pub fn run(arguments: &Estimate, common: &Common) -> anyhow::Result<()> {
         transmission::show_alone(gears, &summary, common);
         return Ok(());
     }
-    let (_, model) = given.map_or_else(|| choice.bare(&arguments.log, log.joints(), &[]), Ok)?;
-    check_joints(&arguments.log, &log, &model)?;
-    let measured = Measured { log, summary, gears };
+    let (_, model) = given.map_or_else(|| choice.bare(path, log.joints(), &[]), Ok)?;
+    check_joints(path, &log, &model)?;
+    let path = path.clone();
+    let measured = Measured { path, log, summary, gears };
     match &model {
         AnyModel::Six(model) => estimate(arguments, common, &measured, model),
         AnyModel::Seven(model) => estimate(arguments, common, &measured, model),
@@ -74,6 +88,7 @@ fn judgement(arguments: &Estimate) -> (Use, Refused) {
 
 /// A log, and what it says of its gears without a model.
 struct Measured {
+    path: PathBuf,
     log: RobotLog,
     summary: LogSummary,
     gears: Option<TransmissionFriction>,
@@ -82,20 +97,14 @@ struct Measured {
 fn estimate<const N: usize>(
     arguments: &Estimate,
     common: &Common,
-    Measured { log, summary, gears }: &Measured,
+    Measured { path, log, summary, gears }: &Measured,
     model: &Model<N>,
 ) -> anyhow::Result<()>
 where
     Nominal<N>: Diagnosable,
 {
     let (wanted, refused) = judgement(arguments);
-    believe(
-        &arguments.log,
-        &tribo_diagnose::recognise::recognise(log, &model.to_nominal()),
-        wanted,
-        refused,
-        common.quiet,
-    )?;
+    believe(path, &tribo_diagnose::recognise::recognise(log, &model.to_nominal()), wanted, refused, common.quiet)?;
     warn_not_cancelled(&Believed::on_log(model).not_cancelled, common);
     if !(arguments.block_s > 0.0 && arguments.block_s.is_finite()) {
         let message = format!("--block-s is {}; allowed: greater than 0", arguments.block_s);
@@ -114,10 +123,10 @@ where
     }
     let everything = arguments.residual == "all";
     let wants = |name: &str| everything || arguments.residual == name;
-    let torque = wants("torque").then(|| torque_residual(arguments, log, model)).transpose()?;
+    let torque = wants("torque").then(|| torque_residual(arguments, path, log, model)).transpose()?;
     let free = free_log(arguments, model, common)?;
     let one_encoder = wants(EstimatorName::DoubleEncoder.as_str())
-        .then(|| [Some((&arguments.log, log)), free.as_ref().map(|(path, log)| (path, log))])
+        .then(|| [Some((path, log)), free.as_ref().map(|(path, log)| (path, log))])
         .and_then(|logs| logs.into_iter().flatten().find(|(_, log)| log.theta_rad.is_none()))
         .map(|(path, _)| {
             format!("{}: missing columns theta_0 to theta_{}, which double_encoder needs", path.display(), N - 1)
@@ -129,9 +138,8 @@ where
     }
     let mut estimator = LogEstimator::new(model);
     if let Some((path, log)) = &free {
-        estimator = estimator
-            .calibrated_on(log.clone())
-            .map_err(|error| BadInput(format!("{}: {error}", path.display())))?;
+        estimator =
+            estimator.calibrated_on(log.clone()).map_err(|error| BadInput(format!("{}: {error}", path.display())))?;
     }
     if let Some(share) = arguments.touched {
         let prior = ContactPrior::rarely(share).map_err(|error| BadInput(error.to_string()))?;
@@ -197,6 +205,7 @@ fn comparison<const N: usize>(arguments: &Estimate, model: &Model<N>) -> Frictio
 /// What the model leaves of the torque, by the path of a diagnosis.
 fn torque_residual<const N: usize>(
     arguments: &Estimate,
+    path: &Path,
     log: &RobotLog,
     model: &Model<N>,
 ) -> anyhow::Result<FrictionReport> {
@@ -207,7 +216,7 @@ fn torque_residual<const N: usize>(
     let friction = comparison(arguments, model);
     let judged = (arguments.model.is_some() || friction != FrictionModel::none()).then_some(&friction);
     FrictionReport::of_model(log, &model.to_nominal(), judged, arguments.band_hz, &settings)
-        .map_err(|error| BadInput(format!("{}: {error}", arguments.log.display())).into())
+        .map_err(|error| BadInput(format!("{}: {error}", path.display())).into())
 }
 
 fn show_torque(report: &FrictionReport, rigid: &str, model_label: &str) {

@@ -12,9 +12,9 @@ use tribo_logs::{LogColumns, LogError, RobotLog};
 use tribo_sim::TorqueSide;
 use tribo_sim::excitation::JointTrajectory;
 
-use crate::arguments::LiveDrive;
+use crate::arguments::{Common, LiveDrive};
 use crate::failure::{BadInput, Stopped};
-use crate::progress::stop_requested;
+use crate::progress::{StageProgress, stop_requested};
 
 /// How the robot is reached.
 #[derive(Clone, Debug)]
@@ -102,6 +102,48 @@ impl Link {
             None => Ok(seen_from(torque_side, log)?),
         }
     }
+}
+
+/// Longest that a robot is watched (s): an hour.
+const LONGEST_WATCH_S: f64 = 3600.0;
+
+/// Watches a robot that somebody else moves, or nobody: measured q, dq and tau_J at 1 kHz, and the torque sent without gravity as tau_J_d. Ctrl-C ends it early. Gives
+/// the preset that speaks its version, too.
+pub fn watched(host: &str, seconds: f64, common: &Common) -> anyhow::Result<(RobotLog, &'static str)> {
+    if !(seconds > 0.0 && seconds <= LONGEST_WATCH_S) {
+        let message = format!("--seconds is {seconds}; allowed: above 0, at most {LONGEST_WATCH_S}");
+        return Err(BadInput(message).into());
+    }
+    let connection = Link::to(host, LiveDrive { yes: true, no_realtime: true }).connect()?;
+    let (stop, progress) = (stop_requested(), StageProgress::new(common.quiet));
+    let empty = || vec![Vec::new(); 7];
+    let mut columns = LogColumns {
+        q_rad: empty(),
+        dq_rad_s: empty(),
+        tau_j_nm: empty(),
+        tau_j_d_nm: Some(empty()),
+        ..LogColumns::default()
+    };
+    let mut begun = None;
+    connection.watch(|state| {
+        let time_s = state.time.as_secs_f64();
+        let since_s = time_s - *begun.get_or_insert(time_s);
+        // A state that comes twice is one sample.
+        if columns.time_s.last().is_none_or(|last| since_s > *last) {
+            columns.time_s.push(since_s);
+            let sent = columns.tau_j_d_nm.get_or_insert_default();
+            for j in 0..7 {
+                columns.q_rad[j].push(state.q[j]);
+                columns.dq_rad_s[j].push(state.dq[j]);
+                columns.tau_j_nm[j].push(state.tau_J[j]);
+                sent[j].push(state.tau_J_d[j]);
+            }
+        }
+        progress.stage("watching", since_s / seconds);
+        since_s < seconds && !stop.load(Ordering::Relaxed)
+    })?;
+    progress.finish();
+    Ok((columns.validate()?, preset_of(connection.version())))
 }
 
 /// The log with the torque of this side of the gears as tau_J: the sensors', or the motors', which is what was sent before the sample.

@@ -88,6 +88,25 @@ fn an_fr3_is_tuned_over_floats() {
     }
 }
 
+/// A standing robot that somebody pushes is felt without commanding it; what was watched is a log like any other.
+#[test]
+fn a_standing_robot_is_watched() {
+    let at = scratch();
+    let pushes = "schema: tribo.pushes/1\npushes:\n- {start_s: 0.0, end_s: 1000.0, force_n: [0, 0, 12]}\n";
+    std::fs::write(at.path().join("pushes.yaml"), pushes).unwrap();
+    let server = Served::new(at.path(), "--truth frictionless --pushes pushes.yaml");
+    let call = format!("estimate --live {} --seconds 3 --record watched.parquet --residual ekf --json", server.host);
+    let felt = run(at.path(), &format!("{call} --anyway")).ok().json();
+    let z = felt["estimators"]["ekf"]["mean"][2].as_f64().unwrap();
+    assert!((z + 12.0).abs() < 1.0, "{z} N of -12 N");
+    let again = "estimate watched.parquet --robot panda --torque-side link --residual ekf --anyway --json";
+    assert_eq!(run(at.path(), again).ok().json()["estimators"], felt["estimators"]);
+    let long = run(at.path(), &format!("estimate --live {} --seconds -1 --record w.csv", server.host));
+    assert!(long.code == Some(2) && long.stderr.contains("--seconds is -1"), "{long:?}");
+    let nowhere = run(at.path(), &format!("estimate --live {} --record w.txt", server.host));
+    assert!(nowhere.code == Some(2) && nowhere.stderr.contains("unknown ending"), "{nowhere:?}");
+}
+
 #[test]
 fn nobody_there_and_nobody_asked_are_told() {
     let at = scratch();

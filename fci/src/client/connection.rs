@@ -86,6 +86,15 @@ impl Connection {
         Ok(self.robot.read_once()?)
     }
 
+    /// Hears every state that the robot sends, one each millisecond, until `heard` says false. Nothing is commanded.
+    ///
+    /// # Errors
+    ///
+    /// [`RobotError::Franka`] where the connection is lost.
+    pub fn watch(&self, heard: impl FnMut(&RobotState) -> bool) -> Result<(), RobotError> {
+        Ok(self.robot.read(heard)?)
+    }
+
     /// Moves the arm to `q` (rad) by a minimum-jerk motion of the unit's joint impedance controller, at no more than a fifth of
     /// the joints' speed limits; an arm that stands there stays untouched.
     ///
