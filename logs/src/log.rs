@@ -139,7 +139,7 @@ impl LogColumns {
     /// Positions and stamps that are not of one length.
     pub fn differentiate(&mut self) -> Result<(), LogError> {
         let rows = self.rows();
-        for (joint, q) in self.q_rad.iter().enumerate().filter(|(_, q)| q.len() != rows) {
+        if let Some((joint, q)) = self.q_rad.iter().enumerate().find(|(_, q)| q.len() != rows) {
             let column = Quantity::Position.column_name(joint);
             return Err(LogError::ColumnLength { column, got: q.len(), expected: rows });
         }
