@@ -8,6 +8,7 @@
 //! rows that there are; a gap is not crossed. Encoder noise of 10 µrad becomes 0.4 mrad/s at 1 kHz.
 
 use crate::bursts::{GAP_TOLERANCE, bursts, median_period_s};
+use crate::error::LogError;
 use crate::log::LogColumns;
 use crate::quantity::Quantity;
 
@@ -18,6 +19,22 @@ const HALF_ROWS: [usize; 2] = [2, 50];
 /// Whether the positions are there and no velocity is.
 pub(crate) fn lacks_velocity(quantities: &[Quantity]) -> bool {
     !quantities.contains(&Quantity::Velocity)
+}
+
+impl LogColumns {
+    /// Works out `dq_rad_s` from the positions: slopes by least squares over 10 ms each way, never across a gap.
+    ///
+    /// # Errors
+    /// Positions and stamps that are not of one length.
+    pub fn differentiate(&mut self) -> Result<(), LogError> {
+        let rows = self.rows();
+        if let Some((joint, q)) = self.q_rad.iter().enumerate().find(|(_, q)| q.len() != rows) {
+            let column = Quantity::Position.column_name(joint);
+            return Err(LogError::ColumnLength { column, got: q.len(), expected: rows });
+        }
+        differentiate(self);
+        Ok(())
+    }
 }
 
 /// Fills in the velocities; what to say about it.

@@ -133,20 +133,6 @@ impl LogColumns {
         }
     }
 
-    /// Works out `dq_rad_s` from the positions: slopes by least squares over 10 ms each way, never across a gap.
-    ///
-    /// # Errors
-    /// Positions and stamps that are not of one length.
-    pub fn differentiate(&mut self) -> Result<(), LogError> {
-        let rows = self.rows();
-        if let Some((joint, q)) = self.q_rad.iter().enumerate().find(|(_, q)| q.len() != rows) {
-            let column = Quantity::Position.column_name(joint);
-            return Err(LogError::ColumnLength { column, got: q.len(), expected: rows });
-        }
-        crate::differentiated::differentiate(self);
-        Ok(())
-    }
-
     /// Puts columns in the place of a quantity: one per joint, six of the wrench, one of the others.
     pub fn set(&mut self, quantity: Quantity, columns: Vec<Vec<f64>>) {
         self.set_quantity(quantity, columns);

@@ -19,7 +19,12 @@ struct Served {
 impl Served {
     /// `tribo serve` with these arguments, in lockstep, at a port that nobody has.
     fn new(at: &Path, arguments: &str) -> Self {
-        let all = format!("serve --lockstep --port 0 --json {arguments}");
+        Self::paced(at, &format!("--lockstep {arguments}"))
+    }
+
+    /// The same in real time unless the arguments say otherwise.
+    fn paced(at: &Path, arguments: &str) -> Self {
+        let all = format!("serve --port 0 --json {arguments}");
         let mut child = tribo(at, all.split_whitespace()).stdout(Stdio::piped()).stderr(Stdio::null()).spawn().unwrap();
         let stdout = BufReader::new(child.stdout.take().unwrap());
         let first: Value = Deserializer::from_reader(stdout).into_iter().next().unwrap().unwrap();
@@ -94,12 +99,13 @@ fn a_standing_robot_is_watched() {
     let at = scratch();
     let pushes = "schema: tribo.pushes/1\npushes:\n- {start_s: 0.0, end_s: 1000.0, force_n: [0, 0, 12]}\n";
     std::fs::write(at.path().join("pushes.yaml"), pushes).unwrap();
-    let server = Served::new(at.path(), "--truth frictionless --pushes pushes.yaml");
+    // In lockstep time stands still until somebody commands.
+    let server = Served::paced(at.path(), "--truth frictionless --pushes pushes.yaml");
     let call = format!("estimate --live {} --seconds 3 --record watched.parquet --residual ekf --json", server.host);
-    let felt = run(at.path(), &format!("{call} --anyway")).ok().json();
+    let felt = run(at.path(), &call).ok().json();
     let z = felt["estimators"]["ekf"]["mean"][2].as_f64().unwrap();
     assert!((z + 12.0).abs() < 1.0, "{z} N of -12 N");
-    let again = "estimate watched.parquet --robot panda --torque-side link --residual ekf --anyway --json";
+    let again = "estimate watched.parquet --robot panda --torque-side link --residual ekf --json";
     assert_eq!(run(at.path(), again).ok().json()["estimators"], felt["estimators"]);
     let long = run(at.path(), &format!("estimate --live {} --seconds -1 --record w.csv", server.host));
     assert!(long.code == Some(2) && long.stderr.contains("--seconds is -1"), "{long:?}");

@@ -256,3 +256,37 @@ fn a_client_that_falls_silent_in_real_time_ends_in_a_reflex() {
     assert!(error.contains("communication_constraints_violation"), "{error}");
     robot.automatic_error_recovery().unwrap();
 }
+
+/// Stalls of 2 to 100 ms: a motion goes on or ends by the book, the arm stays within its limits, and the next motion works.
+#[test]
+fn stalls_block_nobody() {
+    let server = served(FciVersion::V10, Pace::RealTime, 17);
+    let (mut went_on, mut ended) = (0, 0);
+    for stall_ms in [2, 3, 5, 8, 12, 18, 30, 50, 70, 100] {
+        let robot = server.robot();
+        let mut tick = 0;
+        let mut fastest = 0.0_f64;
+        let control = |state: &franka::RobotState, _: franka::Duration| {
+            tick += 1;
+            if tick % 60 == 0 {
+                std::thread::sleep(std::time::Duration::from_millis(stall_ms));
+            }
+            fastest = state.dq.iter().fold(fastest, |most, dq| most.max(dq.abs()));
+            let mut torques = Torques::new([0.0; 7]);
+            torques.motion_finished = tick >= 200;
+            torques
+        };
+        match robot.control_torques(control, true, MAX_CUTOFF_FREQUENCY) {
+            Ok(()) => went_on += 1,
+            Err(error) => {
+                assert!(error.to_string().contains("communication_constraints_violation"), "{stall_ms} ms: {error}");
+                robot.automatic_error_recovery().unwrap();
+                ended += 1;
+            }
+        }
+        assert!(fastest < 0.1, "{stall_ms} ms: {fastest} rad/s");
+    }
+    // Twenty lost commands in a row are the limit.
+    assert!(went_on >= 1 && ended >= 1, "{went_on} went on, {ended} ended");
+    assert!(push(&server.robot(), 1.0, 20).is_ok());
+}

@@ -90,13 +90,16 @@ fn no_bytes_break_the_readers() {
     assert!(understood > 50_000, "most mutations must get past the first check: {understood}");
 }
 
-/// Mutated messages on the wire, in and out of motions; the arm never leaves its limits and a proper client works after each.
+/// Mutated messages on the wire, in and out of motions; the arm never leaves its limits and a proper client works after each. `TRIBO_WIRE_SESSIONS` asks for more
+/// of them.
 #[test]
 fn rubbish_on_the_wire_hurts_nobody() {
+    let sessions: u32 = std::env::var("TRIBO_WIRE_SESSIONS").ok().and_then(|text| text.parse().ok()).unwrap_or(60);
     for (version, pace) in [(FciVersion::V5, Pace::Lockstep), (FciVersion::V10, Pace::RealTime)] {
         let server = served(version, pace, 21);
         let mut rng = Pcg64::seed_from_u64(5);
-        for round in 0..60 {
+        let (mut datagrams, mut messages) = (0_u32, 0_u32);
+        for round in 0..sessions {
             let Ok(mut client) = RawClient::greeted(server.address, version) else { continue };
             if round % 2 == 0 {
                 // Torques alone, or with the zero velocities of version 5.
@@ -111,15 +114,20 @@ fn rubbish_on_the_wire_hurts_nobody() {
                 if command.len() >= 8 && rng.random() {
                     command[..8].copy_from_slice(&number);
                 }
-                let _ = client.udp.send_to(&command, address);
+                // Late ones too, as many as a socket holds.
+                for _ in 0..5 {
+                    datagrams += u32::from(client.udp.send_to(&command, address).is_ok());
+                }
             }
-            for id in 0..20 {
+            for id in 0..200 {
                 let mut payload = vec![0; rng.random_range(0..430)];
                 mutate(&mut rng, &mut payload);
-                let _ = send(&mut client.stream, rng.random_range(0..16), id, &payload);
+                messages += u32::from(send(&mut client.stream, rng.random_range(0..16), id, &payload).is_ok());
             }
             drop(client);
         }
+        println!("version {}: {datagrams} datagrams and {messages} messages were sent", version.number());
+        assert!(datagrams > 10 * sessions && messages > 10 * sessions, "{datagrams}, {messages}");
         let robot = server.robot();
         let state = robot.read_once().unwrap();
         assert!(state.q.iter().all(|q| q.is_finite()) && state.dq.iter().all(|dq| dq.abs() < 0.1), "{:?}", state.dq);
