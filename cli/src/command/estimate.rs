@@ -12,12 +12,13 @@ use tribo_ekf::WrenchEkfSettings;
 use tribo_friction::law::CoulombViscous;
 use tribo_friction::{FrictionBand, FrictionModel, JointBand, JointFriction};
 use tribo_logs::recognise::{self, Use};
-use tribo_logs::{LogSummary, RobotLog, Table, write_table};
+use tribo_logs::{LogSummary, ReadOptions, RobotLog, Table, write_table};
 use tribo_model::{AnyModel, Believed, Model, ModelChoice, SIGN_SMOOTHING_RAD_S};
 use tribo_residual::{OBSERVER_GAIN_RAD_S, identify_band};
 use tribo_sim::{Effect, panda_gaz_joints};
 
 use super::believe::{Refused, believe};
+use super::columns::joint_names;
 use super::{check_joints, named, read_log, transmission, warn_not_cancelled};
 use crate::arguments::{Common, Estimate};
 use crate::failure::BadInput;
@@ -37,7 +38,8 @@ pub fn run(arguments: &Estimate, common: &Common) -> anyhow::Result<()> {
         torque_side: named(&arguments.torque_side)?,
     };
     let given = choice.given()?;
-    let (log, summary) = read_log(&arguments.log, common)?;
+    let options = arguments.columns.options(joint_names(&choice, given.as_ref().map(|(file, _)| file)))?;
+    let (log, summary) = read_log(&arguments.log, &options, common)?;
     let everything = arguments.residual == "all";
     // Tables show the warnings of the log themselves.
     let (wanted, refused) = judgement(arguments);
@@ -120,7 +122,9 @@ where
     let everything = arguments.residual == "all";
     let wants = |name: &str| everything || arguments.residual == name;
     let torque = wants("torque").then(|| torque_residual(arguments, log, model)).transpose()?;
-    let free = arguments.free.as_deref().map(|path| FreeLog::read(path, model, &believed, common)).transpose()?;
+    let read = arguments.columns.options(Vec::new())?;
+    let free =
+        arguments.free.as_deref().map(|path| FreeLog::read(path, &read, model, &believed, common)).transpose()?;
     let one_encoder = wants(EstimatorName::DoubleEncoder.as_str())
         .then(|| [Some((&arguments.log, log)), free.as_ref().map(|free| (&free.path, &free.log))])
         .and_then(|logs| logs.into_iter().flatten().find(|(_, log)| log.theta_rad.is_none()))
@@ -207,11 +211,17 @@ struct FreeLog<const N: usize> {
 }
 
 impl<const N: usize> FreeLog<N> {
-    fn read(path: &Path, model: &Model<N>, believed: &Believed<N>, common: &Common) -> anyhow::Result<Self>
+    fn read(
+        path: &Path,
+        options: &ReadOptions,
+        model: &Model<N>,
+        believed: &Believed<N>,
+        common: &Common,
+    ) -> anyhow::Result<Self>
     where
         Nominal<N>: Diagnosable,
     {
-        let (log, _) = read_log(path, common)?;
+        let (log, _) = read_log(path, options, common)?;
         believe(path, &recognise::recognise(&log), Use::Wrench, Refused::IsAnError, common.quiet)?;
         let remarks = tribo_diagnose::recognise::recognise(&log, &model.to_nominal());
         believe(path, &remarks, Use::Wrench, Refused::IsAnError, common.quiet)?;

@@ -7,10 +7,11 @@ use tribo_campaign::strategy::{BestTrial, LawCheck};
 use tribo_campaign::{AbortReason, JudgedLog, Told, TuneConfig, UserCampaign, judge_log, reach, trial_remarks};
 use tribo_diagnose::{Diagnosable, Nominal};
 use tribo_logs::recognise::{Fault, Use, recognise, without_impossible_rows};
-use tribo_logs::{RobotLog, read_log};
+use tribo_logs::{RobotLog, read};
 use tribo_watch::refresh_report;
 
 use super::believe::{Refused, believe};
+use super::columns::show_proposal;
 use super::{expected, learnt, opened, show_remarks};
 use crate::arguments::{Common, Tell};
 use crate::failure::BadInput;
@@ -21,7 +22,11 @@ pub fn run(arguments: &Tell, common: &Common) -> anyhow::Result<()> {
     let joints = TuneConfig::joints_of_campaign(&arguments.campaign)?;
     // Read before the campaign is held: a log may be a pipe, and others ask and tell while it is waited for.
     let log = match &arguments.log {
-        Some(path) => Some((path.as_path(), read_log(path)?.0)),
+        Some(path) => {
+            let (log, summary) = read(path, &arguments.columns.options(Vec::new())?)?;
+            show_proposal(path, &summary, common.quiet);
+            Some((path.as_path(), log))
+        }
         None => None,
     };
     match joints {

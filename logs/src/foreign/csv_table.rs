@@ -106,7 +106,9 @@ impl<'f, 'p> CsvTable<'f, 'p> {
             }
         }
         let Some(sample) = sample else { return Ok(None) };
-        let decimal_commas = sample.len() != names.len() && delimiter == b',' && sample.len() + 1 >= 2 * names.len();
+        let decimal_commas = delimiter == b','
+            && sample.len() > names.len()
+            && sample.iter().all(|cell| numeric(cell) && !cell.contains('.'));
         if decimal_commas {
             let detail = format!(
                 "{} cells under {} names: decimal commas between commas cannot be told apart; export with semicolons or decimal points",

@@ -171,9 +171,9 @@ mod tests {
     #[test]
     fn a_file_says_what_a_text_cannot() {
         let text = "schema: tribo.map/1\ntime: t[ms]\nq: {columns: 'p_{joint}', unit: deg, sign: [1, -1], offset: 90}\n\
-                    tau: [a, b]\nepisode: 3\nepisode_column: run\njoints: [x, y]\nrate: 500\n";
+                    tau: [a, b]\nepisode: 3\nepisode_column: run\njoints: [u, v]\nrate: 500\n";
         let map = ColumnMap::from_yaml(text, Path::new("map.yaml")).unwrap();
-        assert_eq!(map.to_string(), "time=t[ms],q=p_{joint}[deg],tau=a+b,joints=x+y,episode=run:3,rate=500");
+        assert_eq!(map.to_string(), "time=t[ms],q=p_{joint}[deg],tau=a+b,joints=u+v,episode=run:3,rate=500");
         let q = map.entry(Quantity::Position).unwrap();
         assert_eq!((&q.sign[..], &q.offset[..]), (&[1.0, -1.0][..], &[90.0][..]));
     }

@@ -70,14 +70,18 @@ pub(crate) fn instead(
     let LogError::InFile { source, .. } = &error else { return Err(error) };
     let LogError::MissingColumns { missing, .. } = &**source else { return Err(error) };
     let table = open(file, format)?;
-    let quantity = |name: &str| Quantity::from_column_name(name).map(|(quantity, _)| quantity);
-    let there: Vec<Quantity> = table.columns().iter().filter_map(|column| quantity(&column.name)).collect();
-    if missing.iter().filter_map(|name| quantity(name)).any(|quantity| there.contains(&quantity)) {
+    let there: Vec<(Quantity, usize)> =
+        table.columns().iter().filter_map(|column| Quantity::from_column_name(&column.name)).collect();
+    let of_missing = |name: &String| Quantity::from_column_name(name).map(|(quantity, _)| quantity);
+    let in_part = |quantity: Quantity| there.iter().any(|(found, _)| *found == quantity);
+    // Columns counted from 1 are those of another program; counted from 0 they are ours, and some are missing.
+    let from_one = !there.iter().any(|&(quantity, index)| quantity.is_per_joint() && index == 0);
+    if !from_one && missing.iter().filter_map(of_missing).any(in_part) {
         return Err(error);
     }
     match propose(table.columns(), known, &ColumnMap::default()) {
         Ok(map) => assemble::assemble(&*table, &map, true, known, file.path),
-        Err(_) if there.len() > 1 => Err(error),
+        Err(_) if !from_one => Err(error),
         Err(undecided) => Err(refused(file, &*table, &undecided)),
     }
 }

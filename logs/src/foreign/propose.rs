@@ -96,8 +96,13 @@ pub(crate) fn propose(columns: &[Column], known: &[String], given: &ColumnMap) -
             if let Some(current) = currents.first() {
                 let unit = current.members.first().and_then(|&k| unit_of(&columns[k], Dimension::Torque));
                 let unit = unit.filter(|unit| matches!(*unit, "A" | "mA")).unwrap_or("A");
+                let or = if desired.is_empty() {
+                    String::new()
+                } else {
+                    format!("; or the torques that were commanded ({})", forms(desired))
+                };
                 why.push(format!(
-                    "no torque, but currents ({}): their torque constants are needed (Nm/A at the joint)",
+                    "no torque, but currents ({}): their torque constants are needed (Nm/A at the joint){or}",
                     forms(&currents)
                 ));
                 parts.push(format!("tau={}[{unit}*CONSTANT]", current.columns));
@@ -333,6 +338,8 @@ fn around(names: &[&str]) -> Option<String> {
     let before = first.get(..before).and_then(|start| start.rfind(bound)).map_or(0, |at| at + 1);
     let tail = first.get(first.len() - after..)?;
     let after = tail.find(bound).map_or("", |at| &tail[at..]);
+    // `_joint` belongs to the name.
+    let after = after.strip_prefix("_joint").filter(|rest| rest.chars().next().is_none_or(bound)).unwrap_or(after);
     let start = first.get(..before)?;
     let fits = names.iter().all(|name| name.len() > start.len() + after.len());
     fits.then(|| format!("{start}{{joint}}{after}"))

@@ -145,7 +145,9 @@ fn words(name: &str) -> Vec<String> {
             (last.is_alphabetic() && letter.is_alphabetic() && !(last.is_lowercase() && letter.is_uppercase()))
                 || (last.is_ascii_digit() && letter.is_ascii_digit())
         };
-        match (before.is_some_and(same), letter.is_alphanumeric()) {
+        // mA, mNm: a prefix is no word.
+        let milli = letter.is_uppercase() && before == Some('m') && words.last().is_some_and(|word| word == "m");
+        match (milli || before.is_some_and(same), letter.is_alphanumeric()) {
             (true, true) => {
                 if let Some(word) = words.last_mut() {
                     word.extend(letter.to_lowercase());
@@ -262,6 +264,7 @@ mod tests {
         assert_eq!(unit_in("pos_deg_1", Dimension::Angle), Some("deg"));
         assert_eq!(unit_in("vel_deg_s_1", Dimension::AngularVelocity), Some("deg/s"));
         assert_eq!(unit_in("timestamp_ns", Dimension::Time), Some("ns"));
+        assert_eq!(unit_in("current_3_mA", Dimension::Torque), Some("mA"));
         assert_eq!(unit_in("t", Dimension::Time), None);
     }
 }

@@ -47,6 +47,7 @@ pub(super) fn document(diagnosis: &Diagnosis, extras: &Extras) -> Value {
         "assumptions": diagnosis.assumptions,
         "notes": diagnosis.notes,
         "remarks": extras.remarks,
+        "logs": extras.read_as,
         "not_cancelled": extras.not_cancelled,
         "written": extras.written.iter().map(|(what, path)| ((*what).to_owned(), json!(path))).collect::<Map<_, _>>(),
         "bands": {"band_hz": diagnosis.band_hz, "rate_hz": diagnosis.rate_hz},
