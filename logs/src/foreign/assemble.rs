@@ -56,14 +56,14 @@ pub(crate) fn assemble(
         .iter()
         .enumerate()
         .filter(|(index, _)| !read.contains(index))
-        .map(|(_, column)| column.list.clone().unwrap_or_else(|| column.name.clone()))
+        .map(|(_, column)| column.list.clone().unwrap_or_else(|| column.shown().to_owned()))
         .collect();
     unknown.dedup();
     unknown.extend(table.left_out().iter().cloned());
     let mut summary = LogSummary::new(table.format(), &log, dropped.repeats, unknown);
     summary.dropped_incomplete = dropped.incomplete;
     summary.warnings.extend(warnings);
-    summary.mapping = Some(mapping(map, proposed, &plan, columns, &order));
+    summary.mapping = Some(rows.mapping(map, proposed, &order));
     Ok((log, summary))
 }
 
@@ -154,7 +154,7 @@ impl Rows<'_> {
             Clock::Column(column, unit) => {
                 let (base, values) = self.numbers(*column)?;
                 let first = kept.iter().map(|&row| values[row]).find(|value| !value.is_nan()).unwrap_or(0.0);
-                let factor = unit.as_ref().map_or_else(|| by_size(base + first), |unit| unit.factor(0));
+                let factor = unit.as_ref().map_or_else(|| by_size(base + first).1, |unit| unit.factor(0));
                 if ((base + first) * factor).abs() > EPOCH_S {
                     kept.iter().map(|&row| seconds(factor, values[row] - first)).collect()
                 } else {
@@ -288,6 +288,46 @@ impl Rows<'_> {
         }
     }
 
+    /// What became of which column.
+    fn mapping(&self, map: &ColumnMap, proposed: bool, order: &Order) -> Mapping {
+        let (plan, columns) = (self.plan, self.columns);
+        let mut mapped = Vec::new();
+        let mut push = |column: String, from: String, unit: &str| {
+            mapped.push(MappedColumn { column, from: visible(&from), unit: unit.to_owned() });
+        };
+        let name = |column: usize| columns[column].name.clone();
+        match &plan.clock {
+            Clock::Column(column, unit) => {
+                let size = |(base, values): (f64, &[f64])| by_size(base + values.first().copied().unwrap_or(0.0)).0;
+                let sized = || self.numbers(*column).map_or("s", size);
+                push("time".to_owned(), name(*column), unit.as_ref().map_or_else(sized, |unit| unit.text()));
+            }
+            Clock::Sum(parts) => {
+                let names: Vec<String> = parts.iter().map(|(column, _)| name(*column)).collect();
+                push("time".to_owned(), names.join(" + "), "s");
+            }
+            Clock::Rate(rate_hz) => push("time".to_owned(), format!("{rate_hz} rows per second"), "s"),
+        }
+        for source in &plan.sources {
+            let long = matches!(plan.naming, Naming::Rows(_));
+            let count = source.quantity.column_count(order.names.len());
+            for index in 0..count {
+                let from = if long {
+                    format!("{} of {}", name(source.columns[0]), order.names[index])
+                } else {
+                    let place = if source.quantity.is_per_joint() { order.places[index] } else { index };
+                    name(source.columns[place])
+                };
+                push(source.quantity.column_name(index), from, source.unit.text());
+            }
+        }
+        let mut map = map.clone();
+        if let (Clock::Column(_, None), Some(time)) = (&plan.clock, mapped.first().filter(|time| time.unit != "s")) {
+            map.say_unit(Quantity::Time, &time.unit);
+        }
+        Mapping { map: map.to_string(), proposed, joints: order.words.clone(), columns: mapped }
+    }
+
     /// A table with a row per joint and stamp.
     fn long(&self, column: usize, kept: &[usize], known: &[String]) -> Result<(LogColumns, Order, Dropped), LogError> {
         if matches!(self.plan.clock, Clock::Rate(_)) {
@@ -377,49 +417,17 @@ impl Rows<'_> {
     }
 }
 
-/// Seconds per unit of a stamp since 1970, by its size.
-fn by_size(stamp: f64) -> f64 {
+/// The unit of a stamp since 1970, by its size, and its seconds.
+fn by_size(stamp: f64) -> (&'static str, f64) {
     match stamp.abs() {
-        size if size >= 1e17 => 1e-9,
-        size if size >= 1e14 => 1e-6,
-        size if size >= 1e11 => 1e-3,
-        _ => 1.0,
+        size if size >= 1e17 => ("ns", 1e-9),
+        size if size >= 1e14 => ("us", 1e-6),
+        size if size >= 1e11 => ("ms", 1e-3),
+        _ => ("s", 1.0),
     }
 }
 
 /// A stamp in seconds; one that is divided is closer to its decimal than one that is multiplied.
 fn seconds(factor: f64, stamp: f64) -> f64 {
     if [1e-3, 1e-6, 1e-9].contains(&factor) { stamp / factor.recip().round() } else { stamp * factor }
-}
-
-fn mapping(map: &ColumnMap, proposed: bool, plan: &Plan, columns: &[Column], order: &Order) -> Mapping {
-    let mut mapped = Vec::new();
-    let mut push = |column: String, from: String, unit: &str| {
-        mapped.push(MappedColumn { column, from: visible(&from), unit: unit.to_owned() });
-    };
-    let name = |column: usize| columns[column].name.clone();
-    match &plan.clock {
-        Clock::Column(column, unit) => {
-            push("time".to_owned(), name(*column), unit.as_ref().map_or("s", |unit| unit.text()));
-        }
-        Clock::Sum(parts) => {
-            let names: Vec<String> = parts.iter().map(|(column, _)| name(*column)).collect();
-            push("time".to_owned(), names.join(" + "), "s");
-        }
-        Clock::Rate(rate_hz) => push("time".to_owned(), format!("{rate_hz} rows per second"), "s"),
-    }
-    for source in &plan.sources {
-        let long = matches!(plan.naming, Naming::Rows(_));
-        let count = source.quantity.column_count(order.names.len());
-        for index in 0..count {
-            let from = if long {
-                format!("{} of {}", name(source.columns[0]), order.names[index])
-            } else {
-                let place = if source.quantity.is_per_joint() { order.places[index] } else { index };
-                name(source.columns[place])
-            };
-            push(source.quantity.column_name(index), from, source.unit.text());
-        }
-    }
-    Mapping { map: map.to_string(), proposed, joints: order.words.clone(), columns: mapped }
 }

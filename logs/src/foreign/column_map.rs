@@ -138,6 +138,13 @@ impl ColumnMap {
         Ok(())
     }
 
+    /// Says the unit of a quantity that had none.
+    pub(crate) fn say_unit(&mut self, quantity: Quantity, unit: &str) {
+        if let Some((_, entry)) = self.entries.iter_mut().find(|(known, _)| *known == quantity) {
+            entry.unit = Unit::parse(unit, quantity).ok();
+        }
+    }
+
     /// Both maps as one.
     ///
     /// # Errors

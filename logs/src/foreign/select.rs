@@ -253,7 +253,7 @@ pub(crate) fn listed(columns: &[Column]) -> String {
                 let entries = columns.iter().filter(|other| other.list.as_ref() == Some(list)).count();
                 format!("{list}[0..{}]", entries.saturating_sub(1))
             }
-            None => column.name.clone(),
+            None => column.shown().to_owned(),
         };
         if names.last() != Some(&name) && names.len() < MOST + 1 {
             names.push(name);

@@ -27,6 +27,11 @@ impl Column {
         Self { name: name.into(), kind, unit: None, list: None }
     }
 
+    /// Its name as it is shown.
+    pub fn shown(&self) -> &str {
+        if self.name.is_empty() { "(unnamed)" } else { &self.name }
+    }
+
     /// Entry `index` of a list.
     pub fn entry(list: &str, index: usize) -> Self {
         Self { list: Some(list.to_owned()), ..Self::new(format!("{list}[{index}]"), Kind::Number) }

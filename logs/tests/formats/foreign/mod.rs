@@ -232,7 +232,7 @@ fn table(log: &RobotLog) -> Vec<Row> {
             rostopic(),
             "",
             Read(
-                "time=%time,q=field.position{joint},dq=field.velocity{joint},tau=field.effort{joint},joint=field.name{joint}",
+                "time=%time[ns],q=field.position{joint},dq=field.velocity{joint},tau=field.effort{joint},joint=field.name{joint}",
             ),
         ),
         row("pandas of messages", pandas(), "", Read("time=header.stamp.sec+header.stamp.nanosec,q=position_{joint}")),
@@ -342,7 +342,7 @@ fn table(log: &RobotLog) -> Vec<Row> {
                 from(["pos_#", "vel_#", "eff_#"], 1),
             ),
             "",
-            Read("time=stamp,q=pos_{joint},dq=vel_{joint},tau=eff_{joint}"),
+            Read("time=stamp[ns],q=pos_{joint},dq=vel_{joint},tau=eff_{joint}"),
         ),
         Row {
             joints: &UR,
