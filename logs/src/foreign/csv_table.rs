@@ -23,7 +23,7 @@ use crate::source::LogFile;
 const DELIMITERS: [u8; 4] = [b';', b'\t', b',', b' '];
 
 /// The most columns of a table.
-const MOST_COLUMNS: usize = 1 << 14;
+const MOST_COLUMNS: usize = 1 << 12;
 
 /// Lines before the header that are looked over.
 const MOST_COMMENTS: u64 = 1000;

@@ -28,7 +28,8 @@ pub(crate) const ZIP_MAGIC: &[u8] = b"PK\x03\x04";
 /// Longest header of an array (bytes), and the most arrays and columns.
 const LONGEST_HEADER: u64 = 1 << 16;
 const MOST_ARRAYS: usize = 1 << 10;
-const MOST_ENTRIES: u64 = 1 << 12;
+const MOST_ENTRIES: u64 = 1 << 8;
+const MOST_COLUMNS: usize = 1 << 12;
 
 /// One number in a row of bytes.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -146,6 +147,10 @@ impl<'f, 'p> NumpyFile<'f, 'p> {
                     continue;
                 }
             };
+            if self.columns.len() + entries as usize * it.fields.len() > MOST_COLUMNS {
+                self.left_out.push(it.name.clone());
+                continue;
+            }
             // Element (row, entry) lies at row·a + entry·b in an array whose last index runs fastest, or its first.
             let contiguous_rows = turned != it.fortran;
             for entry in 0..entries as usize {

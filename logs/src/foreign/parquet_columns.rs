@@ -25,8 +25,8 @@ use crate::parquet_table::most_cells;
 use crate::source::{LogFile, RawBytes};
 
 /// The most entries of a list column, and columns of a file.
-const MOST_ENTRIES: usize = 1 << 12;
-const MOST_COLUMNS: usize = 1 << 14;
+const MOST_ENTRIES: usize = 1 << 8;
+const MOST_COLUMNS: usize = 1 << 12;
 
 /// Values decoded at once.
 const BATCH_ROWS: usize = 1 << 14;
@@ -73,7 +73,7 @@ impl<'f, 'p> ParquetColumns<'f, 'p> {
                 }
                 let name = parts.first().cloned().unwrap_or_default();
                 let width = if kind == Kind::Number { first_width(reader, chunks, leaf)? } else { 0 };
-                if !(1..=MOST_ENTRIES).contains(&width) {
+                if !(1..=MOST_ENTRIES).contains(&width) || columns.len() + width > MOST_COLUMNS {
                     left_out.push(name);
                     continue;
                 }

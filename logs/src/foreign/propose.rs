@@ -7,6 +7,8 @@
 //! Nothing is chosen where two columns may be meant: two torques, two positions, a current without its torque constant. Then the answer is
 //! the sentence that shows them, with the map that would do. Units are those that names say.
 
+use std::collections::HashMap;
+
 use super::column_map::{ColumnMap, Columns, Entry};
 use super::table::{Column, Kind};
 use super::unit::{Dimension, Unit};
@@ -262,36 +264,39 @@ fn by_form(columns: &[Column], members: Vec<usize>, origin: Origin, known: &[Str
     {
         return vec![Group { columns: Columns::Template(template), members, origin }];
     }
-    let mut groups: Vec<(String, Group)> = Vec::new();
+    let mut forms: Vec<Vec<usize>> = Vec::new();
+    let mut place: HashMap<Vec<&str>, usize> = HashMap::new();
     for &k in &members {
-        // The number that changes among the columns of the same form; the last one where several do.
-        let runs = digit_runs(name(k));
-        let alike: Vec<Vec<(usize, usize)>> = members
-            .iter()
-            .filter(|&&other| form(name(other)) == form(name(k)))
-            .map(|&other| digit_runs(name(other)))
-            .collect();
-        let same: Vec<usize> = members.iter().copied().filter(|&other| form(name(other)) == form(name(k))).collect();
-        let varies = |run: usize| {
-            same.iter().zip(&alike).any(|(&other, runs_of)| {
-                let (a, b) = (runs[run], runs_of[run]);
-                name(k)[a.0..a.1] != name(other)[b.0..b.1]
-            })
-        };
-        let run = (0..runs.len()).rev().find(|&run| varies(run)).or_else(|| runs.len().checked_sub(1));
-        let template = match run {
-            Some(run) => format!("{}{{joint}}{}", &name(k)[..runs[run].0], &name(k)[runs[run].1..]),
-            None => name(k).to_owned(),
-        };
-        match groups.iter_mut().find(|(known, _)| *known == template) {
-            Some((_, group)) => group.members.push(k),
-            None => groups.push((
-                template.clone(),
-                Group { columns: Columns::Template(bare_template(&template)), members: vec![k], origin },
-            )),
+        let at = *place.entry(form(name(k))).or_insert(forms.len());
+        match forms.get_mut(at) {
+            Some(alike) => alike.push(k),
+            None => forms.push(vec![k]),
         }
     }
-    groups.into_iter().map(|(_, group)| group).collect()
+    let mut groups: Vec<Group> = Vec::new();
+    for alike in forms {
+        // The number that changes among the columns of one form; the last one where several do.
+        let first = alike.first().map_or("", |&k| name(k));
+        let runs = digit_runs(first);
+        let varies = |run: usize| {
+            let digits = |text: &str| digit_runs(text).get(run).and_then(|&(a, b)| text.get(a..b).map(str::to_owned));
+            alike.iter().any(|&k| digits(name(k)) != digits(first))
+        };
+        let run = (0..runs.len()).rev().find(|&run| varies(run)).or_else(|| runs.len().checked_sub(1));
+        let template = |text: &str| match run.and_then(|run| digit_runs(text).get(run).copied()) {
+            Some((a, b)) => format!("{}{{joint}}{}", &text[..a], &text[b..]),
+            None => text.to_owned(),
+        };
+        let mut of_form: HashMap<String, usize> = HashMap::new();
+        for k in alike {
+            let at = *of_form.entry(template(name(k))).or_insert_with_key(|template| {
+                groups.push(Group { columns: Columns::Template(bare_template(template)), members: Vec::new(), origin });
+                groups.len() - 1
+            });
+            groups[at].members.push(k);
+        }
+    }
+    groups
 }
 
 /// A template without the unit that its columns carry in brackets.
@@ -299,16 +304,15 @@ fn bare_template(template: &str) -> String {
     super::words::without_unit(template).0.to_owned()
 }
 
-fn form(name: &str) -> String {
-    let mut form = String::new();
-    for letter in name.chars() {
-        match letter.is_ascii_digit() {
-            true if form.ends_with('\u{0}') => {}
-            true => form.push('\u{0}'),
-            false => form.push(letter),
-        }
+/// What stands between the numbers of a name.
+fn form(name: &str) -> Vec<&str> {
+    let (mut parts, mut start) = (Vec::new(), 0);
+    for (a, b) in digit_runs(name) {
+        parts.push(&name[start..a]);
+        start = b;
     }
-    form
+    parts.push(&name[start..]);
+    parts
 }
 
 /// The runs of digits of a name, as byte ranges.

@@ -248,6 +248,9 @@ pub(crate) fn listed(columns: &[Column]) -> String {
     const MOST: usize = 60;
     let mut names: Vec<String> = Vec::new();
     for column in columns {
+        if names.len() > MOST {
+            break;
+        }
         let name = match &column.list {
             Some(list) => {
                 let entries = columns.iter().filter(|other| other.list.as_ref() == Some(list)).count();
@@ -255,7 +258,7 @@ pub(crate) fn listed(columns: &[Column]) -> String {
             }
             None => column.shown().to_owned(),
         };
-        if names.last() != Some(&name) && names.len() < MOST + 1 {
+        if names.last() != Some(&name) {
             names.push(name);
         }
     }
