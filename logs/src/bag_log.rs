@@ -54,7 +54,15 @@ pub fn read_bag(path: impl AsRef<Path>) -> Result<(RobotLog, LogSummary), LogErr
 /// Reads a bag.
 pub(crate) fn bag(file: &LogFile, wanted: Wanted) -> Result<(RobotLog, LogSummary), LogError> {
     let path = file.path;
-    let damaged = |error: rusqlite::Error| LogError::Corrupt { path: path.to_path_buf(), detail: error.to_string() };
+    let damaged = |error: rusqlite::Error| {
+        let detail = match error.sqlite_error_code() {
+            Some(rusqlite::ErrorCode::OperationInterrupted) => {
+                "its pages hold more rows than its bytes justify".to_owned()
+            }
+            _ => error.to_string(),
+        };
+        LogError::Corrupt { path: path.to_path_buf(), detail }
+    };
     let connection = open(file, damaged)?;
     file.stretch(0.0, 0.5);
     let mut topics = topics(&connection, path).map_err(damaged)??;
@@ -91,9 +99,16 @@ pub(crate) fn bag(file: &LogFile, wanted: Wanted) -> Result<(RobotLog, LogSummar
 /// Messages between two words to whoever watches.
 const HEARD: u64 = 1 << 12;
 
+/// The most steps of the database's machine per byte of a file, and of a small file: a message takes about fifteen, twice.
+const STEPS_PER_BYTE: u64 = 16;
+const LEAST_STEPS: u64 = 1 << 20;
+
+/// Steps between two counts of them.
+const STEPS_HEARD: i32 = 1000;
+
 /// Opens a file, or bytes in memory, for reading.
 fn open(file: &LogFile, damaged: impl Fn(rusqlite::Error) -> LogError + Copy) -> Result<Connection, LogError> {
-    let connection = match file.open("rosbag2")? {
+    let mut connection = match file.open("rosbag2")? {
         RawBytes::File(_) => {
             let flags = OpenFlags::SQLITE_OPEN_READ_ONLY | OpenFlags::SQLITE_OPEN_NO_MUTEX;
             Connection::open_with_flags(file.path, flags).map_err(damaged)?
@@ -105,7 +120,18 @@ fn open(file: &LogFile, damaged: impl Fn(rusqlite::Error) -> LogError + Copy) ->
             connection
         }
     };
-    let harden = || -> rusqlite::Result<()> {
+    let steps = file.length().unwrap_or(0).saturating_mul(STEPS_PER_BYTE).saturating_add(LEAST_STEPS)
+        / u64::from(STEPS_HEARD.unsigned_abs());
+    let mut heard = 0;
+    let harden = |connection: &mut Connection| -> rusqlite::Result<()> {
+        // Pages that point at each other could go on for ever.
+        connection.progress_handler(
+            STEPS_HEARD,
+            Some(move || {
+                heard += 1;
+                heard > steps
+            }),
+        )?;
         connection.set_db_config(DbConfig::SQLITE_DBCONFIG_DEFENSIVE, true)?;
         connection.set_db_config(DbConfig::SQLITE_DBCONFIG_TRUSTED_SCHEMA, false)?;
         connection.set_db_config(DbConfig::SQLITE_DBCONFIG_ENABLE_VIEW, false)?;
@@ -114,7 +140,7 @@ fn open(file: &LogFile, damaged: impl Fn(rusqlite::Error) -> LogError + Copy) ->
         connection.set_limit(rusqlite::limits::Limit::SQLITE_LIMIT_LENGTH, LONGEST_MESSAGE)?;
         Ok(())
     };
-    harden().map_err(damaged)?;
+    harden(&mut connection).map_err(damaged)?;
     Ok(connection)
 }
 

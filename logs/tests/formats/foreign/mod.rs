@@ -6,6 +6,7 @@
 mod motion;
 
 use std::f64::consts::PI;
+use std::io::{Cursor, Read as _, Write as _};
 use std::path::Path;
 
 use motion::{
@@ -461,4 +462,47 @@ fn every_file_is_read_right_or_refused_with_the_way_out() {
         }
     }
     assert!(failed.is_empty(), "\n{}\n", failed.join("\n"));
+}
+
+/// Zeros pack a thousand times: what a file asks for stays in proportion to it.
+#[test]
+fn an_array_that_unpacks_without_end_is_refused() {
+    let mut writer = zip::ZipWriter::new(Cursor::new(Vec::new()));
+    let options = zip::write::SimpleFileOptions::default().compression_method(zip::CompressionMethod::Deflated);
+    for name in ["time", "q", "tau"] {
+        let header = "{'descr': '<f8', 'fortran_order': False, 'shape': (37500000,), }\n";
+        writer.start_file(format!("{name}.npy"), options).unwrap();
+        let start = [&b"\x93NUMPY\x01\x00"[..], &(header.len() as u16).to_le_bytes(), header.as_bytes()].concat();
+        writer.write_all(&start).unwrap();
+        std::io::copy(&mut std::io::repeat(0).take(300_000_000), &mut writer).unwrap();
+    }
+    let bytes = writer.finish().unwrap().into_inner();
+    let error = read_from(bytes, Path::new("zeros.npz"), &ReadOptions::default()).unwrap_err().to_string();
+    assert!(error.contains("unpacks to more than 268435456 bytes"), "{error}");
+}
+
+/// Pages of a database that point at each other would be rows without end.
+#[test]
+fn a_bag_whose_pages_go_in_circles_ends() {
+    let good = bag(&motion());
+    let page = usize::from(u16::from_be_bytes([good[16], good[17]]));
+    let mut ends = 0;
+    // Every pointer of every interior page turned to the first page that is a leaf of messages.
+    let interior: Vec<usize> = (1..good.len() / page).filter(|k| good[k * page] == 5).collect();
+    let leaves: Vec<usize> = (1..good.len() / page).filter(|k| good[k * page] == 13).collect();
+    for target in leaves.iter().rev().take(3).chain(&interior) {
+        let mut bad = good.clone();
+        for &at in &interior {
+            let cells = usize::from(u16::from_be_bytes([bad[at * page + 3], bad[at * page + 4]]));
+            for cell in 0..cells {
+                let place = at * page + 12 + 2 * cell;
+                let cell = at * page + usize::from(u16::from_be_bytes([bad[place], bad[place + 1]]));
+                bad[cell..cell + 4].copy_from_slice(&(*target as u32 + 1).to_be_bytes());
+            }
+        }
+        let started = std::time::Instant::now();
+        ends += usize::from(read_from(bad, Path::new("bad.db3"), &ReadOptions::default()).is_err());
+        assert!(started.elapsed().as_secs() < 20);
+    }
+    assert!(!interior.is_empty() && ends > 0);
 }
