@@ -4,6 +4,7 @@
 #![allow(clippy::unwrap_used, clippy::panic, reason = "tests")]
 
 mod motion;
+mod python_writers;
 
 use std::f64::consts::PI;
 use std::io::{Cursor, Read as _, Write as _};
