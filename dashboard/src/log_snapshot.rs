@@ -4,15 +4,17 @@ use std::path::PathBuf;
 
 use nalgebra::{SVector, Vector3};
 use tribo_figure::{Signal, Signals};
-use tribo_logs::{Quantity, RobotLog, read_log};
+use tribo_logs::{Quantity, ReadOptions, RobotLog, read};
 use tribo_model::{AnyModel, ModelChoice};
 use tribo_watch::skeleton;
 
 /// A log, and how to read it.
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct LogSource {
     /// The log.
     pub path: PathBuf,
+    /// How its columns are read.
+    pub read: ReadOptions,
     /// The model it is held against.
     pub model: ModelChoice,
 }
@@ -40,7 +42,7 @@ impl LogSnapshot {
     /// What is wrong with log or model, as a sentence.
     pub fn read(source: &LogSource) -> Result<Self, String> {
         let given = source.model.given().map_err(|error| error.to_string())?;
-        let (log, _) = read_log(&source.path).map_err(|error| error.to_string())?;
+        let (log, _) = read(&source.path, &source.read).map_err(|error| error.to_string())?;
         let (model, diagnosed) = match given {
             Some((_, model)) => (model.clone(), model),
             None => {

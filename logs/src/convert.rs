@@ -15,7 +15,7 @@ use crate::atomic::{failed, replace};
 use crate::canonical_csv::canonical_rows;
 use crate::csv_rows::CsvRows;
 use crate::csv_writer::CsvWriter;
-use crate::detect::{detect, read_log_watched};
+use crate::detect::{detect, read_watched};
 use crate::differentiated::lacks_velocity;
 use crate::error::LogError;
 use crate::format::LogFormat;
@@ -25,6 +25,7 @@ use crate::mcap_write::McapWriter;
 use crate::parquet_log::table_metadata;
 use crate::parquet_table::{ROWS_PER_GROUP, TableWriter};
 use crate::quantity::Quantity;
+use crate::read_options::ReadOptions;
 use crate::recognise::recognise;
 use crate::source::LogFile;
 use crate::summary::LogSummary;
@@ -96,18 +97,33 @@ pub fn write_log_to(
 /// Reads the log at `from` and writes it to `to`. `progress` hears the part that is read, 0 to 1, and stops by saying false.
 ///
 /// # Errors
-/// Those of [`read_log_watched`] and [`write_log`]; [`LogError::Stopped`]. Then nothing is written.
+/// Those of [`read_watched`] and [`write_log`]; [`LogError::Stopped`]. Then nothing is written.
 pub fn convert(
     from: impl AsRef<Path>,
     to: impl AsRef<Path>,
     target: LogTarget,
     progress: impl Fn(f64) -> bool + Clone + 'static,
 ) -> Result<LogSummary, LogError> {
+    convert_by(from, to, target, &ReadOptions::default(), progress)
+}
+
+/// As [`convert`], of a log that is read by `options`.
+///
+/// # Errors
+/// Those of [`read_watched`] and [`write_log`]; [`LogError::Stopped`]. Then nothing is written.
+pub fn convert_by(
+    from: impl AsRef<Path>,
+    to: impl AsRef<Path>,
+    target: LogTarget,
+    options: &ReadOptions,
+    progress: impl Fn(f64) -> bool + Clone + 'static,
+) -> Result<LogSummary, LogError> {
     let (from, to) = (from.as_ref(), to.as_ref());
     let stopped = || LogError::Stopped { path: to.to_path_buf() };
     let format = detect(from)?;
     let file = LogFile::new(from);
-    match rows_of(&file, format)? {
+    let rows = if options.map.is_some() { None } else { rows_of(&file, format)? };
+    match rows {
         Some(rows) => {
             let mut summary = None;
             replace(to, |out| {
@@ -121,7 +137,7 @@ pub fn convert(
             summary.ok_or_else(stopped)
         }
         None => {
-            let read = read_log_watched(from, progress.clone());
+            let read = read_watched(from, options, progress.clone());
             let (log, summary) = read.map_err(|error| match error {
                 LogError::Stopped { .. } => stopped(),
                 other => other,
@@ -138,7 +154,13 @@ pub fn convert(
 /// The rows of a format that can be read in one pass; `None` for the others.
 fn rows_of<'p>(file: &LogFile<'p>, format: LogFormat) -> Result<Option<CsvRows<'p, Box<dyn BufRead>>>, LogError> {
     let rows = match format {
-        LogFormat::Csv | LogFormat::CsvGz => canonical_rows(file.open_text("CSV")?.0, file.path, format)?,
+        LogFormat::Csv | LogFormat::CsvGz => match canonical_rows(file.open_text("CSV")?.0, file.path, format) {
+            // The names may say all the same what is what; the reader of the whole file tells.
+            Err(LogError::InFile { source, .. }) if matches!(*source, LogError::MissingColumns { .. }) => {
+                return Ok(None);
+            }
+            rows => rows?,
+        },
         LogFormat::Libfranka => libfranka_rows(file)?,
         _ => return Ok(None),
     };

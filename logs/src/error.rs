@@ -59,7 +59,8 @@ pub enum LogError {
         "{path}: unknown format ({found}); known: canonical CSV (columns time, q_0.., dq_0.., tau_J_0..), plain or gzip; \
          Parquet with the same columns; directory of exciting_traj_*.txt (Gaz 2019); Kinova Gen3 CSV (Time, Position1.., TorqueSm1.., \
          TorqueCur1..) and libfranka CSV (time, state.q[0].., cmd..), plain or gzip; \
-         MCAP (or the directory of a rosbag2) with sensor_msgs/JointState, franka_msgs/FrankaRobotState or JSON"
+         MCAP or SQLite (or the directory of a rosbag2) with sensor_msgs/JointState, franka_msgs/FrankaRobotState or JSON; \
+         tables of other columns (CSV, Parquet, npz) by --map"
     )]
     UnknownFormat {
         /// The file or directory.
@@ -104,6 +105,14 @@ pub enum LogError {
         /// The file.
         path: PathBuf,
         /// What it is, and what would be read.
+        detail: String,
+    },
+    /// A column map says what is not understood.
+    #[error("column map `{entry}`: {detail}")]
+    BadMap {
+        /// The part that is wrong.
+        entry: String,
+        /// Why, and what is allowed.
         detail: String,
     },
     /// A line cannot be split into cells.

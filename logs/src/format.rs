@@ -19,6 +19,14 @@ pub enum LogFormat {
     Libfranka,
     /// MCAP with messages of a kind that is understood.
     Mcap,
+    /// rosbag2 in SQLite.
+    Bag,
+    /// Text table with the columns of another program, plain.
+    Table,
+    /// Text table with the columns of another program, gzip.
+    TableGz,
+    /// NumPy arrays, `.npz` or structured `.npy`.
+    Numpy,
 }
 
 impl fmt::Display for LogFormat {
@@ -31,6 +39,10 @@ impl fmt::Display for LogFormat {
             Self::KinovaGen3 => "Kinova Gen3 CSV",
             Self::Libfranka => "libfranka CSV",
             Self::Mcap => "MCAP",
+            Self::Bag => "rosbag2 (SQLite)",
+            Self::Table => "CSV of other columns",
+            Self::TableGz => "CSV of other columns (gzip)",
+            Self::Numpy => "NumPy",
         })
     }
 }

@@ -27,7 +27,9 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
+mod arm_rows;
 mod atomic;
+mod bag_log;
 mod bursts;
 mod canonical_csv;
 mod cdr;
@@ -39,6 +41,7 @@ mod decoder;
 mod detect;
 mod differentiated;
 mod error;
+mod foreign;
 mod format;
 mod header;
 mod joint_order;
@@ -54,6 +57,7 @@ mod parquet_log;
 mod parquet_pages;
 mod parquet_table;
 mod quantity;
+mod read_options;
 pub mod recognise;
 mod resample;
 mod ros2_layout;
@@ -62,11 +66,13 @@ mod source;
 mod summary;
 
 pub use atomic::{write_atomic, write_new};
+pub use bag_log::read_bag;
 pub use bursts::{GAP_TOLERANCE, bursts, median_period_s};
 pub use canonical_csv::{read_csv, read_csv_from, write_csv};
-pub use convert::{ColumnNames, LogTarget, convert, write_log, write_log_to};
-pub use detect::{detect, read_log, read_log_from, read_log_watched};
+pub use convert::{ColumnNames, LogTarget, convert, convert_by, write_log, write_log_to};
+pub use detect::{detect, read, read_from, read_log, read_log_from, read_log_watched, read_watched};
 pub use error::LogError;
+pub use foreign::{ColumnMap, MappedColumn, Mapping, Unit};
 pub use format::LogFormat;
 pub use kinova_gen3::read_kinova_gen3;
 pub use libfranka::read_libfranka;
@@ -77,6 +83,7 @@ pub use panda_gaz::read_panda_gaz;
 pub use parquet_log::{read_parquet, write_parquet};
 pub use parquet_table::{Table, read_table, write_table};
 pub use quantity::Quantity;
+pub use read_options::ReadOptions;
 pub use resample::{Resampled, Resampling, resample};
 pub use seal::seal_of;
 pub use summary::LogSummary;

@@ -12,7 +12,6 @@
 //! `franka_msgs/FrankaState` before it, `sensor_msgs/JointState`, and JSON objects with arrays under our names or with our
 //! canonical columns (`q_0`). Three clocks: `time` (s), `header.stamp`, and the stamp of the recorder.
 
-use mcap::Channel;
 use serde_json::Value;
 
 use crate::cdr::{Cdr, Slot};
@@ -107,15 +106,12 @@ pub(crate) enum Source {
 }
 
 impl Source {
-    /// How the messages of a channel are read, or why they are not.
-    pub fn of(channel: &Channel) -> Result<Self, String> {
-        let schema = channel.schema.as_ref();
-        let encoding = schema.map_or("", |schema| schema.encoding.as_str());
-        match (channel.message_encoding.as_str(), encoding, schema) {
-            ("json", _, _) => Ok(Self::Json),
-            ("cdr", "ros2msg", Some(schema)) => {
-                let text = String::from_utf8_lossy(&schema.data);
-                let mut nodes = expand(&schema.name, &text)?;
+    /// How messages of an encoding are read, or why they are not; the definition is name, encoding and text.
+    pub fn of(message_encoding: &str, definition: Option<(&str, &str, &[u8])>) -> Result<Self, String> {
+        match (message_encoding, definition) {
+            ("json", _) => Ok(Self::Json),
+            ("cdr", Some((name, "ros2msg", text))) => {
+                let mut nodes = expand(name, &String::from_utf8_lossy(text))?;
                 let bound: Vec<Quantity> = bind_all(&mut nodes);
                 match Quantity::ALL.into_iter().find(|q| q.is_required() && *q != Quantity::Time && !bound.contains(q))
                 {
@@ -123,7 +119,10 @@ impl Source {
                     Some(lacking) => Err(format!("has no field for {lacking}")),
                 }
             }
-            (message, schema, _) => Err(format!("has encoding `{message}` with schema `{schema}`")),
+            (message, definition) => {
+                let schema = definition.map_or("", |(_, encoding, _)| encoding);
+                Err(format!("has encoding `{message}` with schema `{schema}`"))
+            }
         }
     }
 

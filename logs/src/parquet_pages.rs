@@ -30,6 +30,16 @@ const LONGEST_HEADER: u64 = 1 << 16;
 /// # Errors
 /// A codec that is not read, with its name; a page that asks for more than `rows` values could need; a broken header.
 pub(crate) fn check<R: ChunkReader>(file: &R, chunk: &ColumnChunkMetaData, rows: u64) -> Result<(), ParquetError> {
+    check_sized(file, chunk, rows, 0)
+}
+
+/// As [`check`], of values that take up to `bytes` unpacked, such as names.
+pub(crate) fn check_sized<R: ChunkReader>(
+    file: &R,
+    chunk: &ColumnChunkMetaData,
+    rows: u64,
+    bytes: u64,
+) -> Result<(), ParquetError> {
     let name = chunk.column_descr().name();
     match chunk.compression() {
         Compression::UNCOMPRESSED | Compression::SNAPPY | Compression::ZSTD(_) => {}
@@ -45,7 +55,7 @@ pub(crate) fn check<R: ChunkReader>(file: &R, chunk: &ColumnChunkMetaData, rows:
     let (Ok(mut at), Ok(mut left)) = (u64::try_from(start), u64::try_from(chunk.compressed_size())) else {
         return Err(ParquetError::General(format!("column {name} begins or ends below 0")));
     };
-    let most_bytes = rows.saturating_mul(BYTES_PER_VALUE).saturating_add(LEAST_PAGE_BYTES);
+    let most_bytes = rows.saturating_mul(BYTES_PER_VALUE.max(bytes)).saturating_add(LEAST_PAGE_BYTES);
     while left > 0 {
         let mut header = Compact { bytes: file.get_read(at)?, taken: 0 };
         let page =

@@ -52,7 +52,7 @@ const LARGE_CELLS: u64 = 1 << 26;
 const LEAST_CELLS: u64 = 1 << 20;
 
 /// The most cells that a file of so many bytes may ask memory for.
-fn most_cells(bytes: u64) -> u64 {
+pub(crate) fn most_cells(bytes: u64) -> u64 {
     let large = bytes.saturating_mul(CELLS_PER_BYTE_OF_LARGE).max(LARGE_CELLS);
     bytes.saturating_mul(CELLS_PER_BYTE).min(large).max(LEAST_CELLS)
 }

@@ -2,7 +2,7 @@
 
 use std::cell::Cell;
 use std::fs::{self, File};
-use std::io::{BufRead, BufReader, Cursor, Read};
+use std::io::{BufRead, BufReader, Cursor, Read, Seek, SeekFrom};
 use std::path::Path;
 use std::rc::Rc;
 
@@ -144,6 +144,15 @@ impl Read for RawBytes {
         match self {
             Self::File(file) => file.read(bytes),
             Self::Memory(memory) => memory.read(bytes),
+        }
+    }
+}
+
+impl Seek for RawBytes {
+    fn seek(&mut self, place: SeekFrom) -> std::io::Result<u64> {
+        match self {
+            Self::File(file) => file.seek(place),
+            Self::Memory(memory) => memory.seek(place),
         }
     }
 }

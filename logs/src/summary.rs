@@ -4,6 +4,7 @@ use std::fmt;
 
 use crate::bursts::{GAP_TOLERANCE, bursts, median_period_s};
 use crate::error::visible;
+use crate::foreign::{MappedColumn, Mapping};
 use crate::format::LogFormat;
 use crate::log::RobotLog;
 use crate::parquet_table::ROWS_PER_GROUP;
@@ -41,6 +42,8 @@ pub struct LogSummary {
     pub unknown_columns: Vec<String>,
     /// Where the rows come from inside the file, where it holds several things: topic, joints, clock, alternatives.
     pub source: Option<String>,
+    /// Which columns of a table of another program became which; `None` where the file has our names or those of a known format.
+    pub mapping: Option<Mapping>,
     /// Suspicions, in words, such as a last line without line ending.
     pub warnings: Vec<String>,
     /// What the first 65 536 rows say is wrong with the log: what one that is read in batches is judged by.
@@ -82,6 +85,7 @@ impl LogSummary {
             unwrapped_jumps: 0,
             unknown_columns,
             source: None,
+            mapping: None,
             warnings: Vec::new(),
             remarks: Vec::new(),
         }
@@ -100,6 +104,18 @@ impl fmt::Display for LogSummary {
         writeln!(f, "format       {}", self.format)?;
         if let Some(source) = &self.source {
             writeln!(f, "source       {source}")?;
+        }
+        if let Some(mapping) = &self.mapping {
+            writeln!(f, "read as      {mapping}")?;
+            for quantity in self.present.iter() {
+                let of = |column: &&MappedColumn| {
+                    Quantity::from_column_name(&column.column).is_some_and(|(q, _)| q == *quantity)
+                };
+                let from: Vec<&str> = mapping.columns.iter().filter(of).map(|column| column.from.as_str()).collect();
+                if let (Some(first), false) = (mapping.columns.iter().find(of), from.is_empty()) {
+                    writeln!(f, "  {:<10} {} [{}]", quantity.label(), from.join(", "), first.unit)?;
+                }
+            }
         }
         writeln!(f, "joints       {}", self.joints)?;
         write!(f, "rows         {} ({} repeated rows dropped", self.rows, self.dropped_repeats)?;

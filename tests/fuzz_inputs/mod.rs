@@ -25,6 +25,7 @@ mod scratch;
 
 pub mod arguments;
 pub mod campaign_journal;
+pub mod column_map;
 pub mod early_stop_yaml;
 pub mod expected_json;
 pub mod experiment_yaml;
@@ -41,19 +42,22 @@ pub mod tune_yaml;
 pub mod tuned_yaml;
 pub mod urdf;
 
-pub use robot_log::{csv_log, mcap_log, parquet_log};
+pub use robot_log::{bag_log, csv_log, foreign_log, mcap_log, parquet_log};
 
 /// A format under its name: the folder of its seeds and of its regressions, and the fuzz target.
 pub type Target = (&'static str, fn(&[u8]));
 
 /// Every target.
-pub const TARGETS: [Target; 22] = [
+pub const TARGETS: [Target; 25] = [
     ("arguments", arguments::check),
+    ("bag_log", bag_log),
     ("campaign_journal", campaign_journal::check),
+    ("column_map", column_map::check),
     ("csv_log", csv_log),
     ("early_stop_yaml", early_stop_yaml::check),
     ("expected_json", expected_json::check),
     ("experiment_yaml", experiment_yaml::check),
+    ("foreign_log", foreign_log),
     ("journal", journal::check),
     ("kinova_gen3_log", csv_log),
     ("libfranka_log", csv_log),

@@ -4,7 +4,10 @@ use std::io::Cursor;
 use std::path::Path;
 
 use flate2::Crc;
-use tribo_logs::{ColumnNames, LogTarget, Resampling, RobotLog, read_log_from, resample, write_log_to};
+use tribo_logs::{
+    ColumnMap, ColumnNames, LogTarget, ReadOptions, Resampling, RobotLog, read_from, read_log_from, resample,
+    write_log_to,
+};
 
 /// What errors call the input.
 const NAME: &str = "input.log";
@@ -25,6 +28,27 @@ pub fn parquet_log(input: &[u8]) {
     check(input, LogTarget::Parquet);
     if let Some(sealed) = resealed(input) {
         check(&sealed, LogTarget::Parquet);
+    }
+}
+
+/// Bags in SQLite, written as CSV.
+pub fn bag_log(input: &[u8]) {
+    check(input, LogTarget::Csv(ColumnNames::Canonical));
+}
+
+/// Tables of other programs: CSV wide and long, Parquet with lists, NumPy. First as their names say, then by one of
+/// the maps that fit those of the seeds.
+pub fn foreign_log(input: &[u8]) {
+    check(input, LogTarget::Csv(ColumnNames::Canonical));
+    let maps = [
+        "time=time,q=position,dq=velocity,tau=effort,joint=joint",
+        "time=t[ms],q=q[{joint}],tau=tau[{joint}]",
+        "rate=100,q=pos{joint}[deg],tau=cur{joint}[mA*2]",
+        "episode=1",
+    ];
+    let map: ColumnMap = maps[input.len() % maps.len()].parse().expect("a map");
+    if let Ok((log, _)) = read_from(input.to_vec(), Path::new(NAME), &ReadOptions::from(map)) {
+        log.into_columns().validate().expect("a log that was read is valid");
     }
 }
 

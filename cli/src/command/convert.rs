@@ -5,12 +5,13 @@ use std::path::Path;
 use serde_json::{Value, json};
 use tribo_campaign::switched_off_without;
 use tribo_logs::recognise::Use;
-use tribo_logs::{ColumnNames, LogError, LogSummary, LogTarget, RobotLog, convert};
+use tribo_logs::{ColumnNames, LogError, LogSummary, LogTarget, RobotLog, convert_by};
 
 use super::believe::remarks_json;
+use super::columns::show_proposal;
 use crate::arguments::{Common, Convert};
 use crate::failure::{BadInput, Stopped};
-use crate::output::{print, print_json};
+use crate::output::{mapping_json, print, print_json};
 use crate::progress::{StageProgress, stop_on_signal};
 
 /// Reads a log of any known format, writes it as canonical CSV, Parquet or MCAP, and tells what is in it.
@@ -23,12 +24,14 @@ pub fn run(arguments: &Convert, common: &Common) -> anyhow::Result<()> {
     let progress = StageProgress::new(common.quiet);
     let name = arguments.log.display().to_string();
     let shown = progress.clone();
-    let summary = convert(&arguments.log, &arguments.out, target, move |part| shown.stage(&name, part));
+    let options = arguments.columns.options(Vec::new())?;
+    let summary = convert_by(&arguments.log, &arguments.out, target, &options, move |part| shown.stage(&name, part));
     progress.finish();
     let summary = summary.map_err(|error| match error {
         LogError::Stopped { .. } => Stopped::empty_handed().into(),
         other => anyhow::Error::from(other),
     })?;
+    show_proposal(&arguments.log, &summary, common.quiet);
     if common.json {
         let mut document = document(&summary);
         document["out"] = json!(arguments.out);
@@ -53,6 +56,7 @@ fn document(summary: &LogSummary) -> Value {
         "schema": "tribo.convert/1",
         "format": summary.format.to_string(),
         "source": summary.source,
+        "read_as": mapping_json(summary.mapping.as_ref()),
         "joints": summary.joints,
         "rows": summary.rows,
         "dropped_repeats": summary.dropped_repeats,

@@ -16,7 +16,8 @@ pub fn run(arguments: &Dashboard) -> anyhow::Result<()> {
         robot: arguments.robot.clone(),
         torque_side: named(&arguments.torque_side)?,
     };
-    let open = arguments.open.as_ref().map(|path| LogSource { path: path.clone(), model });
+    let read = arguments.columns.options(Vec::new())?;
+    let open = arguments.open.as_ref().map(|path| LogSource { path: path.clone(), read, model });
     if let Some(path) = arguments.open.as_ref().filter(|path| !path.exists()) {
         return Err(BadInput(format!("{}: there is no such file or directory", path.display())).into());
     }

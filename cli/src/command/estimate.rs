@@ -16,6 +16,7 @@ use tribo_sim::{Effect, TorqueSide, panda_gaz_joints};
 use super::believe::{Refused, believe};
 use super::convert::{target_of, write_log};
 use super::live::watched;
+use super::columns::joint_names;
 use super::{check_joints, named, read_log, transmission, warn_not_cancelled};
 use crate::arguments::{Common, Estimate};
 use crate::failure::BadInput;
@@ -35,6 +36,7 @@ pub fn run(arguments: &Estimate, common: &Common) -> anyhow::Result<()> {
         torque_side: named(&arguments.torque_side)?,
     };
     let given = choice.given()?;
+    let options = arguments.columns.options(joint_names(&choice, given.as_ref().map(|(file, _)| file)))?;
     let path = match (&arguments.live, &arguments.record) {
         (Some(host), Some(record)) => {
             target_of(record)?;
@@ -46,7 +48,7 @@ pub fn run(arguments: &Estimate, common: &Common) -> anyhow::Result<()> {
         }
         _ => arguments.log.as_ref().ok_or_else(|| BadInput("no log is given".to_owned()))?,
     };
-    let (log, summary) = read_log(path, common)?;
+    let (log, summary) = read_log(path, &options, common)?;
     let everything = arguments.residual == "all";
     // Tables show the warnings of the log themselves.
     let (wanted, refused) = judgement(arguments);
@@ -186,7 +188,7 @@ where
     Nominal<N>: Diagnosable,
 {
     let Some(path) = &arguments.free else { return Ok(None) };
-    let (log, _) = read_log(path, common)?;
+    let (log, _) = read_log(path, &arguments.columns.options(Vec::new())?, common)?;
     believe(path, &recognise::recognise(&log), Use::Wrench, Refused::IsAnError, common.quiet)?;
     let remarks = tribo_diagnose::recognise::recognise(&log, &model.to_nominal());
     believe(path, &remarks, Use::Wrench, Refused::IsAnError, common.quiet)?;

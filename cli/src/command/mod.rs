@@ -3,6 +3,7 @@
 pub mod ask;
 mod believe;
 pub mod bench;
+mod columns;
 pub mod convert;
 pub mod dashboard;
 pub mod diagnose;
@@ -27,7 +28,7 @@ use std::path::Path;
 use serde::de::DeserializeOwned;
 use tribo_campaign::strategy::BestTrial;
 use tribo_campaign::{AnyTune, CampaignError, Conclusion, TuneConfig, UserCampaign};
-use tribo_logs::{LogError, LogSummary, RobotLog, read_log_watched};
+use tribo_logs::{LogError, LogSummary, ReadOptions, RobotLog, read_watched};
 use tribo_model::{AnyModel, ConfigError, NotCancelled, YamlDocument};
 use tribo_watch::refresh_report;
 
@@ -110,12 +111,15 @@ impl CampaignSettings {
     }
 }
 
-/// Reads a log of any known format; a bar shows how far, and goes when it is read.
-fn read_log(path: &Path, common: &Common) -> anyhow::Result<(RobotLog, LogSummary)> {
+/// Reads a log as `options` say; a bar shows how far, and goes when it is read. What the names of its columns were taken for is said.
+fn read_log(path: &Path, options: &ReadOptions, common: &Common) -> anyhow::Result<(RobotLog, LogSummary)> {
     let (progress, name) = (StageProgress::new(common.quiet), path.display().to_string());
     let shown = progress.clone();
-    let read = read_log_watched(path, move |part| shown.stage(&name, part));
+    let read = read_watched(path, options, move |part| shown.stage(&name, part));
     progress.finish();
+    if let Ok((_, summary)) = &read {
+        columns::show_proposal(path, summary, common.quiet);
+    }
     read.map_err(|error| match error {
         LogError::Stopped { .. } => Stopped::empty_handed().into(),
         other => other.into(),

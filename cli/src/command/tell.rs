@@ -9,10 +9,11 @@ use tribo_campaign::{
 };
 use tribo_diagnose::{Diagnosable, Nominal};
 use tribo_logs::recognise::Use;
-use tribo_logs::{RobotLog, read_log};
+use tribo_logs::{RobotLog, read};
 use tribo_watch::refresh_report;
 
 use super::believe::{Refused, believe};
+use super::columns::show_proposal;
 use super::{expected, learnt, opened, show_remarks};
 use crate::arguments::{Common, Tell};
 use crate::failure::BadInput;
@@ -23,7 +24,11 @@ pub fn run(arguments: &Tell, common: &Common) -> anyhow::Result<()> {
     let joints = TuneConfig::joints_of_campaign(&arguments.campaign)?;
     // Read before the campaign is held: a log may be a pipe, and others ask and tell while it is waited for.
     let log = match &arguments.log {
-        Some(path) => Some((path.as_path(), read_log(path)?.0)),
+        Some(path) => {
+            let (log, summary) = read(path, &arguments.columns.options(Vec::new())?)?;
+            show_proposal(path, &summary, common.quiet);
+            Some((path.as_path(), log))
+        }
         None => None,
     };
     match joints {

@@ -15,6 +15,7 @@ mod diagnose_refusals;
 mod diagnose_story;
 mod exports;
 mod extended_models;
+mod foreign_columns;
 mod help_texts;
 #[cfg(unix)]
 mod kill_and_resume;

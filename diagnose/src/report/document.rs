@@ -15,6 +15,8 @@ pub struct Extras {
     pub written: Vec<(&'static str, String)>,
     /// Why something that was asked for is missing.
     pub remarks: Vec<String>,
+    /// Which columns were read as which, log by log.
+    pub read_as: Vec<Value>,
 }
 
 /// The diagnosis as a JSON document, `tribo.diagnosis/1`: what `tribo diagnose --json` prints. A number that is not finite is null.
@@ -56,6 +58,7 @@ pub fn document(diagnosis: &Diagnosis, extras: &Extras) -> Value {
         "assumptions": diagnosis.assumptions,
         "notes": diagnosis.notes,
         "remarks": extras.remarks,
+        "logs": extras.read_as,
         "not_cancelled": extras.not_cancelled,
         "written": extras.written.iter().map(|(what, path)| ((*what).to_owned(), json!(path))).collect::<Map<_, _>>(),
         "bands": {"band_hz": diagnosis.band_hz, "rate_hz": diagnosis.rate_hz},
@@ -274,6 +277,7 @@ mod tests {
             not_cancelled: vec!["time_delay is not cancelled: …".to_owned()],
             written: vec![("report", "r.html".to_owned())],
             remarks: vec!["a remark".to_owned()],
+            read_as: vec![json!({"log": "a.csv", "read_as": null})],
         };
         let document = document(&sample(), &extras);
         let golden: Value = serde_json::from_str(include_str!("document_golden.json")).unwrap();

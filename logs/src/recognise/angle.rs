@@ -28,7 +28,8 @@ pub(super) fn degrees(log: &LogColumns) -> Option<Remark> {
         worst / 360.0
     );
     Some(if far.len() > 1 || fast {
-        let remedy = "multiply the columns q_i and dq_i that are in degrees by pi/180".to_owned();
+        let remedy = "multiply the columns q_i and dq_i that are in degrees by pi/180, or say so: --map 'q=COLUMNS[deg],dq=COLUMNS[deg/s]'"
+            .to_owned();
         Remark::refuse(Fault::Degrees, joints, evidence, remedy)
     } else {
         let remedy = "nothing to do if the joint turns without end; else multiply q_i and dq_i by pi/180".to_owned();

@@ -85,7 +85,7 @@ fn files_of_other_programs_are_read_as_far_as_they_are_numbers() {
     assert!(b[0].is_nan() && b[1] == 0.0 && b[2].is_nan() && b[3] == 1.0);
     assert_eq!(table.skipped_columns, ["e", "f"]);
     let text = read_log(&path).unwrap_err().to_string();
-    assert!(text.contains("foreign.parquet: missing columns: time, q_0, tau_J_0 (not understood: a, b"), "{text}");
+    assert!(text.contains("; columns: a, b, c, d, e, f; say which is which: --map"), "{text}");
 }
 
 #[test]

@@ -4,6 +4,7 @@ mod bad_csv;
 mod bad_parquet;
 mod common;
 mod convert;
+mod foreign;
 mod golden;
 mod kinova_gen3;
 mod libfranka;

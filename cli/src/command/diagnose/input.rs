@@ -2,14 +2,16 @@
 
 use std::path::{Path, PathBuf};
 
-use tribo_logs::RobotLog;
+use serde_json::{Value, json};
 use tribo_logs::recognise::{Use, recognise};
+use tribo_logs::{ReadOptions, RobotLog};
 use tribo_model::ModelChoice;
 
 use super::super::believe::{Refused, believe};
 use super::super::{named, read_log};
 use crate::arguments::{Common, Diagnose};
 use crate::failure::BadInput;
+use crate::output::mapping_json;
 
 /// Which model the logs are held against.
 pub fn choice(arguments: &Diagnose) -> anyhow::Result<ModelChoice> {
@@ -21,12 +23,28 @@ pub fn choice(arguments: &Diagnose) -> anyhow::Result<ModelChoice> {
 }
 
 /// The logs with their names; suspicions about them go to standard error.
-pub fn logs(paths: &[PathBuf], refused: Refused, common: &Common) -> anyhow::Result<Vec<(String, RobotLog)>> {
-    paths.iter().map(|path| log(path, refused, common)).collect()
+pub fn logs(
+    paths: &[PathBuf],
+    options: &ReadOptions,
+    refused: Refused,
+    common: &Common,
+    read_as: &mut Vec<Value>,
+) -> anyhow::Result<Vec<(String, RobotLog)>> {
+    let mut one = |path: &PathBuf| {
+        let (name, log, mapping) = log(path, options, refused, common)?;
+        read_as.push(json!({"log": name, "read_as": mapping}));
+        Ok((name, log))
+    };
+    paths.iter().map(&mut one).collect()
 }
 
-fn log(path: &Path, refused: Refused, common: &Common) -> anyhow::Result<(String, RobotLog)> {
-    let (log, summary) = read_log(path, common)?;
+fn log(
+    path: &Path,
+    options: &ReadOptions,
+    refused: Refused,
+    common: &Common,
+) -> anyhow::Result<(String, RobotLog, Value)> {
+    let (log, summary) = read_log(path, options, common)?;
     if !common.quiet {
         for warning in &summary.warnings {
             message!("tribo: {}: {warning}", path.display());
@@ -36,7 +54,7 @@ fn log(path: &Path, refused: Refused, common: &Common) -> anyhow::Result<(String
         }
     }
     believe(path, &recognise(&log), Use::Diagnosis, refused, common.quiet)?;
-    Ok((path.display().to_string(), log))
+    Ok((path.display().to_string(), log, mapping_json(summary.mapping.as_ref())))
 }
 
 /// Refuses a log that is given twice: counted twice it would be evidence for anything, and validated on itself too.

@@ -20,6 +20,7 @@ use tribo_robot::Arm;
 
 use super::believe::{Refused, believe};
 use super::check_joints;
+use super::columns::joint_names;
 use crate::arguments::{Common, Diagnose};
 use crate::failure::{BadInput, CheckFailed, Stopped};
 use crate::output::print_json;
@@ -77,9 +78,11 @@ pub(super) fn diagnosed(arguments: &Diagnose, common: &Common) -> anyhow::Result
     let outputs = Outputs::checked(arguments)?;
     input::check_logs_differ(arguments)?;
     let refused = Refused::unless(arguments.anyway);
-    let logs = input::logs(&arguments.logs, refused, common)?;
-    let validate = input::logs(&arguments.validate, refused, common)?;
-    let reference = input::logs(&arguments.reference, refused, common)?;
+    let options = arguments.columns.options(joint_names(&choice, given.as_ref().map(|(file, _)| file)))?;
+    let mut read_as = Vec::new();
+    let logs = input::logs(&arguments.logs, &options, refused, common, &mut read_as)?;
+    let validate = input::logs(&arguments.validate, &options, refused, common, &mut read_as)?;
+    let reference = input::logs(&arguments.reference, &options, refused, common, &mut read_as)?;
     if let Some(band_hz) = arguments.band_hz.filter(|band_hz| !(*band_hz > 0.0 && band_hz.is_finite())) {
         return Err(BadInput(format!("--band-hz is {band_hz}; allowed: greater than 0")).into());
     }
@@ -101,7 +104,7 @@ pub(super) fn diagnosed(arguments: &Diagnose, common: &Common) -> anyhow::Result
         believe(Path::new(name), &remarks, Use::Diagnosis, refused, common.quiet)?;
     }
     let unloaded = reference.into_iter().map(|(_, log)| log).collect();
-    let held = Held { names, session, validate, unloaded, model_name: choice.name(model.robot()), model_file };
+    let held = Held { names, session, validate, unloaded, model_name: choice.name(model.robot()), model_file, read_as };
     match &model {
         AnyModel::Six(model) => run_with(arguments, common, &outputs, &held, model),
         AnyModel::Seven(model) => run_with(arguments, common, &outputs, &held, model),
@@ -117,6 +120,8 @@ struct Held {
     unloaded: Vec<RobotLog>,
     model_name: String,
     model_file: ModelFile,
+    /// Which columns were read as which, log by log.
+    read_as: Vec<Value>,
 }
 
 fn run_with<const N: usize>(
@@ -154,7 +159,8 @@ where
     // The extended model, what it is worth, and the files.
     let extended = held.model_file.extended(&diagnosis.effects());
     let valid = extended.validate::<N>();
-    let (mut extras, mut gain) = (Extras::default(), None);
+    let mut extras = Extras { read_as: held.read_as.clone(), ..Extras::default() };
+    let mut gain = None;
     if let Some(asked) = arguments.band_hz.filter(|asked| (asked - diagnosis.band_hz).abs() > 1e-6 * asked) {
         let used = diagnosis.band_hz;
         extras.remarks.push(format!("--band-hz {asked} does not fit these logs; the band used is {used:.1} Hz"));

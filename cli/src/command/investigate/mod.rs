@@ -14,7 +14,7 @@ use tribo_sim::excitation::{Envelope, ViaPoints};
 
 use super::diagnose::{diagnosed, write_text};
 use super::live::made;
-use crate::arguments::{Common, Diagnose, Investigate};
+use crate::arguments::{Columns, Common, Diagnose, Investigate};
 use crate::output::{print, print_json, significant};
 use crate::progress::stop_on_signal;
 use robot::Robot;
@@ -151,6 +151,7 @@ impl Steps<'_> {
     fn diagnose(&self, logs: Vec<PathBuf>, trajectory: Option<PathBuf>) -> Diagnose {
         Diagnose {
             logs,
+            columns: Columns::default(),
             anyway: false,
             model: self.settings.model.clone(),
             robot: self.settings.robot.clone(),
