@@ -1,13 +1,16 @@
 //! Robot logs.
 
 use std::collections::BTreeMap;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use numpy::PyArrayDyn;
 use pyo3::prelude::*;
-use tribo_logs::{LogColumns, LogSummary, LogTarget, Quantity, RobotLog, read_log as read, write_log};
+use tribo_logs::{
+    ColumnMap, LogColumns, LogSummary, LogTarget, Quantity, ReadOptions, RobotLog, read, read_from, write_log,
+};
 
 use crate::failure::{bad, raised};
+use crate::remarks::warn;
 use crate::rows::{Rows, array, column, from_columns};
 
 /// A robot log: columns of one length, stamps that increase, every number finite. SI units; joint arrays are `(n, joints)`.
@@ -21,11 +24,37 @@ pub(crate) struct PyLog {
     summary: Option<LogSummary>,
 }
 
-/// Reads a log of any known format: CSV, Parquet, MCAP, ROS 2 bags, and the published datasets that the command knows.
+/// Reads a log of any known format from a file, or from `content` that is called `path`. `map` says which column is what, as `--map` does: entries, the path of a map file, or
+/// the text of one (`is_text`); `joints` are the names of the arm's joints.
 #[pyfunction]
-pub(crate) fn read_log(py: Python<'_>, path: PathBuf) -> PyResult<PyLog> {
-    let (log, summary) = py.detach(|| read(&path)).map_err(raised)?;
-    Ok(PyLog { log, name: path.display().to_string(), summary: Some(summary) })
+#[pyo3(signature = (path, map, is_text, joints, content))]
+pub(crate) fn read_log(
+    py: Python<'_>,
+    path: PathBuf,
+    map: Option<&str>,
+    is_text: bool,
+    joints: Vec<String>,
+    content: Option<Vec<u8>>,
+) -> PyResult<PyLog> {
+    let map = match map {
+        None => None,
+        Some(text) if is_text => Some(ColumnMap::from_yaml(text, Path::new("map")).map_err(raised)?),
+        Some(entries) if entries.contains('=') && !Path::new(entries).is_file() => {
+            Some(entries.parse().map_err(|error| bad(format!("map: {error}")))?)
+        }
+        Some(path) => Some(ColumnMap::read(Path::new(path)).map_err(raised)?),
+    };
+    let options = ReadOptions { map, joints };
+    let found = py.detach(|| match content {
+        Some(bytes) => read_from(bytes, &path, &options),
+        None => read(&path, &options),
+    });
+    let (log, summary) = found.map_err(raised)?;
+    let name = path.display().to_string();
+    if let Some(mapping) = summary.mapping.as_ref().filter(|mapping| mapping.proposed) {
+        warn(py, &format!("{name}: read as {mapping}; give map to change it"))?;
+    }
+    Ok(PyLog { log, name, summary: Some(summary) })
 }
 
 impl PyLog {

@@ -47,10 +47,40 @@ def test_frames_come_back():
     assert list(frame.columns[:2]) == ["q_0", "q_1"] and frame.index.name == "time"
     again = tribo.log_from_pandas(frame)
     assert (again.quantity("q") == q).all() and (again.time == time).all()
-    with pytest.raises(ValueError, match="missing column"):
+    with pytest.raises(ValueError, match="q_3"):
         tribo.log_from_pandas(frame.drop(columns=["q_3"]))
     with pytest.raises(ValueError):
         tribo.log_from_pandas(pandas.DataFrame({"time": time}))
+
+
+def test_columns_of_others_are_mapped_or_proposed():
+    pandas = pytest.importorskip("pandas")
+    time, q, dq, tau = arrays()
+    names = [f"{kind}_{joint}" for kind in ["pos", "vel", "eff"] for joint in range(7)]
+    frame = pandas.DataFrame(np.hstack([np.degrees(q), dq, tau]), columns=names)
+    frame.insert(0, "stamp", 1e3 * time)
+    map = "q=pos_{joint}[deg],dq=vel_{joint},tau=eff_{joint},time=stamp[ms]"
+    log = tribo.log_from_pandas(frame, map=map)
+    np.testing.assert_allclose(log.quantity("q"), q, atol=1e-12)
+    np.testing.assert_allclose(log.time, time, atol=1e-12)
+    usual = frame.rename(columns={"stamp": "time"}).assign(time=time)
+    usual[names[:7]] = q
+    with pytest.warns(UserWarning, match="read as .*; give map to change it"):
+        proposed = tribo.log_from_pandas(usual)
+    assert (proposed.quantity("tau") == tau).all()
+    with pytest.raises(ValueError, match="map"):
+        tribo.log_from_pandas(frame, map="q=no_such_{joint}")
+    long = pandas.DataFrame(
+        {
+            "time": np.repeat(time, 7),
+            "joint": [f"joint_{j}" for j in range(7)] * len(time),
+            "position": q.ravel(),
+            "velocity": dq.ravel(),
+            "effort": tau.ravel(),
+        }
+    )
+    with pytest.warns(UserWarning, match="read as"):
+        assert (tribo.log_from_pandas(long).quantity("q") == q).all()
 
 
 def test_wrong_logs_are_told(tmp_path):

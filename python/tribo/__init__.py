@@ -21,12 +21,11 @@ from tribo._tribo import (
     SimulatedArm,
     Study,
     WrenchEstimator,
-    read_log,
 )
 from tribo._tribo import VERSION as __version__
 from tribo.campaign import Campaign, Told, Trial
 from tribo.diagnosis import Diagnosis, Finding, diagnose
-from tribo.frames import log_from_pandas, log_to_pandas, record
+from tribo.frames import log_from_pandas, log_to_pandas, read_log, record
 from tribo.tuning import TuneResult, tune
 from tribo.wrench import WrenchSeries, estimate
 

@@ -20,7 +20,7 @@ LogLike = Union[Log, Path]
 
 def as_log(log: LogLike) -> Log:
     """The log, read where it is a path."""
-    return log if isinstance(log, Log) else read_log(log)
+    return log if isinstance(log, Log) else read_log(log, None, False, [], None)
 
 
 def as_logs(logs: LogLike | Iterable[LogLike]) -> list[Log]:

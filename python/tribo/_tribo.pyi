@@ -223,7 +223,9 @@ class RawDiagnosis:
     def extended(self) -> Model: ...
     def write_report(self, path: _Path) -> None: ...
 
-def read_log(path: _Path) -> Log:
+def read_log(
+    path: _Path, map: str | None, is_text: bool, joints: Sequence[str], content: bytes | None
+) -> Log:
     """Reads a log of any known format."""
 
 def record(

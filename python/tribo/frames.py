@@ -2,22 +2,64 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+import io
+import json
+import os
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING, Any, Union
+
+import numpy as np
 
 from tribo import _tribo
-from tribo._paths import ModelLike
+from tribo._paths import ModelLike, Path
 from tribo._tribo import Log
 
 if TYPE_CHECKING:
     import pandas as pd
 
+Map = Union[str, "os.PathLike[str]", Mapping[str, Any]]
+"""Which column is what: entries, the path of a map file, or its content."""
 
-def log_from_pandas(frame: pd.DataFrame) -> Log:
-    """A log from a DataFrame with the columns ``time`` (or the index of that name), ``q_0`` …, ``tau_J_0`` … and others of a canonical log; unknown columns are left out."""
-    named = {str(name): frame[name].to_numpy() for name in frame.columns}
-    if "time" not in named and frame.index.name == "time":
-        named["time"] = frame.index.to_numpy()
-    return Log.from_columns(named)
+
+def read_log(path: Path, *, map: Map | None = None, joints: Sequence[str] = ()) -> Log:
+    """Reads a log of any format that the command reads: CSV, Parquet, MCAP, rosbag2, NumPy ``.npz`` and the public data sets.
+
+    :param path: the file, or the directory of a rosbag2.
+    :param map: which column is what, where they are not Tribo's own names: ``"q=pos_{joint}[deg],tau=eff_{joint},time=stamp[ms]"``, the path of a map file, or its
+        content as a dictionary (docs/logs.md). Left out, the names themselves say it, and a ``UserWarning`` says what was taken; where they leave a choice it is an error.
+    :param joints: names of the arm's joints from the base, where the columns have names.
+    """
+    text, is_text = _map_text(map)
+    return _tribo.read_log(path, text, is_text, list(joints), None)
+
+
+def _map_text(map: Map | None) -> tuple[str | None, bool]:
+    if map is None or isinstance(map, str):
+        return map, False
+    if isinstance(map, os.PathLike):
+        return os.fspath(map), False
+    return json.dumps(map), True
+
+
+def log_from_pandas(frame: pd.DataFrame, *, map: Map | None = None, joints: Sequence[str] = ()) -> Log:
+    """A log from a DataFrame: one row per sample, or one per joint and sample.
+
+    :param frame: the columns ``time``, ``q_0`` …, ``tau_J_0`` … of a canonical log, or others that ``map`` or their names explain; an index with a name is a column too.
+    :param map: as in ``read_log``.
+    :param joints: as in ``read_log``.
+    """
+    if frame.index.name is not None and frame.index.name not in frame.columns:
+        frame = frame.reset_index()
+    columns = {str(name): frame[name].to_numpy() for name in frame.columns}
+    text, is_text = _map_text(map)
+    buffer = io.BytesIO()
+    if all(values.dtype.kind in "fiub" for values in columns.values()):
+        np.savez(buffer, **columns)  # type: ignore[arg-type]
+        name = "frame.npz"
+    else:
+        buffer.write(frame.to_csv(index=False).encode())
+        name = "frame.csv"
+    return _tribo.read_log(name, text, is_text, list(joints), buffer.getvalue())
 
 
 def log_to_pandas(log: Log) -> pd.DataFrame:

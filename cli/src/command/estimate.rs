@@ -14,9 +14,9 @@ use tribo_model::{AnyModel, Believed, Model, ModelChoice, SIGN_SMOOTHING_RAD_S};
 use tribo_sim::{Effect, TorqueSide, panda_gaz_joints};
 
 use super::believe::{Refused, believe};
+use super::columns::joint_names;
 use super::convert::{target_of, write_log};
 use super::live::watched;
-use super::columns::joint_names;
 use super::{check_joints, named, read_log, transmission, warn_not_cancelled};
 use crate::arguments::{Common, Estimate};
 use crate::failure::BadInput;
