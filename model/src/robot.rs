@@ -1,8 +1,8 @@
 //! The robot of a campaign.
 
 use nalgebra::SVector;
+use tribo_robot::DescribedArm;
 use tribo_robot::presets::{AnyPreset, Preset};
-use tribo_robot::urdf::UrdfArm;
 use tribo_robot::{Arm, presets, well_conditioned_poses};
 use tribo_sim::{AnyTypicalFriction, TypicalFriction};
 
@@ -32,8 +32,8 @@ impl<const N: usize> Robot<N> {
     }
 
     /// The arm of a URDF: poses well away from its singularities, friction from its `<dynamics>` unless all are zero.
-    pub fn of_urdf(urdf: UrdfArm<N>) -> Self {
-        let UrdfArm { arm, coulomb_nm, viscous_nm_s_per_rad, .. } = urdf;
+    pub fn of_urdf(urdf: DescribedArm<N>) -> Self {
+        let DescribedArm { arm, coulomb_nm, viscous_nm_s_per_rad, .. } = urdf;
         let known = coulomb_nm.iter().chain(&viscous_nm_s_per_rad).any(|value| *value > 0.0);
         let poses_rad = well_conditioned_poses(&arm);
         Self { arm, poses_rad, friction: known.then(|| TypicalFriction::new(coulomb_nm, viscous_nm_s_per_rad)) }

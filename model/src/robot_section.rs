@@ -62,7 +62,7 @@ impl ModelFile {
     }
 
     fn chain(&self, urdf: &str) -> Result<UrdfChain, UrdfError> {
-        UrdfChain::parse(urdf, self.base_link.as_deref(), self.tip_link.as_deref())
+        urdf::parse(urdf, self.base_link.as_deref(), self.tip_link.as_deref())
     }
 
     /// The chain of a robot that is no preset.
