@@ -31,9 +31,9 @@ impl<const N: usize> Robot<N> {
         Some(Self { arm, poses_rad, friction })
     }
 
-    /// The arm of a URDF: poses well away from its singularities, friction from its `<dynamics>` unless all are zero.
-    pub fn of_urdf(urdf: DescribedArm<N>) -> Self {
-        let DescribedArm { arm, coulomb_nm, viscous_nm_s_per_rad, .. } = urdf;
+    /// The arm of a URDF or MJCF: poses well away from its singularities, the friction that it gives unless all is zero.
+    pub fn of_description(described: DescribedArm<N>) -> Self {
+        let DescribedArm { arm, coulomb_nm, viscous_nm_s_per_rad, .. } = described;
         let known = coulomb_nm.iter().chain(&viscous_nm_s_per_rad).any(|value| *value > 0.0);
         let poses_rad = well_conditioned_poses(&arm);
         Self { arm, poses_rad, friction: known.then(|| TypicalFriction::new(coulomb_nm, viscous_nm_s_per_rad)) }

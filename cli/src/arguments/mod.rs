@@ -26,7 +26,7 @@ pub struct Arguments {
 const EXAMPLES: &str = "Examples:
   tribo tune                                   tune the friction compensator of a simulated Panda
   tribo tune --friction stribeck --truth stribeck --pose 1 --seed 7
-  tribo tune --robot ur10e                     another arm: fr3, ur10e, kinova_gen3, iiwa14 or a URDF
+  tribo tune --robot ur10e                     another arm: fr3, ur5e, xarm7, … a URDF or MJCF
   tribo tune --resume --out campaigns/0001     go on with a campaign that was stopped
   tribo ask campaigns/mine --out next.yaml     parameters to try on your own robot …
   tribo tell campaigns/mine trial.csv          … and what came of them
@@ -143,12 +143,29 @@ pub struct Man {
     pub out: Option<PathBuf>,
 }
 
+/// Ends of the arm in a robot description.
+#[derive(Clone, Debug, Default, Args)]
+pub struct Ends {
+    /// Where the arm begins: a link of the URDF or a body of the MJCF that --robot names [default: the root of a URDF; the body that
+    /// carries the first joint of an MJCF; below a rail or wheels].
+    #[arg(long, value_name = "LINK", requires = "robot")]
+    pub base_link: Option<String>,
+    /// Where the arm ends, whose frame is the flange: a link of the URDF, a body or site of the MJCF that --robot names [default:
+    /// where a gripper begins, else the last link, tool0 or attachment_site].
+    #[arg(long, value_name = "LINK", requires = "robot")]
+    pub tip_link: Option<String>,
+}
+
 /// What is simulated; each flag overrides the settings file.
 #[derive(Debug, Args)]
 pub struct Scenario {
-    /// The arm: panda, fr3, ur10e, kinova_gen3, iiwa14 or the path of a URDF [default: that of --model, else of --truth, else panda].
-    #[arg(long, value_name = "NAME|URDF")]
+    /// The arm: panda, fr3, ur3e, ur5e, ur10e, xarm6, xarm7, kinova_gen3, iiwa14, openarm, piper, or the path of a URDF or of an MJCF (MuJoCo)
+    /// [default: that of --model, else of --truth, else panda].
+    #[arg(long, value_name = "NAME|FILE")]
     pub robot: Option<String>,
+    /// Ends of the arm in that file.
+    #[command(flatten)]
+    pub ends: Ends,
     /// Seed of all random numbers: noise, phases, designs [default: 1].
     #[arg(long, allow_negative_numbers = true)]
     pub seed: Option<u64>,
@@ -362,9 +379,12 @@ pub struct Estimate {
     /// Model of the robot (YAML, schema tribo.model/1) [default: the bare robot without friction].
     #[arg(long, value_name = "FILE")]
     pub model: Option<PathBuf>,
-    /// The robot, if no --model is given: a preset or the path of a URDF [default: panda, if the log has 7 joints].
-    #[arg(long, value_name = "NAME|URDF", conflicts_with = "model")]
+    /// The robot, if no --model is given: a preset or the path of a URDF or MJCF [default: panda, if the log has 7 joints].
+    #[arg(long, value_name = "NAME|FILE", conflicts_with = "model")]
     pub robot: Option<String>,
+    /// Ends of the arm in that file.
+    #[command(flatten)]
+    pub ends: Ends,
     /// Side of the gears on which tau_J was measured, if no --model is given.
     #[arg(long, default_value = "motor", value_parser = PossibleValuesParser::new(["motor", "link"]), conflicts_with = "model")]
     pub torque_side: String,
@@ -403,9 +423,12 @@ pub struct Diagnose {
     /// without inertia where link-side torque was logged too].
     #[arg(long, value_name = "FILE")]
     pub model: Option<PathBuf>,
-    /// The robot, if no --model is given: a preset or the path of a URDF [default: panda, if the logs have 7 joints].
-    #[arg(long, value_name = "NAME|URDF", conflicts_with = "model")]
+    /// The robot, if no --model is given: a preset or the path of a URDF or MJCF [default: panda, if the logs have 7 joints].
+    #[arg(long, value_name = "NAME|FILE", conflicts_with = "model")]
     pub robot: Option<String>,
+    /// Ends of the arm in that file.
+    #[command(flatten)]
+    pub ends: Ends,
     /// Side of the gears on which tau_J was measured, if no --model is given.
     #[arg(long, default_value = "motor", value_parser = PossibleValuesParser::new(["motor", "link"]), conflicts_with = "model")]
     pub torque_side: String,
@@ -475,9 +498,12 @@ pub struct Export {
 /// Arguments of `bench`.
 #[derive(Debug, Args)]
 pub struct Bench {
-    /// The arm: panda, fr3, ur10e, kinova_gen3, iiwa14 or the path of a URDF [default: panda].
-    #[arg(long, value_name = "NAME|URDF")]
+    /// The arm: panda, fr3, ur3e, ur5e, ur10e, xarm6, xarm7, kinova_gen3, iiwa14, openarm, piper, or the path of a URDF or MJCF [default: panda].
+    #[arg(long, value_name = "NAME|FILE")]
     pub robot: Option<String>,
+    /// Ends of the arm in that file.
+    #[command(flatten)]
+    pub ends: Ends,
     /// Ticks to be timed [default: 1000000].
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1000..=100_000_000), conflicts_with = "realtime")]
     pub ticks: Option<u64>,
@@ -530,9 +556,12 @@ pub struct Dashboard {
     /// Model that a log is held against (YAML, schema tribo.model/1) [default: the bare robot without friction].
     #[arg(long, value_name = "FILE")]
     pub model: Option<PathBuf>,
-    /// The robot, if no --model is given: a preset or the path of a URDF [default: panda, if the log has 7 joints].
-    #[arg(long, value_name = "NAME|URDF", conflicts_with = "model")]
+    /// The robot, if no --model is given: a preset or the path of a URDF or MJCF [default: panda, if the log has 7 joints].
+    #[arg(long, value_name = "NAME|FILE", conflicts_with = "model")]
     pub robot: Option<String>,
+    /// Ends of the arm in that file.
+    #[command(flatten)]
+    pub ends: Ends,
     /// Side of the gears on which tau_J was measured, if no --model is given.
     #[arg(long, default_value = "motor", value_parser = PossibleValuesParser::new(["motor", "link"]), conflicts_with = "model")]
     pub torque_side: String,

@@ -18,7 +18,7 @@ use tribo_residual::{OBSERVER_GAIN_RAD_S, identify_band};
 use tribo_sim::{Effect, panda_gaz_joints};
 
 use super::believe::{Refused, believe};
-use super::{check_joints, named, read_log, transmission, warn_not_cancelled};
+use super::{check_joints, named, read_log, show_robot, transmission, warn_not_cancelled};
 use crate::arguments::{Common, Estimate};
 use crate::failure::BadInput;
 use crate::output::{fixed, log_json, print, print_json, significant, table};
@@ -34,6 +34,8 @@ pub fn run(arguments: &Estimate, common: &Common) -> anyhow::Result<()> {
     let choice = ModelChoice {
         model: arguments.model.clone(),
         robot: arguments.robot.clone(),
+        base_link: arguments.ends.base_link.clone(),
+        tip_link: arguments.ends.tip_link.clone(),
         torque_side: named(&arguments.torque_side)?,
     };
     let given = choice.given()?;
@@ -61,7 +63,8 @@ pub fn run(arguments: &Estimate, common: &Common) -> anyhow::Result<()> {
         transmission::show_alone(gears, &summary, common);
         return Ok(());
     }
-    let (_, model) = given.map_or_else(|| choice.bare(&arguments.log, log.joints(), &[]), Ok)?;
+    let (model_file, model) = given.map_or_else(|| choice.bare(&arguments.log, log.joints(), &[]), Ok)?;
+    show_robot(&model_file, common);
     check_joints(&arguments.log, &log, &model)?;
     let measured = Measured { log, summary, gears };
     match &model {
