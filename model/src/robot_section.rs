@@ -62,10 +62,10 @@ impl ModelFile {
             return Err(FieldError::new("robot", &self.robot, allowed_robots()).into());
         }
         let mut text = read_text(&path)?;
-        let refuse =
-            |source: DescriptionError| FileError::Description { path: path.clone(), source: Box::new(source) };
+        let refuse = |source: DescriptionError| FileError::Description { path: path.clone(), source: Box::new(source) };
         if mjcf::is_mjcf(&text) {
-            text = with_includes(&text, path.parent().unwrap_or(Path::new(""))).map_err(|error| refuse(error.into()))?;
+            text =
+                with_includes(&text, path.parent().unwrap_or(Path::new(""))).map_err(|error| refuse(error.into()))?;
         }
         self.chain(&text).map_err(refuse)?;
         let place = if mjcf::is_mjcf(&text) { &mut self.mjcf } else { &mut self.urdf };
@@ -82,8 +82,9 @@ impl ModelFile {
         let Some(text) = self.description() else {
             return Err(FieldError::new("robot", &self.robot, allowed_robots()));
         };
-        self.chain(text)
-            .map_err(|error| FieldError::new("robot", &self.robot, format!("a description that can be used, where {error}")))
+        self.chain(text).map_err(|error| {
+            FieldError::new("robot", &self.robot, format!("a description that can be used, where {error}"))
+        })
     }
 
     /// What was decided where the description of the robot leaves it open, but for limits that this file gives; nothing of a preset.

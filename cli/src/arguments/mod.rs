@@ -159,7 +159,7 @@ pub struct Ends {
 /// What is simulated; each flag overrides the settings file.
 #[derive(Debug, Args)]
 pub struct Scenario {
-    /// The arm: panda, fr3, ur3e, ur5e, ur10e, xarm6, xarm7, kinova_gen3, iiwa14, openarm, piper, or the path of a URDF or of an MJCF (MuJoCo)
+    /// The arm: panda, fr3, ur3e, ur5e, ur10e, xarm6, xarm7, kinova_gen3, iiwa14, or the path of a URDF or of an MJCF (MuJoCo)
     /// [default: that of --model, else of --truth, else panda].
     #[arg(long, value_name = "NAME|FILE")]
     pub robot: Option<String>,
@@ -478,8 +478,16 @@ pub struct Convert {
 /// Arguments of `export`.
 #[derive(Debug, Args)]
 pub struct Export {
-    /// A campaign directory or a tuned.yaml.
-    pub source: PathBuf,
+    /// A campaign directory or a tuned.yaml; not with --robot.
+    #[arg(required_unless_present = "robot", conflicts_with = "robot")]
+    pub source: Option<PathBuf>,
+    /// Write a robot without a campaign, as urdf or mjcf: panda, fr3, ur3e, ur5e, ur10e, xarm6, xarm7, kinova_gen3, iiwa14, or the path
+    /// of a URDF or MJCF; with the friction that its joints are known to have [default: what was tuned].
+    #[arg(long, value_name = "NAME|FILE")]
+    pub robot: Option<String>,
+    /// Ends of the arm in that file.
+    #[command(flatten)]
+    pub ends: Ends,
     /// What to write.
     ///
     /// yaml and json: tuned.yaml as it is. c and rust: the compensator as source without dependencies. ros2: a parameter file
@@ -498,7 +506,7 @@ pub struct Export {
 /// Arguments of `bench`.
 #[derive(Debug, Args)]
 pub struct Bench {
-    /// The arm: panda, fr3, ur3e, ur5e, ur10e, xarm6, xarm7, kinova_gen3, iiwa14, openarm, piper, or the path of a URDF or MJCF [default: panda].
+    /// The arm: panda, fr3, ur3e, ur5e, ur10e, xarm6, xarm7, kinova_gen3, iiwa14, or the path of a URDF or MJCF [default: panda].
     #[arg(long, value_name = "NAME|FILE")]
     pub robot: Option<String>,
     /// Ends of the arm in that file.

@@ -209,7 +209,10 @@ fn robots_that_cannot_be_are_refused() {
     write("limits.yaml", "schema: tribo.model/1\nrobot: ur10e\nlimits:\n  q_min_rad: [9, 0, 0, 0, 0, 0]\n");
     write("poses.yaml", "schema: tribo.model/1\nrobot: ur10e\nposes_rad:\n- [0, 0, 4, 0, 0, 0]\n");
     for (call, parts) in [
-        ("tune --robot ur5", &["`robot` is ur5", "panda, fr3, ur10e, kinova_gen3, iiwa14", "URDF"][..]),
+        (
+            "tune --robot ur5",
+            &["`robot` is ur5", "panda, fr3, ur3e, ur5e, ur10e, xarm6, xarm7, kinova_gen3, iiwa14", "URDF"][..],
+        ),
         ("tune --robot prismatic.urdf", &["prismatic.urdf: joint `joint_1` is prismatic"]),
         ("tune --robot torn.urdf", &["torn.urdf: not a URDF"]),
         ("tune --robot bare.urdf", &["`truth` is coulomb_viscous", "the friction of this robot is not known"]),
