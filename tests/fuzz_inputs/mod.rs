@@ -30,6 +30,7 @@ pub mod expected_json;
 pub mod experiment_yaml;
 pub mod journal;
 pub mod mcap_message;
+pub mod mjcf;
 pub mod model_yaml;
 pub mod panda_gaz_log;
 pub mod references_yaml;
@@ -47,7 +48,7 @@ pub use robot_log::{csv_log, mcap_log, parquet_log};
 pub type Target = (&'static str, fn(&[u8]));
 
 /// Every target.
-pub const TARGETS: [Target; 22] = [
+pub const TARGETS: [Target; 23] = [
     ("arguments", arguments::check),
     ("campaign_journal", campaign_journal::check),
     ("csv_log", csv_log),
@@ -59,6 +60,7 @@ pub const TARGETS: [Target; 22] = [
     ("libfranka_log", csv_log),
     ("mcap_log", mcap_log),
     ("mcap_message", mcap_message::check),
+    ("mjcf", mjcf::check),
     ("model_yaml", model_yaml::check),
     ("panda_gaz_log", panda_gaz_log::check),
     ("parquet_log", parquet_log),

@@ -11,6 +11,9 @@ const ACCELERATION_RAD_S2: f64 = 10.0;
 /// Configurations that are tried.
 const CONFIGURATIONS: usize = 512;
 
+/// Largest torque limit (Nm) that is assumed: of what is no arm of this world.
+pub(super) const LARGEST_NM: f64 = 9e5;
+
 /// Torques (Nm) that hold an arm anywhere within its limits and accelerate each joint alone by 10 rad/s²:
 /// the largest `|g_j| + 10 M_jj` over 512 points of a Kronecker sequence.
 pub(super) fn torque_limits_nm<const N: usize>(arm: &Arm<N>) -> SVector<f64, N> {

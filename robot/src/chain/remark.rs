@@ -38,7 +38,7 @@ impl fmt::Display for ChainRemark {
                 write!(f, "the arm goes from `{base}` to `{tip}` (--base-link and --tip-link name others)")
             }
             Self::Held { joints } => {
-                write!(f, "held at 0, as they are not between base and tip: {}", joints.join(", "))
+                write!(f, "held where the file draws them, as they are not between base and tip: {}", joints.join(", "))
             }
             Self::NoTorqueLimit { joints } => write!(
                 f,

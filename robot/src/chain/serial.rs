@@ -84,7 +84,8 @@ impl SerialChain {
             let least = assumed::torque_limits_nm(&arm);
             for (j, joint) in joints.iter().enumerate() {
                 let friction = joint.coulomb_nm + joint.viscous_nm_s_per_rad * arm.limits.qd_max_rad_s[j];
-                arm.limits.tau_max_nm[j] = joint.torque_nm.unwrap_or(least[j] + friction);
+                arm.limits.tau_max_nm[j] =
+                    joint.torque_nm.unwrap_or_else(|| (least[j] + friction).min(assumed::LARGEST_NM));
             }
         }
         Some(DescribedArm {

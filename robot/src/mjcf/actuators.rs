@@ -55,7 +55,7 @@ pub(super) fn drives<'a>(
 
 /// Force per control where the force is nothing else; none of actuators with feedback or dynamics.
 fn gain(element: Element<'_>, defaults: &Defaults<'_>) -> Result<Option<f64>, MjcfError> {
-    let plain = |name: &str, plain: &str| defaults.text(element, name).is_none_or(|text| text == plain);
+    let plain = |name: &'static str, plain: &str| defaults.text(element, name).is_none_or(|text| text == plain);
     Ok(match element.node.tag_name().name() {
         "motor" => Some(1.0),
         "general" if plain("biastype", "none") && plain("gaintype", "fixed") && plain("dyntype", "none") => {

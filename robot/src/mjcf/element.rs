@@ -20,7 +20,8 @@ pub(super) struct Defaults<'a> {
 #[derive(Debug)]
 struct Class<'a> {
     above: Option<usize>,
-    elements: Vec<Xml<'a>>,
+    /// Values by element and attribute.
+    values: BTreeMap<(&'a str, &'a str), &'a str>,
 }
 
 /// An element, in a class.
@@ -42,7 +43,7 @@ fn shared_name(tag: &str) -> &str {
 impl<'a> Defaults<'a> {
     /// All classes of a model.
     pub fn of(model: Xml<'a>) -> Self {
-        let mut all = Self { classes: vec![Class { above: None, elements: Vec::new() }], names: BTreeMap::new() };
+        let mut all = Self { classes: vec![Class { above: None, values: BTreeMap::new() }], names: BTreeMap::new() };
         let tops = model.children().filter(|node| node.has_tag_name("default"));
         let mut waiting: Vec<(Xml<'a>, Option<usize>)> = tops.map(|node| (node, None)).collect();
         waiting.reverse();
@@ -53,7 +54,7 @@ impl<'a> Defaults<'a> {
                 // Whatever the outermost class is called, it is that of elements without one.
                 (None, Some(name)) => *all.names.entry(name).or_insert(0),
                 (Some(above), name) => {
-                    all.classes.push(Class { above: Some(above), elements: Vec::new() });
+                    all.classes.push(Class { above: Some(above), values: BTreeMap::new() });
                     let class = all.classes.len() - 1;
                     if let Some(name) = name {
                         all.names.insert(name, class);
@@ -64,7 +65,11 @@ impl<'a> Defaults<'a> {
             for child in node.children().filter(Node::is_element) {
                 match child.has_tag_name("default") {
                     true => waiting.push((child, Some(class))),
-                    false => all.classes[class].elements.push(child),
+                    false => {
+                        let tag = shared_name(child.tag_name().name());
+                        let values = child.attributes().map(|it| ((tag, it.name()), it.value()));
+                        all.classes[class].values.extend(values);
+                    }
                 }
             }
         }
@@ -87,25 +92,20 @@ impl<'a> Defaults<'a> {
         Ok(Element { node, class })
     }
 
-    /// The nodes that an attribute of an element may come from: its own, then its classes from the inside.
-    fn sources(&self, element: Element<'a>) -> impl Iterator<Item = Xml<'a>> + '_ {
+    /// The first of several attributes that exclude each other, and its text: the element's own, then that of its classes from
+    /// the inside.
+    pub fn one_of(&self, element: Element<'a>, names: &[&'static str]) -> Option<(&'static str, &'a str)> {
+        let first =
+            |value: &dyn Fn(&'static str) -> Option<&'a str>| names.iter().find_map(|&name| Some((name, value(name)?)));
         let tag = shared_name(element.node.tag_name().name());
-        let classes = std::iter::successors(Some(element.class), |&class| self.classes[class].above);
-        let defaults = classes.flat_map(move |class| {
-            let same = move |node: &&Xml<'a>| shared_name(node.tag_name().name()) == tag;
-            self.classes[class].elements.iter().rev().filter(same).copied()
-        });
-        std::iter::once(element.node).chain(defaults)
+        let mut classes = std::iter::successors(Some(element.class), |&class| self.classes[class].above);
+        first(&|name| element.node.attribute(name))
+            .or_else(|| classes.find_map(|class| first(&|name| self.classes[class].values.get(&(tag, name)).copied())))
     }
 
     /// The text of an attribute.
-    pub fn text(&self, element: Element<'a>, name: &str) -> Option<&'a str> {
-        self.sources(element).find_map(|node| node.attribute(name))
-    }
-
-    /// The first of several attributes that exclude each other, and its text: what is nearer goes before.
-    pub fn one_of(&self, element: Element<'a>, names: &[&'static str]) -> Option<(&'static str, &'a str)> {
-        self.sources(element).find_map(|node| names.iter().find_map(|&name| Some((name, node.attribute(name)?))))
+    pub fn text(&self, element: Element<'a>, name: &'static str) -> Option<&'a str> {
+        self.one_of(element, &[name]).map(|(_, text)| text)
     }
 
     /// The numbers of an attribute.

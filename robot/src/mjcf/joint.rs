@@ -12,6 +12,9 @@ use crate::chain::frame::{Frame, chained, from_z_onto};
 use crate::chain::joint::{ChainJoint, ENDLESS_RAD, JointPose};
 use crate::chain::skeleton::JointKind;
 
+/// Bound of frictions (Nm, Nm s/rad), torque limits (Nm) and rotor inertias (kg m²).
+const LARGEST: f64 = 1e6;
+
 /// What kind of joint a body hangs on.
 pub(super) fn kind(body: &Body<'_>, defaults: &Defaults<'_>) -> JointKind {
     match body.joints[..] {
@@ -55,7 +58,7 @@ pub(super) fn hinge(
             let what = format!("{attribute} with powers of the speed, of {},", called(element.node));
             return Err(MjcfError::NotSupported { what, why: "friction is dry and viscous here" });
         }
-        match (0.0..1e6).contains(&numbers[0]) {
+        match (0.0..LARGEST).contains(&numbers[0]) {
             true => Ok(numbers[0]),
             false => Err(wrong(attribute, numbers[0].to_string(), "0 or above")),
         }
@@ -71,7 +74,11 @@ pub(super) fn hinge(
     }
     let own_nm =
         limited(element, defaults, compiler, ("actuatorfrclimited", "actuatorfrcrange"))?.map(largest_both_ways);
-    let torque_nm = [own_nm, drive.torque_nm].into_iter().flatten().filter(|&limit| limit > 0.0).reduce(f64::min);
+    let torque_nm = [own_nm, drive.torque_nm]
+        .into_iter()
+        .flatten()
+        .filter(|&limit| limit > 0.0 && limit < LARGEST)
+        .reduce(f64::min);
     let vector = |attribute, otherwise: Vector3<f64>| -> Result<Vector3<f64>, MjcfError> {
         let numbers = defaults.numbers(element, attribute, 3..=3)?;
         Ok(numbers.map_or(otherwise, |numbers| Vector3::from_column_slice(&numbers)))
@@ -86,6 +93,10 @@ pub(super) fn hinge(
     let body_from_joint = Frame { rotation: body_from_axis, translation: anchor };
     let back =
         Frame { rotation: Matrix3::new(cos, -sin, 0.0, sin, cos, 0.0, 0.0, 0.0, 1.0), translation: Vector3::zeros() };
+    let rotor_inertia_kg_m2 = not_negative("armature")? + drive.armature_kg_m2;
+    if rotor_inertia_kg_m2 >= LARGEST {
+        return Err(wrong("armature", rotor_inertia_kg_m2.to_string(), "with that of its actuators, 0 to 1e6 kg m²"));
+    }
     let joint = ChainJoint {
         name,
         range_rad,
@@ -93,7 +104,7 @@ pub(super) fn hinge(
         torque_nm,
         coulomb_nm: not_negative("frictionloss")?,
         viscous_nm_s_per_rad: not_negative("damping")?,
-        rotor_inertia_kg_m2: not_negative("armature")? + drive.armature_kg_m2,
+        rotor_inertia_kg_m2,
     };
     let pose = JointPose {
         above_from_joint: chained(&chained(&body.pose, &body_from_joint), &back),

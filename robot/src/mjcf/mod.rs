@@ -45,8 +45,13 @@ use crate::chain::xml::within_bounds;
 
 /// Whether a text is meant to be MJCF: the first element is `mujoco` or `mujocoinclude`.
 pub fn is_mjcf(text: &str) -> bool {
-    let first = text.match_indices('<').map(|(at, _)| &text[at + 1..]).find(|rest| !rest.starts_with(['?', '!']));
-    first.is_some_and(|rest| rest.starts_with("mujoco"))
+    let mut rest = text.trim_start_matches('\u{feff}').trim_start();
+    // Declarations and comments, which may hold anything, come before.
+    let before = [("<!--", "-->"), ("<?", "?>"), ("<!", ">")];
+    while let Some((_, end)) = before.iter().find(|(begin, _)| rest.starts_with(begin)) {
+        rest = rest.find(end).map_or("", |at| rest[at + end.len()..].trim_start());
+    }
+    rest.starts_with("<mujoco")
 }
 
 /// The arm in the text of a model, which includes nothing any more ([`with_includes`]). `base` names a body, `tip` a body

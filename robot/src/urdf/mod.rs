@@ -8,8 +8,8 @@
 //! welded into one body, every axis is turned onto z, and the frame of the tip becomes the flange. `<dynamics>` is read as
 //! `damping` (viscous [Nm s/rad]) and `friction` (Coulomb (Nm)). Where nobody names the tip, the arm ends where the tree
 //! branches after 6 or 7 joints (a gripper), or at the last link, or at `tool0` where frames branch. Joints beside or
-//! beyond the chain, whatever their kind, are held at 0. Effort or velocity of 0 is a limit that nobody knows
-//! ([`crate::SerialChain::arm`] says what is assumed).
+//! beyond the chain, whatever their kind, are held where the file draws them, at 0. Effort or velocity of 0 is a limit that
+//! nobody knows ([`crate::SerialChain::arm`] says what is assumed).
 //!
 //! Leaves out: prismatic, floating, planar, spherical and mimic joints inside the chain, geometry. URDF knows neither
 //! rotor inertia (zero here) nor torque rates (1000 Nm/s here); gravity is 9.81 m/s² along −z of the root link.

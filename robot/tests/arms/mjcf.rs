@@ -95,6 +95,22 @@ fn refusals_name_the_element_to_blame() {
 }
 
 #[test]
+fn what_is_meant_to_be_mjcf_is_told_from_urdf() {
+    for (text, expected) in [
+        ("<mujoco/>", true),
+        ("\u{feff}<?xml version=\"1.0\"?>\n<!-- <robot> of a@b <b@c> --><!-- more -->\n<mujoco model=\"a\">", true),
+        ("<mujocoinclude/>", true),
+        ("<?xml version=\"1.0\"?><!-- <mujoco> --><robot name=\"mujoco\"/>", false),
+        ("<!-- <mujoco>", false),
+        ("<!-->", false),
+        ("", false),
+        ("mujoco", false),
+    ] {
+        assert_eq!(mjcf::is_mjcf(text), expected, "{text}");
+    }
+}
+
+#[test]
 fn torque_limits_are_those_of_the_drives() {
     let drives = "<default><motor ctrlrange=\"-50 50\"/></default>";
     let list = "<actuator><motor joint=\"joint_1\"/><motor joint=\"joint_2\" gear=\"-3\"/>\
