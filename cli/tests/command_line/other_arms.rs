@@ -328,7 +328,7 @@ fn robots_are_exported_without_a_campaign() {
     assert!(losses.contains("rotor inertia") && !losses.contains("velocity source"), "{losses}");
     for (call, part) in [
         ("export --robot ur5e --format c", "about a tuned compensator"),
-        ("export --format mjcf", "--robot"),
+        ("export --format mjcf", "<SOURCE>"),
         ("export --robot nothing --format mjcf", "field `robot` is nothing"),
         ("export --robot ur5e --tip-link tool0 --format mjcf", "only where robot is a URDF or MJCF"),
         ("export campaigns/0001 --robot ur5e --format mjcf", "cannot be used with"),

@@ -16,12 +16,15 @@ pub(super) struct Drive {
     pub torque_nm: Option<f64>,
     /// Rotor inertia reflected through the gears [kg m²].
     pub armature_kg_m2: f64,
+    /// Viscous friction of the motors through the gears [Nm s/rad].
+    pub damping_nm_s_per_rad: f64,
 }
 
 /// The actuators, by the joint they drive:
 ///
 /// ```text
-/// torque limit = |gear| · forcerange,   or of a motor |gear| · gain · ctrlrange;     rotor inertia = gear² · armature
+/// torque limit = |gear| · forcerange,   or of a motor |gear| · gain · ctrlrange
+/// rotor inertia = gear² · armature,     viscous friction = gear² · damping
 /// ```
 pub(super) fn drives<'a>(
     model: Xml<'a>,
@@ -41,14 +44,18 @@ pub(super) fn drives<'a>(
             None => None,
         };
         let limit = [force, control].into_iter().flatten().reduce(f64::min).map(|limit| limit * gear.abs());
-        let armature = defaults.number(element, "armature")?.unwrap_or(0.0).max(0.0) * gear * gear;
+        let through_gear = |attribute: &'static str| -> Result<f64, MjcfError> {
+            Ok(defaults.numbers(element, attribute, 1..=4)?.map_or(0.0, |numbers| numbers[0].max(0.0)) * gear * gear)
+        };
+        let (armature, damping) = (through_gear("armature")?, through_gear("damping")?);
         drives
             .entry(joint)
             .and_modify(|drive| {
                 drive.torque_nm = drive.torque_nm.zip(limit).map(|(a, b)| a + b);
                 drive.armature_kg_m2 += armature;
+                drive.damping_nm_s_per_rad += damping;
             })
-            .or_insert(Drive { torque_nm: limit, armature_kg_m2: armature });
+            .or_insert(Drive { torque_nm: limit, armature_kg_m2: armature, damping_nm_s_per_rad: damping });
     }
     Ok(drives)
 }

@@ -93,17 +93,23 @@ pub(super) fn hinge(
     let body_from_joint = Frame { rotation: body_from_axis, translation: anchor };
     let back =
         Frame { rotation: Matrix3::new(cos, -sin, 0.0, sin, cos, 0.0, 0.0, 0.0, 1.0), translation: Vector3::zeros() };
-    let rotor_inertia_kg_m2 = not_negative("armature")? + drive.armature_kg_m2;
-    if rotor_inertia_kg_m2 >= LARGEST {
-        return Err(wrong("armature", rotor_inertia_kg_m2.to_string(), "with that of its actuators, 0 to 1e6 kg m²"));
-    }
+    let with_drive = |attribute, of_drive: f64| -> Result<f64, MjcfError> {
+        let both = not_negative(attribute)? + of_drive;
+        if both < LARGEST {
+            Ok(both)
+        } else {
+            Err(wrong(attribute, both.to_string(), "with its actuators', below 1e6"))
+        }
+    };
+    let rotor_inertia_kg_m2 = with_drive("armature", drive.armature_kg_m2)?;
+    let viscous_nm_s_per_rad = with_drive("damping", drive.damping_nm_s_per_rad)?;
     let joint = ChainJoint {
         name,
         range_rad,
         speed_rad_s: None,
         torque_nm,
         coulomb_nm: not_negative("frictionloss")?,
-        viscous_nm_s_per_rad: not_negative("damping")?,
+        viscous_nm_s_per_rad,
         rotor_inertia_kg_m2,
     };
     let pose = JointPose {

@@ -13,7 +13,7 @@
 //! |---|---|
 //! | `<inertial>`, else geoms (primitives, density 1000 kg/m³) | [`crate::LinkInertia`] |
 //! | `armature` of the joint, `gear² armature` of its actuators | rotor inertia |
-//! | `frictionloss`, `damping` | Coulomb (Nm) and viscous friction [Nm s/rad] |
+//! | `frictionloss`; `damping` of the joint, `gear² damping` of its actuators | Coulomb (Nm), viscous friction [Nm s/rad] |
 //! | `range` | position limits; five turns either way without |
 //! | `forcerange` and `ctrlrange` times `gear`, `actuatorfrcrange` | torque limits ([`crate::SerialChain::arm`] says what is assumed without) |
 //! | `<option gravity>` | gravity, in the axes of the base |

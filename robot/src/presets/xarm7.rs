@@ -7,7 +7,7 @@ use super::{Link, Preset, links, quarter_turns_x};
 use crate::{Arm, JointPlacement, Limits};
 
 /// Origins of the joints (m) and quarter turns about the parents x axis. Source: xarm_ros
-/// `xarm_description/config/kinematics/default/xarm7_default_kinematics.yaml`; its 1.5708 is meant as π/2.
+/// `xarm_description/config/kinematics/default/xarm7_default_kinematics.yaml`; its 1.5708 and the 3.14 of the speed limits are meant as π/2 and π.
 const PLACEMENTS: [([f64; 3], i32); 7] = [
     ([0.0, 0.0, 0.267], 0),
     ([0.0, 0.0, 0.0], -1),
@@ -49,7 +49,7 @@ pub fn xarm7() -> Arm<7> {
         limits: Limits {
             q_min_rad: SVector::from([-2.0 * PI, -2.059, -2.0 * PI, -0.19198, -2.0 * PI, -1.69297, -2.0 * PI]),
             q_max_rad: SVector::from([2.0 * PI, 2.0944, 2.0 * PI, 3.927, 2.0 * PI, PI, 2.0 * PI]),
-            qd_max_rad_s: SVector::repeat(3.14),
+            qd_max_rad_s: SVector::repeat(PI),
             tau_max_nm,
             tau_rate_max_nm_s: SVector::repeat(1000.0),
         },

@@ -1,5 +1,7 @@
 //! Arms from URDF, from MJCF and by name.
 
+#![allow(clippy::unwrap_used, clippy::panic, reason = "a test fails by panicking, in its helpers too")]
+
 mod mjcf;
 mod mjcf_random;
 mod presets;

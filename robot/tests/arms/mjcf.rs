@@ -117,7 +117,11 @@ fn torque_limits_are_those_of_the_drives() {
                 <position joint=\"joint_3\" forcerange=\"-7 7\" gear=\"2\"/><general joint=\"joint_4\" gainprm=\"0.5\"/>\
                 <motor joint=\"joint_5\"/><motor joint=\"joint_5\" forcerange=\"-4 5\"/><position joint=\"joint_6\"/></actuator>";
     let text = arm(drives, "", list).replace("name=\"joint_2\"", "name=\"joint_2\" actuatorfrcrange=\"-20 30\"");
+    // A motor's own friction and inertia go through the gear twice (qfrc_passive of MuJoCo 4.0 says so for the damping).
+    let text = text.replace("gear=\"-3\"", "gear=\"-3\" damping=\"0.2\" armature=\"0.1\"");
     let chain = read(&text);
+    let arm = chain.arm::<6>().expect("six joints");
+    assert!((arm.viscous_nm_s_per_rad[1] - 1.8).abs() < 1e-15 && (arm.arm.rotor_inertia_kg_m2[1] - 0.9).abs() < 1e-15);
     let limits = chain.arm::<6>().expect("six joints").arm.limits;
     assert_eq!(limits.tau_max_nm.as_slice()[..5], [50.0, 20.0, 14.0, 25.0, 54.0]);
     assert!(limits.tau_max_nm[5].is_finite() && limits.tau_max_nm[5] > 0.0);
