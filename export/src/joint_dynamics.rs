@@ -81,7 +81,7 @@ impl<const N: usize> JointDynamics<N> {
         }
         if tuned.joint_names.is_some() {
             losses.push(Loss::new(
-                "geometry and link names of the original URDF",
+                "geometry and link names of the original description",
                 "one body per joint, link_1 and so on",
             ));
         }

@@ -22,7 +22,7 @@ pub struct TunedCompensator<const N: usize> {
     pub extended_arm: bool,
     /// The robot's first pose (rad), within its limits.
     pub pose_rad: Option<[f64; N]>,
-    /// Names of the joints, where a URDF gives them.
+    /// Names of the joints, where a description gives them.
     pub joint_names: Option<[String; N]>,
     /// What the compensator leaves out itself.
     pub not_cancelled: Vec<NotCancelled>,

@@ -2,8 +2,12 @@
 
 use std::path::PathBuf;
 
+mod ends;
+mod export;
 mod live;
 
+pub use ends::Ends;
+pub use export::Export;
 pub use live::{Investigate, LiveDrive, Serve};
 
 use clap::builder::PossibleValuesParser;
@@ -141,19 +145,6 @@ pub struct Man {
     /// Directory for the pages of all commands (`tribo.1`, `tribo-tune.1`, …), made if it does not exist; `man -M` expects a folder `man1`.
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
-}
-
-/// Ends of the arm in a robot description.
-#[derive(Clone, Debug, Default, Args)]
-pub struct Ends {
-    /// Where the arm begins: a link of the URDF or a body of the MJCF that --robot names [default: the root of a URDF; the body that
-    /// carries the first joint of an MJCF; below a rail or wheels].
-    #[arg(long, value_name = "LINK", requires = "robot")]
-    pub base_link: Option<String>,
-    /// Where the arm ends, whose frame is the flange: a link of the URDF, a body or site of the MJCF that --robot names [default:
-    /// where a gripper begins, else the last link, tool0 or attachment_site].
-    #[arg(long, value_name = "LINK", requires = "robot")]
-    pub tip_link: Option<String>,
 }
 
 /// What is simulated; each flag overrides the settings file.
@@ -473,34 +464,6 @@ pub struct Convert {
     /// Column names of a CSV file: q_0 (tribo) or a tree like /joint_0/q (plotjuggler). Tribo reads both.
     #[arg(long = "for", value_name = "READER", default_value = "tribo", value_parser = PossibleValuesParser::new(["tribo", "plotjuggler"]))]
     pub reader: String,
-}
-
-/// Arguments of `export`.
-#[derive(Debug, Args)]
-pub struct Export {
-    /// A campaign directory or a tuned.yaml; not with --robot.
-    #[arg(required_unless_present = "robot", conflicts_with = "robot")]
-    pub source: Option<PathBuf>,
-    /// Write a robot without a campaign, as urdf or mjcf: panda, fr3, ur3e, ur5e, ur10e, xarm6, xarm7, kinova_gen3, iiwa14, or the path
-    /// of a URDF or MJCF; with the friction that its joints are known to have [default: what was tuned].
-    #[arg(long, value_name = "NAME|FILE")]
-    pub robot: Option<String>,
-    /// Ends of the arm in that file.
-    #[command(flatten)]
-    pub ends: Ends,
-    /// What to write.
-    ///
-    /// yaml and json: tuned.yaml as it is. c and rust: the compensator as source without dependencies. ros2: a parameter file
-    /// for a controller of yours. crisp: friction parameters of crisp_controllers. urdf and mjcf: the robot with its friction.
-    #[arg(long, value_parser = PossibleValuesParser::new(["yaml", "json", "ros2", "crisp", "urdf", "mjcf", "c", "rust"]))]
-    pub format: String,
-    /// File to write [default: standard output].
-    #[arg(long, value_name = "FILE")]
-    pub out: Option<PathBuf>,
-    /// What the target calls it: the node (ros2: friction_compensator, crisp: cartesian_impedance_controller), the prefix of
-    /// identifiers (c: tribo), the model (urdf, mjcf: the robot's name).
-    #[arg(long, value_name = "NAME")]
-    pub name: Option<String>,
 }
 
 /// Arguments of `bench`.

@@ -3,7 +3,7 @@
 use std::collections::BTreeSet;
 use std::ops::Range;
 
-use roxmltree::Document;
+use roxmltree::{Document, Node};
 
 use super::MjcfError;
 use crate::chain::xml::within_bounds;
@@ -49,7 +49,10 @@ type Place = (Range<usize>, String);
 fn includes(text: &str) -> Result<Vec<Place>, MjcfError> {
     let document = Document::parse(text).map_err(|error| MjcfError::Syntax(error.to_string()))?;
     let mut found = Vec::new();
-    for node in document.descendants().filter(|node| node.has_tag_name("include")) {
+    let include = |node: &Node| node.has_tag_name("include");
+    // What is inside of an include goes with it.
+    let outermost = |node: &Node| include(node) && !node.ancestors().skip(1).any(|above| include(&above));
+    for node in document.descendants().filter(outermost) {
         let file = node.attribute("file").unwrap_or("");
         if file.is_empty() || file.chars().any(char::is_control) {
             let message = "names no file".to_owned();

@@ -167,6 +167,12 @@ fn includes_are_read_once_and_in_place() {
     };
     let text = mjcf::with_includes(&main, &mut read_file).expect("one text");
     assert_eq!(read(&text).arm::<6>(), read(&whole).arm::<6>());
+    // An include inside of an include goes with it.
+    let nested = main.replace(
+        "<include file=\"settings.xml\"/>",
+        "<include file=\"settings.xml\"> <include file=\"lost.xml\"/> </include>",
+    );
+    assert_eq!(mjcf::with_includes(&nested, &mut read_file).expect("one text"), text);
     for (file, expected) in [("lost.xml", "no such file"), ("twice.xml", "included twice"), ("", "names no file")] {
         let text = arm(&format!("<include file=\"{file}\"/>"), "", "");
         let error = mjcf::with_includes(&text, &mut read_file).expect_err(file);
