@@ -179,3 +179,64 @@ fn includes_are_read_once_and_in_place() {
         assert!(matches!(&error, MjcfError::Include { message, .. } if message == expected), "{error}");
     }
 }
+
+/// Whatever happens to a file, it is read or refused, and what is read has finite numbers.
+#[test]
+fn no_mutation_brings_it_down() {
+    let settings = "<compiler balanceinertia=\"true\" eulerseq=\"XyZ\"/><include file=\"a\"/>\
+                    <default><joint armature=\"0.1\" damping=\"1\"/><default class=\"c\"><geom density=\"900\"/></default></default>";
+    let end = "<frame euler=\"1 2 3\"><geom class=\"c\" type=\"capsule\" fromto=\"0 0 0 0 0 1\" size=\"0.1\"/></frame>\
+               <body quat=\"1 0 0 1\"><joint name=\"finger\" type=\"slide\"/><geom type=\"box\" size=\"0.1 0.1 0.1\"/></body>";
+    let text = arm(settings, end, "<actuator><motor joint=\"joint_1\" ctrlrange=\"-9 9\" gear=\"2\"/></actuator>")
+        .into_bytes();
+    let mut state = 0x2545_F491_4F6C_DD1D_u64;
+    let mut random = move |below: usize| {
+        // xorshift64: the same files in every run.
+        state ^= state << 13;
+        state ^= state >> 7;
+        state ^= state << 17;
+        (state % below as u64) as usize
+    };
+    let spices: [&[u8]; 12] = [
+        b"<",
+        b"/>",
+        b"\"",
+        b"-",
+        b"e999",
+        b"NaN",
+        b"inf",
+        b"0",
+        b"<include file=\"a\"/>",
+        b"<!--",
+        b" class=\"c\"",
+        b"<frame>",
+    ];
+    let mut read = 0;
+    for _ in 0..4000 {
+        let mut bytes = text.clone();
+        for _ in 0..1 + random(4) {
+            let at = random(bytes.len());
+            match random(4) {
+                0 => bytes[at] = (32 + random(95)) as u8,
+                1 => {
+                    let until = (at + random(200)).min(bytes.len() - 1);
+                    bytes.drain(at.min(until)..until);
+                }
+                2 => {
+                    bytes.splice(at..at, spices[random(spices.len())].iter().copied());
+                }
+                _ => bytes.truncate(at.max(1)),
+            }
+        }
+        let whole = mjcf::with_includes(&String::from_utf8_lossy(&bytes), &mut |_| Ok("<mujocoinclude/>".to_owned()));
+        let chain = whole.and_then(|text| mjcf::parse(&text, None, None));
+        if let Some(described) = chain.ok().and_then(|chain| chain.arm::<6>()) {
+            read += 1;
+            let arm = described.arm;
+            let numbers = arm.links.iter().flat_map(|link| link.com_m.iter().chain(link.inertia_kg_m2.iter()));
+            assert!(numbers.chain(arm.limits.tau_max_nm.iter()).all(|x| x.is_finite()));
+            assert!(arm.placements.iter().all(|placement| placement.rotation.iter().all(|x| x.is_finite())));
+        }
+    }
+    assert!(read > 100, "only {read} of 4000 could still be read: the mutations are too coarse to test anything");
+}
