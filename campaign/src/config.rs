@@ -44,9 +44,15 @@ pub struct TuneConfig {
     pub schema: String,
     /// Version of Tribo that wrote the file; empty in files written by hand.
     pub tribo_version: String,
-    /// The arm: a preset or the path of a URDF; none is that of `model`, else that of the file of `truth`, else the Panda.
+    /// The arm: a preset or the path of a URDF or MJCF; none is that of `model`, else that of the file of `truth`, else the Panda.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub robot: Option<String>,
+    /// Link or body of such a file at which the arm begins; none is its root, or where the first joint is.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub base_link: Option<String>,
+    /// Link, body or site of such a file whose frame is the flange; none is the only end.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub tip_link: Option<String>,
     /// What a robot that is no preset is like, as it was when the campaign began.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub robot_content: Option<ModelFile>,
@@ -122,6 +128,8 @@ impl Default for TuneConfig {
             schema: SCHEMA.to_owned(),
             tribo_version: String::new(),
             robot: None,
+            base_link: None,
+            tip_link: None,
             robot_content: None,
             seed: 1,
             strategy: StrategyName::GreyBox,
@@ -267,9 +275,19 @@ impl TuneConfig {
         let frozen = self.robot_content.as_ref().filter(named);
         let files = [frozen, self.model_content.as_ref(), self.truth_content.as_ref()];
         if let Some(file) = files.into_iter().flatten().find(named) {
+            for (field, own, held) in
+                [("base_link", &self.base_link, &file.base_link), ("tip_link", &self.tip_link, &file.tip_link)]
+            {
+                if let Some(own) = own.as_ref().filter(|own| held.as_ref() != Some(own)) {
+                    let allowed = "what the model file says, or nothing: a model file has its own";
+                    return Err(FieldError::new(field, own, allowed).into());
+                }
+            }
             return Ok(file.clone());
         }
         let mut file = ModelFile::bare(self.robot.as_deref().unwrap_or("panda"), TorqueSide::Motor, &[]);
+        file.base_link.clone_from(&self.base_link);
+        file.tip_link.clone_from(&self.tip_link);
         file.resolve(Path::new(""))?;
         Ok(file)
     }

@@ -17,6 +17,14 @@ pub enum ExportError {
         /// Name of the arm.
         robot: String,
     },
+    /// A robot without a campaign, in a format that is about a compensator.
+    #[error(
+        "{format} is about a tuned compensator, and a robot has none: export a campaign or a tuned.yaml, or as urdf or mjcf"
+    )]
+    NothingTuned {
+        /// Name of the format.
+        format: &'static str,
+    },
     /// A name that the target would not take.
     #[error("--name is `{name}`; allowed: {allowed}")]
     Name {

@@ -66,10 +66,14 @@ impl<const N: usize> JointDynamics<N> {
             losses.extend(Loss::of_torque("bristles", "dry friction turns at once at a reversal", reversal.to_vec()));
         }
         losses.extend(beyond_velocity(tuned, springs));
-        losses.push(Loss::new(
-            format!("velocity source ({}), its threshold and the smoothing of the sign", tuned.source_name()),
-            "left out, as they belong to the controller and not to the robot",
-        ));
+        if !tuned.robot_alone {
+            losses.push(Loss::new(
+                format!("velocity source ({}), its threshold and the smoothing of the sign", tuned.source_name()),
+                "left out, as they belong to the controller and not to the robot",
+            ));
+        } else if self.coulomb_nm.iter().chain(&self.viscous_nm_s_per_rad).all(|value| *value == 0.0) {
+            losses.push(Loss::new("friction of the joints", "none, as nobody says how much they have"));
+        }
         losses.extend(not_cancelled(tuned));
         if let Some(arm) = &tuned.arm {
             let rates = arm.limits.tau_rate_max_nm_s;
@@ -77,7 +81,7 @@ impl<const N: usize> JointDynamics<N> {
         }
         if tuned.joint_names.is_some() {
             losses.push(Loss::new(
-                "geometry and link names of the original URDF",
+                "geometry and link names of the original description",
                 "one body per joint, link_1 and so on",
             ));
         }

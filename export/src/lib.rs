@@ -31,7 +31,7 @@ mod urdf;
 
 use serde::Deserialize;
 
-use tribo_model::{TunedFile, to_yaml};
+use tribo_model::{ModelFile, TunedFile, to_yaml};
 
 pub use error::ExportError;
 pub use loss::Loss;
@@ -93,6 +93,31 @@ pub fn export(tuned: &TunedFile, format: Format, name: Option<&str>) -> Result<E
     match tuned.joints() {
         6 => export_joints::<6>(tuned, format, name),
         _ => export_joints::<7>(tuned, format, name),
+    }
+}
+
+/// Writes a robot as `urdf` or `mjcf`: the bare arm of a model file, with the friction that it is known to have. `name` is what
+/// the target shall call the model.
+///
+/// # Errors
+/// Another format, a field that is out of range, or an arm that the format cannot represent.
+pub fn export_robot(file: &ModelFile, format: Format, name: Option<&str>) -> Result<Exported, ExportError> {
+    match file.arm_joints()? {
+        6 => robot_of_joints::<6>(file, format, name),
+        _ => robot_of_joints::<7>(file, format, name),
+    }
+}
+
+fn robot_of_joints<const N: usize>(
+    file: &ModelFile,
+    format: Format,
+    name: Option<&str>,
+) -> Result<Exported, ExportError> {
+    let robot = TunedCompensator::<N>::of_robot(file)?;
+    match format {
+        Format::Urdf => urdf::export(&robot, name),
+        Format::Mjcf => mjcf::export(&robot, name),
+        other => Err(ExportError::NothingTuned { format: other.name() }),
     }
 }
 

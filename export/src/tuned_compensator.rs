@@ -5,7 +5,7 @@ use tribo_friction::{Compensator, JointEffects, JointFriction, VelocitySource};
 use tribo_robot::Arm;
 
 use super::ExportError;
-use tribo_model::{Believed, FieldError, NotCancelled, Robot, TunedFile};
+use tribo_model::{Believed, FieldError, Model, ModelFile, NotCancelled, Robot, TunedFile};
 
 /// A tuned compensator with everything that its file says of the robot.
 #[derive(Clone, Debug, PartialEq)]
@@ -22,10 +22,12 @@ pub struct TunedCompensator<const N: usize> {
     pub extended_arm: bool,
     /// The robot's first pose (rad), within its limits.
     pub pose_rad: Option<[f64; N]>,
-    /// Names of the joints, where a URDF gives them.
+    /// Names of the joints, where a description gives them.
     pub joint_names: Option<[String; N]>,
     /// What the compensator leaves out itself.
     pub not_cancelled: Vec<NotCancelled>,
+    /// Whether there is no compensator at all: a robot, and the friction that its joints are taken to have.
+    pub robot_alone: bool,
 }
 
 impl<const N: usize> TunedCompensator<N> {
@@ -56,6 +58,27 @@ impl<const N: usize> TunedCompensator<N> {
             pose_rad,
             joint_names: tuned.model.as_ref().and_then(|model| model.joint_names()),
             not_cancelled,
+            robot_alone: false,
+        })
+    }
+
+    /// The robot of a model file: its bare arm, and the friction that the file gives, else the robot's own.
+    ///
+    /// # Errors
+    /// A field that is out of range.
+    pub fn of_robot(file: &ModelFile) -> Result<Self, FieldError> {
+        let Model { robot, friction, .. } = file.validate::<N>()?;
+        let friction = if file.friction.is_some() { friction } else { robot.known_friction() };
+        Ok(Self {
+            compensator: Compensator::new(friction, VelocitySource::Measured),
+            robot: robot.arm.name.clone(),
+            origin: format!("Tribo {}, of {}, without a campaign", env!("CARGO_PKG_VERSION"), file.robot),
+            pose_rad: Some(robot.poses_rad[0].into()),
+            joint_names: file.joint_names(),
+            arm: Some(robot.arm),
+            extended_arm: false,
+            not_cancelled: Vec::new(),
+            robot_alone: true,
         })
     }
 

@@ -1,6 +1,6 @@
 //! The robot as URDF with its friction.
 
-use tribo_robot::urdf::UrdfArm;
+use tribo_robot::DescribedArm;
 
 use super::joint_dynamics::JointDynamics;
 use super::text::in_comment;
@@ -35,7 +35,7 @@ pub(super) fn export<const N: usize>(tuned: &TunedCompensator<N>, name: Option<&
         .chain(losses.iter().map(|loss| format!("Not in this file: {loss}")))
         .map(|remark| format!("<!-- {} -->\n", in_comment(&remark)))
         .collect();
-    let text = UrdfArm {
+    let text = DescribedArm {
         arm,
         joint_names: tuned.names(),
         coulomb_nm: friction.coulomb_nm,

@@ -40,7 +40,7 @@ pub enum FileError {
         allowed: String,
     },
     /// A log of which nobody says whose it is.
-    #[error("{}: {joints} joints; say which robot that is: --robot NAME or URDF, or --model FILE", path.display())]
+    #[error("{}: {joints} joints; say which robot that is: --robot NAME, URDF or MJCF, or --model FILE", path.display())]
     NoRobot {
         /// The log.
         path: PathBuf,
@@ -49,11 +49,11 @@ pub enum FileError {
     },
     /// A robot description that is no arm.
     #[error("{}: {source}", path.display())]
-    Urdf {
+    Description {
         /// The file.
         path: PathBuf,
         /// What is wrong with it.
-        source: Box<tribo_robot::urdf::UrdfError>,
+        source: Box<tribo_robot::DescriptionError>,
     },
     /// A line of a journal that is not what it should be.
     #[error("{}:{line}: corrupt journal: {message}", path.display())]

@@ -8,14 +8,18 @@ use tribo_sim::TorqueSide;
 use crate::ConfigError;
 use crate::{AnyModel, FileError, ModelFile};
 
-/// A model file, or a robot by name or URDF, or neither: then the number of joints of the logs decides, seven being a
+/// A model file, or a robot by name, URDF or MJCF, or neither: then the number of joints of the logs decides, seven being a
 /// Panda's. A robot without a model file is bare, without friction.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct ModelChoice {
     /// The model file.
     pub model: Option<PathBuf>,
-    /// The robot, where there is no model file: a preset or the path of a URDF.
+    /// The robot, where there is no model file: a preset or the path of a URDF or MJCF.
     pub robot: Option<String>,
+    /// Link at which the arm of such a file begins.
+    pub base_link: Option<String>,
+    /// Link whose frame is its flange.
+    pub tip_link: Option<String>,
     /// Side of the gears on which the torques of such a robot are meant.
     pub torque_side: TorqueSide,
 }
@@ -49,6 +53,8 @@ impl ModelChoice {
             (None, joints) => return Err(FileError::NoRobot { path: path.to_owned(), joints }.into()),
         };
         let mut file = ModelFile::bare(robot, self.torque_side, two_sided);
+        file.base_link.clone_from(&self.base_link);
+        file.tip_link.clone_from(&self.tip_link);
         file.resolve(Path::new(""))?;
         let model = file.validate_any()?;
         Ok((file, model))

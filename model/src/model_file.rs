@@ -21,15 +21,18 @@ const SCHEMA: &str = "tribo.model/1";
 pub struct ModelFile {
     /// `tribo.model/1`.
     pub schema: String,
-    /// Name of a preset (see [`tribo_robot::presets`]), or the path of a URDF, relative to this file.
+    /// Name of a preset (see [`tribo_robot::presets`]), or the path of a URDF or MJCF, relative to this file.
     pub robot: String,
     /// Content of that URDF, as it was when the file was written by Tribo; goes before what the disk holds.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub urdf: Option<String>,
-    /// Link of the URDF at which the arm begins; its root if left out.
+    /// Content of that MJCF, with everything that it includes; likewise.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub mjcf: Option<String>,
+    /// Link of the URDF or body of the MJCF at which the arm begins; the root, or the body that carries the first joint, if left out.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub base_link: Option<String>,
-    /// Link of the URDF whose frame is the flange; the only end if left out.
+    /// Link of the URDF, body or site of the MJCF whose frame is the flange; the only end if left out.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub tip_link: Option<String>,
     /// Number of joints, for the reader; must match the robot.
@@ -85,6 +88,7 @@ impl ModelFile {
             schema: SCHEMA.to_owned(),
             robot: robot.to_owned(),
             urdf: None,
+            mjcf: None,
             base_link: None,
             tip_link: None,
             joints: None,
@@ -99,7 +103,7 @@ impl ModelFile {
         }
     }
 
-    /// Reads a file, and the URDF that it names.
+    /// Reads a file, and the URDF or MJCF that it names.
     pub fn read(path: &Path) -> Result<(Self, YamlDocument), FileError> {
         let document = YamlDocument::read(path)?;
         let mut file: Self = document.parse()?;

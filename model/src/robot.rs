@@ -1,8 +1,9 @@
 //! The robot of a campaign.
 
 use nalgebra::SVector;
+use tribo_friction::FrictionModel;
+use tribo_robot::DescribedArm;
 use tribo_robot::presets::{AnyPreset, Preset};
-use tribo_robot::urdf::UrdfArm;
 use tribo_robot::{Arm, presets, well_conditioned_poses};
 use tribo_sim::{AnyTypicalFriction, TypicalFriction};
 
@@ -31,12 +32,17 @@ impl<const N: usize> Robot<N> {
         Some(Self { arm, poses_rad, friction })
     }
 
-    /// The arm of a URDF: poses well away from its singularities, friction from its `<dynamics>` unless all are zero.
-    pub fn of_urdf(urdf: UrdfArm<N>) -> Self {
-        let UrdfArm { arm, coulomb_nm, viscous_nm_s_per_rad, .. } = urdf;
+    /// The arm of a URDF or MJCF: poses well away from its singularities, the friction that it gives unless all is zero.
+    pub fn of_description(described: DescribedArm<N>) -> Self {
+        let DescribedArm { arm, coulomb_nm, viscous_nm_s_per_rad, .. } = described;
         let known = coulomb_nm.iter().chain(&viscous_nm_s_per_rad).any(|value| *value > 0.0);
         let poses_rad = well_conditioned_poses(&arm);
         Self { arm, poses_rad, friction: known.then(|| TypicalFriction::new(coulomb_nm, viscous_nm_s_per_rad)) }
+    }
+
+    /// Coulomb and viscous friction that the joints are taken to have; none where nobody says.
+    pub fn known_friction(&self) -> FrictionModel<N> {
+        self.friction.as_ref().map_or_else(FrictionModel::none, TypicalFriction::coulomb_viscous)
     }
 
     /// How many times a Panda's friction each joint is taken to have: as its friction goes, else as its torque limit (over 87 Nm); at

@@ -4,8 +4,8 @@ use std::path::Path;
 
 use nalgebra::SVector;
 use serde::{Deserialize, Serialize};
-use tribo_robot::urdf::{UrdfChain, UrdfError};
-use tribo_robot::{Limits, presets};
+use tribo_robot::mjcf::{self, MjcfError};
+use tribo_robot::{ChainRemark, DescriptionError, Limits, SerialChain, parse_description, presets};
 
 use crate::{ConfigError, Robot};
 use crate::{FieldError, FileError, ModelFile, read_text};
@@ -34,48 +34,76 @@ pub struct LimitsSection {
 
 /// What a field `robot` may hold.
 fn allowed_robots() -> String {
-    format!("{} or the path of a URDF", presets::NAMES.join(", "))
+    format!("{} or the path of a URDF or MJCF", presets::NAMES.join(", "))
 }
 
 impl ModelFile {
-    /// Whether the robot is described by a URDF.
-    fn is_urdf(&self) -> bool {
+    /// Whether the robot is described by a file, and not a preset.
+    fn is_described(&self) -> bool {
         joints_of_preset(&self.robot).is_none()
     }
 
-    /// Reads the URDF that `robot` names, relative to `directory`, into the field `urdf`, unless it is there already.
+    /// Content of the description, once it has been read.
+    fn description(&self) -> Option<&String> {
+        self.urdf.as_ref().or(self.mjcf.as_ref())
+    }
+
+    /// Reads the URDF or MJCF that `robot` names, relative to `directory`, into the field `urdf` or `mjcf`, unless it is there
+    /// already. What an MJCF includes is looked for in its own directory.
     ///
     /// # Errors
-    /// [`FileError::Urdf`] of a file that cannot be used, a range error of a name that is neither preset nor file.
+    /// [`FileError::Description`] of a file that cannot be used, a range error of a name that is neither preset nor file.
     pub fn resolve(&mut self, directory: &Path) -> Result<(), ConfigError> {
-        if self.urdf.is_some() || !self.is_urdf() {
+        if self.description().is_some() || !self.is_described() {
             return Ok(());
         }
         let path = directory.join(&self.robot);
         if !path.is_file() {
             return Err(FieldError::new("robot", &self.robot, allowed_robots()).into());
         }
-        let text = read_text(&path)?;
-        self.chain(&text).map_err(|source| FileError::Urdf { path, source: Box::new(source) })?;
-        self.urdf = Some(text);
+        let mut text = read_text(&path)?;
+        let refuse = |source: DescriptionError| FileError::Description { path: path.clone(), source: Box::new(source) };
+        if mjcf::is_mjcf(&text) {
+            text =
+                with_includes(&text, path.parent().unwrap_or(Path::new(""))).map_err(|error| refuse(error.into()))?;
+        }
+        self.chain(&text).map_err(refuse)?;
+        let place = if mjcf::is_mjcf(&text) { &mut self.mjcf } else { &mut self.urdf };
+        *place = Some(text);
         Ok(())
     }
 
-    fn chain(&self, urdf: &str) -> Result<UrdfChain, UrdfError> {
-        UrdfChain::parse(urdf, self.base_link.as_deref(), self.tip_link.as_deref())
+    fn chain(&self, description: &str) -> Result<SerialChain, DescriptionError> {
+        parse_description(description, self.base_link.as_deref(), self.tip_link.as_deref())
     }
 
     /// The chain of a robot that is no preset.
-    fn read_chain(&self) -> Result<UrdfChain, FieldError> {
-        let Some(urdf) = &self.urdf else { return Err(FieldError::new("robot", &self.robot, allowed_robots())) };
-        self.chain(urdf)
-            .map_err(|error| FieldError::new("robot", &self.robot, format!("a URDF that can be used, where {error}")))
+    fn read_chain(&self) -> Result<SerialChain, FieldError> {
+        let Some(text) = self.description() else {
+            return Err(FieldError::new("robot", &self.robot, allowed_robots()));
+        };
+        self.chain(text).map_err(|error| {
+            FieldError::new("robot", &self.robot, format!("a description that can be used, where {error}"))
+        })
     }
 
-    /// Names of the joints of a robot that is described by a URDF, from the base.
+    /// What was decided where the description of the robot leaves it open, but for limits that this file gives; nothing of a preset.
+    pub fn remarks(&self) -> Vec<ChainRemark> {
+        let chain = self.description().filter(|_| self.is_described()).and_then(|text| self.chain(text).ok());
+        let mut remarks = chain.map_or_else(Vec::new, |chain| chain.remarks());
+        let limits = self.limits.clone().unwrap_or_default();
+        remarks.retain(|remark| match remark {
+            ChainRemark::NoTorqueLimit { .. } => limits.tau_max_nm.is_none(),
+            ChainRemark::NoSpeedLimit { .. } => limits.qd_max_rad_s.is_none(),
+            _ => true,
+        });
+        remarks
+    }
+
+    /// Names of the joints of a robot that is described by a file, from the base.
     pub fn joint_names<const N: usize>(&self) -> Option<[String; N]> {
-        let urdf = self.urdf.as_ref().filter(|_| self.is_urdf())?;
-        Some(self.chain(urdf).ok()?.arm::<N>()?.joint_names)
+        let text = self.description().filter(|_| self.is_described())?;
+        Some(self.chain(text).ok()?.arm::<N>()?.joint_names)
     }
 
     /// Number of joints of the robot.
@@ -93,15 +121,17 @@ impl ModelFile {
     pub(crate) fn to_robot<const N: usize>(&self) -> Result<Robot<N>, FieldError> {
         let joints = self.arm_joints()?;
         for (field, value) in [("base_link", &self.base_link), ("tip_link", &self.tip_link)] {
-            if let Some(value) = value.as_ref().filter(|_| !self.is_urdf()) {
-                return Err(FieldError::new(field, value, "only where robot is a URDF"));
+            if let Some(value) = value.as_ref().filter(|_| !self.is_described()) {
+                return Err(FieldError::new(field, value, "only where robot is a URDF or MJCF"));
             }
         }
         let wrong =
             || FieldError::new("robot", format!("{} with {joints} joints", self.robot), format!("a robot with {N}"));
         let mut robot = match Robot::preset(&self.robot) {
             Some(robot) => robot,
-            None if self.is_urdf() => self.read_chain()?.arm::<N>().map(Robot::of_urdf).ok_or_else(wrong)?,
+            None if self.is_described() => {
+                self.read_chain()?.arm::<N>().map(Robot::of_description).ok_or_else(wrong)?
+            }
             None => return Err(wrong()),
         };
         if let Some(stated) = self.joints.filter(|stated| *stated != N) {
@@ -150,6 +180,17 @@ impl ModelFile {
             ..self.clone()
         }
     }
+}
+
+/// One text of an MJCF and what it includes from its directory.
+fn with_includes(text: &str, directory: &Path) -> Result<String, MjcfError> {
+    mjcf::with_includes(text, &mut |file| {
+        let path = directory.join(file);
+        read_text(&path).map_err(|error| match error {
+            FileError::Io { source, .. } => source.to_string(),
+            other => other.to_string(),
+        })
+    })
 }
 
 /// N values, each within [low, high].

@@ -3,7 +3,7 @@
 //! `cargo run --release -p tribo-robot --example arm_dynamics -- [arm.urdf of a six-joint arm]`
 
 use nalgebra::SVector;
-use tribo_robot::urdf::{UrdfChain, to_urdf};
+use tribo_robot::urdf::{self, to_urdf};
 use tribo_robot::{Arm, Kinematics, forward_dynamics, gravity_torque, mass_matrix, presets, rnea};
 
 fn describe<const N: usize>(name: &str, arm: &Arm<N>, q: &SVector<f64, N>) {
@@ -26,7 +26,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         Some(path) => (path.clone(), std::fs::read_to_string(&path)?),
         None => ("UR10e from a URDF".to_owned(), to_urdf(&presets::ur10e())),
     };
-    let own = UrdfChain::parse(&text, None, None)?.arm::<6>().ok_or("this example takes six joints")?;
+    let own = urdf::parse(&text, None, None)?.arm::<6>().ok_or("this example takes six joints")?;
     describe(&name, &own.arm, &SVector::from([0.0, -1.57, 1.57, -1.57, -1.57, 0.0]));
     Ok(())
 }

@@ -24,18 +24,21 @@
 //! assert!(mass_matrix(&arm, &q).cholesky().is_some());
 //! ```
 //!
-//! Arms come from [`presets`], whose every number has a source, or from a URDF ([`urdf`]).
+//! Arms come from [`presets`], whose every number has a source, from a URDF ([`urdf`]) or from a model of MuJoCo ([`mjcf`]).
 //!
 //! Leaves out: prismatic joints, branching trees, joint flexibility.
 
 mod aba;
 mod arm;
+mod chain;
 mod control_terms;
 mod crba;
+mod description;
 mod estimator;
 mod inertia;
 mod kinematics;
 mod link_motion;
+pub mod mjcf;
 mod plant;
 pub mod presets;
 mod product;
@@ -50,8 +53,10 @@ mod well_conditioned;
 
 pub use aba::forward_dynamics;
 pub use arm::{Arm, JointPlacement, Limits, ModifiedDh, StandardDh};
+pub use chain::{ChainError, ChainRemark, DescribedArm, SerialChain};
 pub use control_terms::ControlTerms;
 pub use crba::mass_matrix;
+pub use description::{DescriptionError, parse_description};
 pub use estimator::{EstimateFault, EstimatorInput, LAMBDA_95, WrenchEstimate, WrenchEstimator, WrenchLimits};
 pub use inertia::{LinkInertia, Payload};
 pub use kinematics::Kinematics;

@@ -63,6 +63,24 @@ impl<const N: usize> TypicalFriction<N> {
 }
 
 impl TypicalFriction<6> {
+    /// UR3e: see [`Self::ur10e`].
+    pub fn ur3e() -> Self {
+        let values = [1.12, 1.12, 0.56, 0.24, 0.24, 0.24];
+        Self::new(values, values)
+    }
+
+    /// UR5e: see [`Self::ur10e`].
+    pub fn ur5e() -> Self {
+        let values = [3.0, 3.0, 3.0, 0.56, 0.56, 0.56];
+        Self::new(values, values)
+    }
+
+    /// xArm 6. Source: `<dynamics>` in xarm_ros `xarm_description/urdf`, where joints 3 to 5 have what those of the same size
+    /// have in the xArm 7.
+    pub fn xarm6() -> Self {
+        Self::new([1.0; 6], [10.0, 10.0, 5.0, 5.0, 5.0, 2.0])
+    }
+
     /// UR10e. The vendor publishes none. Assumption: 2 % of the torque limit dry, and as much per rad/s: the order of
     /// magnitude of strain-wave gears of this size, in proportion to the Panda's.
     pub fn ur10e() -> Self {
@@ -95,6 +113,11 @@ impl TypicalFriction<7> {
         Self::new([1.137, 1.137, 1.137, 1.137, 0.763, 0.44, 0.248], [0.21; 7])
     }
 
+    /// xArm 7. Source: `<dynamics>` in xarm_ros `xarm_description/urdf`.
+    pub fn xarm7() -> Self {
+        Self::new([1.0; 7], [10.0, 10.0, 5.0, 5.0, 5.0, 2.0, 2.0])
+    }
+
     /// Kinova Gen3. Source: `tribo diagnose` on the public logs of experiment 06; joint 1 with its load dependence taken
     /// out (2.6 Nm, 2.2 Nm s/rad). Joint 5 showed no viscous friction; joint 6's is assumed, which has the same actuator.
     pub fn kinova_gen3() -> Self {
@@ -123,7 +146,11 @@ impl AnyTypicalFriction {
         Some(match name {
             "panda" => Self::Seven(TypicalFriction::panda()),
             "fr3" => Self::Seven(TypicalFriction::fr3()),
+            "ur3e" => Self::Six(TypicalFriction::ur3e()),
+            "ur5e" => Self::Six(TypicalFriction::ur5e()),
             "ur10e" => Self::Six(TypicalFriction::ur10e()),
+            "xarm6" => Self::Six(TypicalFriction::xarm6()),
+            "xarm7" => Self::Seven(TypicalFriction::xarm7()),
             "kinova_gen3" => Self::Seven(TypicalFriction::kinova_gen3()),
             "iiwa14" => Self::Seven(TypicalFriction::iiwa14()),
             _ => return None,

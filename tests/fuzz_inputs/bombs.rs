@@ -114,6 +114,14 @@ fn urdf() {
         "<!DOCTYPE robot [<!ENTITY a0 \"lol\">{entities}]><robot name=\"&a19;\"><link name=\"&a19;\"/></robot>"
     );
     take_all("urdf", "billion laughs", laughs.as_bytes());
+    take_all("mjcf", "billion laughs", laughs.replace("robot", "mujoco").as_bytes());
+    take_all("mjcf", "bodies", "<body>".repeat(DEEP).as_bytes());
+    let classes: String =
+        (0..20_000).map(|k| format!("<default class=\"c{k}\"><geom size=\"1\"/></default>")).collect();
+    let geoms = "<geom class=\"c19999\"/>".repeat(20_000);
+    let model = format!("<mujoco><default>{classes}</default><worldbody><body>{geoms}</body></worldbody></mujoco>");
+    take_all("mjcf", "classes", model.as_bytes());
+    take_all("mjcf", "includes", format!("<mujoco>{}</mujoco>", "<include file=\"a\"/>".repeat(20_000)).as_bytes());
     let links: String = (0..3_000).map(|k| format!("<link name=\"l{k}\"/>")).collect();
     let joints: String = (1..3_000)
         .map(|k| {

@@ -88,6 +88,6 @@ macro_rules! targets {
 targets! {
     arguments bag_log campaign_journal column_map csv_log early_stop_yaml expected_json experiment_yaml foreign_log journal
     kinova_gen3_log libfranka_log
-    mcap_log mcap_message model_yaml panda_gaz_log parquet_log references_yaml study_cell_json study_yaml told_trial
+    mcap_log mcap_message mjcf model_yaml panda_gaz_log parquet_log references_yaml study_cell_json study_yaml told_trial
     trajectory_yaml tune_yaml tuned_yaml urdf
 }

@@ -31,6 +31,7 @@ pub mod expected_json;
 pub mod experiment_yaml;
 pub mod journal;
 pub mod mcap_message;
+pub mod mjcf;
 pub mod model_yaml;
 pub mod panda_gaz_log;
 pub mod references_yaml;
@@ -48,7 +49,7 @@ pub use robot_log::{bag_log, csv_log, foreign_log, mcap_log, parquet_log};
 pub type Target = (&'static str, fn(&[u8]));
 
 /// Every target.
-pub const TARGETS: [Target; 25] = [
+pub const TARGETS: [Target; 26] = [
     ("arguments", arguments::check),
     ("bag_log", bag_log),
     ("campaign_journal", campaign_journal::check),
@@ -63,6 +64,7 @@ pub const TARGETS: [Target; 25] = [
     ("libfranka_log", csv_log),
     ("mcap_log", mcap_log),
     ("mcap_message", mcap_message::check),
+    ("mjcf", mjcf::check),
     ("model_yaml", model_yaml::check),
     ("panda_gaz_log", panda_gaz_log::check),
     ("parquet_log", parquet_log),

@@ -3,7 +3,7 @@
 use nalgebra::{Matrix3, SMatrix, SVector, Vector6};
 use serde::Deserialize;
 use tribo_robot::presets::AnyPreset;
-use tribo_robot::urdf::{UrdfChain, to_urdf};
+use tribo_robot::urdf::{self, to_urdf};
 use tribo_robot::{Arm, Kinematics, bias_torque, forward_dynamics, gravity_torque, mass_matrix, presets, rnea};
 
 /// Two double-precision algorithms of a few hundred operations each agree to about 1e-13; 1e-10 is the contract.
@@ -105,7 +105,7 @@ fn every_other_preset_agrees_with_the_numbers_of_its_vendor() {
 #[test]
 fn a_urdf_with_odd_axes_and_welded_links_agrees_with_pinocchio() {
     let reference = reference("odd_urdf");
-    let chain = UrdfChain::parse(reference.urdf.as_deref().unwrap(), None, None).unwrap();
+    let chain = urdf::parse(reference.urdf.as_deref().unwrap(), None, None).unwrap();
     let urdf = chain.arm::<7>().unwrap();
     assert_eq!(urdf.joint_names[3], "turn_3");
     assert_eq!((urdf.coulomb_nm[2], urdf.viscous_nm_s_per_rad[2]), (0.7, 0.4));
@@ -120,7 +120,7 @@ fn a_urdf_with_odd_axes_and_welded_links_agrees_with_pinocchio() {
 #[test]
 fn presets_survive_the_way_through_urdf() {
     fn through<const N: usize>(arm: &Arm<N>, reference: &Reference) {
-        let back = UrdfChain::parse(&to_urdf(arm), None, None).unwrap().arm::<N>().unwrap().arm;
+        let back = urdf::parse(&to_urdf(arm), None, None).unwrap().arm::<N>().unwrap().arm;
         assert_eq!((&back.name, back.limits.q_min_rad), (&arm.name, arm.limits.q_min_rad));
         agree(back, reference, reference.cases.len());
     }

@@ -5,6 +5,8 @@ use std::path::PathBuf;
 use clap::Args;
 use clap::builder::PossibleValuesParser;
 
+use super::Ends;
+
 /// Arguments of `investigate`.
 #[derive(Debug, Args)]
 #[command(group = clap::ArgGroup::new("robot_that_moves").required(true).args(["live", "robot_command"]))]
@@ -22,9 +24,12 @@ pub struct Investigate {
     /// Model that the robot is held against (YAML, schema tribo.model/1) [default: the bare robot without friction].
     #[arg(long, value_name = "FILE")]
     pub model: Option<PathBuf>,
-    /// The robot of --robot-command, when no --model says it: a preset or the path of a URDF with seven joints.
-    #[arg(long, value_name = "NAME|URDF", conflicts_with_all = ["model", "live"])]
+    /// The robot of --robot-command, when no --model says it: a preset or the path of a URDF or MJCF with seven joints.
+    #[arg(long, value_name = "NAME|FILE", conflicts_with_all = ["model", "live"])]
     pub robot: Option<String>,
+    /// Ends of the arm in that file.
+    #[command(flatten)]
+    pub ends: Ends,
     /// Side of the gears of the torque, when no --model says it: of a live robot what its motors were sent (motor), or its sensors (link);
     /// of a command what it logs as tau_J.
     #[arg(long, default_value = "motor", value_parser = PossibleValuesParser::new(["motor", "link"]), conflicts_with = "model")]

@@ -5,6 +5,8 @@ use std::path::PathBuf;
 use clap::Args;
 use clap::builder::PossibleValuesParser;
 
+use super::ends::Ends;
+
 /// How the columns of a log are read.
 #[derive(Debug, Clone, Default, Args)]
 pub struct Columns {
@@ -41,9 +43,12 @@ pub struct Estimate {
     /// Model of the robot (YAML, schema tribo.model/1) [default: the bare robot without friction].
     #[arg(long, value_name = "FILE")]
     pub model: Option<PathBuf>,
-    /// The robot, if no --model is given: a preset or the path of a URDF [default: panda, if the log has 7 joints].
-    #[arg(long, value_name = "NAME|URDF", conflicts_with = "model")]
+    /// The robot, if no --model is given: a preset or the path of a URDF or MJCF [default: panda, if the log has 7 joints].
+    #[arg(long, value_name = "NAME|FILE", conflicts_with = "model")]
     pub robot: Option<String>,
+    /// Ends of the arm in that file.
+    #[command(flatten)]
+    pub ends: Ends,
     /// Side of the gears on which tau_J was measured, if no --model is given.
     #[arg(long, default_value = "motor", value_parser = PossibleValuesParser::new(["motor", "link"]), conflicts_with = "model")]
     pub torque_side: String,
@@ -85,9 +90,12 @@ pub struct Diagnose {
     /// without inertia where link-side torque was logged too].
     #[arg(long, value_name = "FILE")]
     pub model: Option<PathBuf>,
-    /// The robot, if no --model is given: a preset or the path of a URDF [default: panda, if the logs have 7 joints].
-    #[arg(long, value_name = "NAME|URDF", conflicts_with = "model")]
+    /// The robot, if no --model is given: a preset or the path of a URDF or MJCF [default: panda, if the logs have 7 joints].
+    #[arg(long, value_name = "NAME|FILE", conflicts_with = "model")]
     pub robot: Option<String>,
+    /// Ends of the arm in that file.
+    #[command(flatten)]
+    pub ends: Ends,
     /// Side of the gears on which tau_J was measured, if no --model is given.
     #[arg(long, default_value = "motor", value_parser = PossibleValuesParser::new(["motor", "link"]), conflicts_with = "model")]
     pub torque_side: String,

@@ -2,9 +2,13 @@
 
 use std::path::PathBuf;
 
+mod ends;
+mod export;
 mod live;
 mod logs;
 
+pub use ends::Ends;
+pub use export::Export;
 pub use live::{Investigate, LiveDrive, Serve};
 pub use logs::{Columns, Convert, Diagnose, Estimate};
 
@@ -28,7 +32,7 @@ pub struct Arguments {
 const EXAMPLES: &str = "Examples:
   tribo tune                                   tune the friction compensator of a simulated Panda
   tribo tune --friction stribeck --truth stribeck --pose 1 --seed 7
-  tribo tune --robot ur10e                     another arm: fr3, ur10e, kinova_gen3, iiwa14 or a URDF
+  tribo tune --robot ur10e                     another arm: fr3, ur5e, xarm7, … a URDF or MJCF
   tribo tune --resume --out campaigns/0001     go on with a campaign that was stopped
   tribo ask campaigns/mine --out next.yaml     parameters to try on your own robot …
   tribo tell campaigns/mine trial.csv          … and what came of them
@@ -149,9 +153,13 @@ pub struct Man {
 /// What is simulated; each flag overrides the settings file.
 #[derive(Debug, Args)]
 pub struct Scenario {
-    /// The arm: panda, fr3, ur10e, kinova_gen3, iiwa14 or the path of a URDF [default: that of --model, else of --truth, else panda].
-    #[arg(long, value_name = "NAME|URDF")]
+    /// The arm: panda, fr3, ur3e, ur5e, ur10e, xarm6, xarm7, kinova_gen3, iiwa14, or the path of a URDF or of an MJCF (MuJoCo)
+    /// [default: that of --model, else of --truth, else panda].
+    #[arg(long, value_name = "NAME|FILE")]
     pub robot: Option<String>,
+    /// Ends of the arm in that file.
+    #[command(flatten)]
+    pub ends: Ends,
     /// Seed of all random numbers: noise, phases, designs [default: 1].
     #[arg(long, allow_negative_numbers = true)]
     pub seed: Option<u64>,
@@ -356,32 +364,15 @@ pub struct Simulate {
     pub drive: LiveDrive,
 }
 
-/// Arguments of `export`.
-#[derive(Debug, Args)]
-pub struct Export {
-    /// A campaign directory or a tuned.yaml.
-    pub source: PathBuf,
-    /// What to write.
-    ///
-    /// yaml and json: tuned.yaml as it is. c and rust: the compensator as source without dependencies. ros2: a parameter file
-    /// for a controller of yours. crisp: friction parameters of crisp_controllers. urdf and mjcf: the robot with its friction.
-    #[arg(long, value_parser = PossibleValuesParser::new(["yaml", "json", "ros2", "crisp", "urdf", "mjcf", "c", "rust"]))]
-    pub format: String,
-    /// File to write [default: standard output].
-    #[arg(long, value_name = "FILE")]
-    pub out: Option<PathBuf>,
-    /// What the target calls it: the node (ros2: friction_compensator, crisp: cartesian_impedance_controller), the prefix of
-    /// identifiers (c: tribo), the model (urdf, mjcf: the robot's name).
-    #[arg(long, value_name = "NAME")]
-    pub name: Option<String>,
-}
-
 /// Arguments of `bench`.
 #[derive(Debug, Args)]
 pub struct Bench {
-    /// The arm: panda, fr3, ur10e, kinova_gen3, iiwa14 or the path of a URDF [default: panda].
-    #[arg(long, value_name = "NAME|URDF")]
+    /// The arm: panda, fr3, ur3e, ur5e, ur10e, xarm6, xarm7, kinova_gen3, iiwa14, or the path of a URDF or MJCF [default: panda].
+    #[arg(long, value_name = "NAME|FILE")]
     pub robot: Option<String>,
+    /// Ends of the arm in that file.
+    #[command(flatten)]
+    pub ends: Ends,
     /// Ticks to be timed [default: 1000000].
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1000..=100_000_000), conflicts_with = "realtime")]
     pub ticks: Option<u64>,
@@ -437,9 +428,12 @@ pub struct Dashboard {
     /// Model that a log is held against (YAML, schema tribo.model/1) [default: the bare robot without friction].
     #[arg(long, value_name = "FILE")]
     pub model: Option<PathBuf>,
-    /// The robot, if no --model is given: a preset or the path of a URDF [default: panda, if the log has 7 joints].
-    #[arg(long, value_name = "NAME|URDF", conflicts_with = "model")]
+    /// The robot, if no --model is given: a preset or the path of a URDF or MJCF [default: panda, if the log has 7 joints].
+    #[arg(long, value_name = "NAME|FILE", conflicts_with = "model")]
     pub robot: Option<String>,
+    /// Ends of the arm in that file.
+    #[command(flatten)]
+    pub ends: Ends,
     /// Side of the gears on which tau_J was measured, if no --model is given.
     #[arg(long, default_value = "motor", value_parser = PossibleValuesParser::new(["motor", "link"]), conflicts_with = "model")]
     pub torque_side: String,

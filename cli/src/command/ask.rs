@@ -21,7 +21,7 @@ pub fn run(arguments: &Ask, common: &Common) -> anyhow::Result<()> {
             let message = format!("{}: holds no campaign yet, let alone trial {trial}", directory.display());
             return Err(BadInput(message).into());
         }
-        match begun(arguments)? {
+        match begun(arguments, common)? {
             AnyTune::Six(tune) => match UserCampaign::create(directory, tune, now) {
                 Ok(campaign) => return ask(campaign, arguments, common),
                 Err(error) => begun_by_another(directory, error)?,
@@ -44,8 +44,8 @@ fn begun_by_another(directory: &Path, error: CampaignError) -> Result<(), Campai
 }
 
 /// Settings of a new campaign.
-fn begun(arguments: &Ask) -> anyhow::Result<AnyTune> {
-    on_own_robot(arguments.config.as_deref(), &arguments.settings, |config| {
+fn begun(arguments: &Ask, common: &Common) -> anyhow::Result<AnyTune> {
+    on_own_robot(arguments.config.as_deref(), &arguments.settings, common, |config| {
         apply(arguments, config.user_trials.get_or_insert_default())
     })
 }
@@ -54,9 +54,10 @@ fn begun(arguments: &Ask) -> anyhow::Result<AnyTune> {
 pub(super) fn on_own_robot(
     file: Option<&Path>,
     settings: &CampaignSettings,
+    common: &Common,
     more: impl FnOnce(&mut TuneConfig) -> anyhow::Result<()>,
 ) -> anyhow::Result<AnyTune> {
-    configured(file, |config| {
+    configured(file, common, |config| {
         if file.is_none() {
             *config = TuneConfig::of_own_robot();
         }

@@ -20,7 +20,13 @@ const LONGEST_STALL_MS: f64 = 10_000.0;
 
 /// Measures this computer.
 pub fn run(arguments: &Bench, common: &Common) -> anyhow::Result<()> {
-    let tune = TuneConfig { robot: arguments.robot.clone(), ..TuneConfig::default() }.validate_any()?;
+    let tune = TuneConfig {
+        robot: arguments.robot.clone(),
+        base_link: arguments.ends.base_link.clone(),
+        tip_link: arguments.ends.tip_link.clone(),
+        ..TuneConfig::default()
+    }
+    .validate_any()?;
     match arguments.realtime {
         Some(seconds) => on_the_clock(&tune, &settings(arguments, seconds)?, arguments.check, common),
         None => speed(&tune, arguments, common),

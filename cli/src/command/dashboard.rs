@@ -14,6 +14,8 @@ pub fn run(arguments: &Dashboard) -> anyhow::Result<()> {
     let model = ModelChoice {
         model: arguments.model.clone(),
         robot: arguments.robot.clone(),
+        base_link: arguments.ends.base_link.clone(),
+        tip_link: arguments.ends.tip_link.clone(),
         torque_side: named(&arguments.torque_side)?,
     };
     let read = arguments.columns.options(Vec::new())?;

@@ -17,7 +17,7 @@ use super::believe::{Refused, believe};
 use super::columns::joint_names;
 use super::convert::{target_of, write_log};
 use super::live::watched;
-use super::{check_joints, named, read_log, transmission, warn_not_cancelled};
+use super::{check_joints, named, read_log, show_robot, transmission, warn_not_cancelled};
 use crate::arguments::{Common, Estimate};
 use crate::failure::BadInput;
 use crate::output::{fixed, log_json, print, print_json, significant, table};
@@ -33,6 +33,8 @@ pub fn run(arguments: &Estimate, common: &Common) -> anyhow::Result<()> {
     let mut choice = ModelChoice {
         model: arguments.model.clone(),
         robot: arguments.robot.clone(),
+        base_link: arguments.ends.base_link.clone(),
+        tip_link: arguments.ends.tip_link.clone(),
         torque_side: named(&arguments.torque_side)?,
     };
     let given = choice.given()?;
@@ -72,7 +74,8 @@ pub fn run(arguments: &Estimate, common: &Common) -> anyhow::Result<()> {
         transmission::show_alone(gears, &summary, common);
         return Ok(());
     }
-    let (_, model) = given.map_or_else(|| choice.bare(path, log.joints(), &[]), Ok)?;
+    let (model_file, model) = given.map_or_else(|| choice.bare(path, log.joints(), &[]), Ok)?;
+    show_robot(&model_file, common);
     check_joints(path, &log, &model)?;
     let path = path.clone();
     let measured = Measured { path, log, summary, gears };

@@ -4,21 +4,20 @@ use std::path::{Path, PathBuf};
 
 use anyhow::Context;
 use serde_json::json;
-use tribo_export::export;
+use tribo_export::{Exported, export, export_robot};
 use tribo_logs::write_atomic;
-use tribo_model::{FileError, TunedFile};
+use tribo_model::{AnyModel, FileError, ModelChoice, TunedFile};
 use tribo_watch::{CampaignSnapshot, CampaignWatch};
 
-use super::named;
+use super::{named, show_robot};
 use crate::arguments::{Common, Export};
 use crate::output::{print, print_json};
 
 /// The parameters, and where they come from: of a campaign, the best trial of its journal, so that what was told last counts even where
 /// somebody was killed before `tuned.yaml` said so.
-fn source(arguments: &Export, common: &Common) -> anyhow::Result<(PathBuf, TunedFile)> {
-    let source = &arguments.source;
+fn source(source: &Path, common: &Common) -> anyhow::Result<(PathBuf, TunedFile)> {
     if !source.is_dir() {
-        return Ok((source.clone(), tuned(source)?));
+        return Ok((source.to_owned(), tuned(source)?));
     }
     let path = source.join("tuned.yaml");
     if !source.join("campaign.yaml").exists() {
@@ -50,11 +49,32 @@ fn nothing_tuned(path: PathBuf) -> FileError {
     FileError::Campaign { path, message: "no tuned parameters here; has the campaign finished?".to_owned() }
 }
 
-/// Writes tuned parameters in another format, and says what that format cannot.
+/// A robot without a campaign.
+fn alone(robot: &str, arguments: &Export, common: &Common) -> anyhow::Result<(String, Exported)> {
+    let choice = ModelChoice {
+        robot: Some(robot.to_owned()),
+        base_link: arguments.ends.base_link.clone(),
+        tip_link: arguments.ends.tip_link.clone(),
+        ..ModelChoice::default()
+    };
+    let (file, model): (_, AnyModel) = choice.bare(Path::new(""), 0, &[])?;
+    show_robot(&file, common);
+    let exported = export_robot(&file, named(&arguments.format)?, arguments.name.as_deref())
+        .with_context(|| format!("{robot} as {}", arguments.format))?;
+    Ok((model.robot().to_owned(), exported))
+}
+
+/// Writes tuned parameters or a robot in another format, and says what that format cannot.
 pub fn run(arguments: &Export, common: &Common) -> anyhow::Result<()> {
-    let (path, tuned) = source(arguments, common)?;
-    let exported = export(&tuned, named(&arguments.format)?, arguments.name.as_deref())
-        .with_context(|| format!("{} as {}", path.display(), arguments.format))?;
+    let (robot, exported) = match (&arguments.source, &arguments.robot) {
+        (Some(from), _) => {
+            let (path, tuned) = source(from, common)?;
+            let exported = export(&tuned, named(&arguments.format)?, arguments.name.as_deref())
+                .with_context(|| format!("{} as {}", path.display(), arguments.format))?;
+            (tuned.robot, exported)
+        }
+        (None, robot) => alone(robot.as_deref().unwrap_or_default(), arguments, common)?,
+    };
     if let Some(out) = &arguments.out {
         write_atomic(out, |file| file.write_all(exported.text.as_bytes()))?;
     }
@@ -70,7 +90,7 @@ pub fn run(arguments: &Export, common: &Common) -> anyhow::Result<()> {
         print_json(&json!({
             "schema": "tribo.export/1",
             "format": arguments.format,
-            "robot": tuned.robot,
+            "robot": robot,
             "out": arguments.out,
             "text": arguments.out.is_none().then_some(&exported.text),
             "losses": exported.losses,

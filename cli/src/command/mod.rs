@@ -29,7 +29,7 @@ use serde::de::DeserializeOwned;
 use tribo_campaign::strategy::BestTrial;
 use tribo_campaign::{AnyTune, CampaignError, Conclusion, TuneConfig, UserCampaign};
 use tribo_logs::{LogError, LogSummary, ReadOptions, RobotLog, read_watched};
-use tribo_model::{AnyModel, ConfigError, NotCancelled, YamlDocument};
+use tribo_model::{AnyModel, ConfigError, ModelFile, NotCancelled, YamlDocument};
 use tribo_watch::refresh_report;
 
 use crate::arguments::{CampaignSettings, Common, Scenario};
@@ -71,6 +71,8 @@ impl Scenario {
     fn apply(&self, config: &mut TuneConfig) -> anyhow::Result<()> {
         if self.robot.is_some() {
             config.robot.clone_from(&self.robot);
+            config.base_link.clone_from(&self.ends.base_link);
+            config.tip_link.clone_from(&self.ends.tip_link);
             config.robot_content = None;
         }
         if self.truth.is_some() {
@@ -160,9 +162,19 @@ fn warn_not_cancelled(left: &[NotCancelled], common: &Common) {
     }
 }
 
+/// Says what was decided about a robot whose description leaves it open.
+fn show_robot(file: &ModelFile, common: &Common) {
+    if !common.quiet {
+        for remark in file.remarks() {
+            message!("tribo: {}: {remark}", file.robot);
+        }
+    }
+}
+
 /// Settings from a file (or the defaults), changed by `overrides`, validated; errors name the file where it is to blame.
 fn configured(
     path: Option<&Path>,
+    common: &Common,
     overrides: impl FnOnce(&mut TuneConfig) -> anyhow::Result<()>,
 ) -> anyhow::Result<AnyTune> {
     let document = path.map(YamlDocument::read).transpose()?;
@@ -174,5 +186,8 @@ fn configured(
         }
         (error, _) => error,
     })?;
+    if let Some(robot) = &valid.config().robot_content {
+        show_robot(robot, common);
+    }
     Ok(valid)
 }

@@ -19,7 +19,7 @@ use crate::progress::{stop_on_signal, stop_requested};
 
 /// Serves the robot until a signal comes.
 pub fn run(arguments: &Serve, common: &Common) -> anyhow::Result<()> {
-    let tune = configured(None, |config: &mut TuneConfig| {
+    let tune = configured(None, common, |config: &mut TuneConfig| {
         config.robot = Some(arguments.robot.clone());
         (config.seed, config.pose) = (arguments.seed, usize::from(arguments.pose));
         set(&mut config.truth, Some(&arguments.truth))

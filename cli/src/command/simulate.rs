@@ -25,7 +25,7 @@ pub fn run(arguments: &Simulate, common: &Common) -> anyhow::Result<()> {
     if let Some(host) = &arguments.live {
         return play(arguments, host, common);
     }
-    match configured(arguments.config.as_deref(), |config| arguments.scenario.apply(config))? {
+    match configured(arguments.config.as_deref(), common, |config| arguments.scenario.apply(config))? {
         AnyTune::Six(tune) => simulate(arguments, common, tune),
         AnyTune::Seven(tune) => simulate(arguments, common, tune),
     }
@@ -198,7 +198,7 @@ fn play(arguments: &Simulate, host: &str, common: &Common) -> anyhow::Result<()>
     confirm(host, arguments.drive, &format!("as {} says, after a slow approach to its start", path.display()))?;
     let link = Link::to(host, arguments.drive);
     let robot = preset_of(link.connect()?.version());
-    let tune = configured(arguments.config.as_deref(), |config| {
+    let tune = configured(arguments.config.as_deref(), common, |config| {
         config.robot.get_or_insert_with(|| robot.to_owned());
         arguments.scenario.apply(config)
     })?;

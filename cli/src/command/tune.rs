@@ -33,7 +33,7 @@ pub fn run(arguments: &Tune, common: &Common) -> anyhow::Result<()> {
             _ => finish(Campaign::<7>::resume(&directory, changes, now)?, &directory, arguments, common, started),
         };
     }
-    let (directory, tune) = configured_campaign(arguments)?;
+    let (directory, tune) = configured_campaign(arguments, common)?;
     match tune {
         AnyTune::Six(tune) => finish(Campaign::create(&directory, tune, now)?, &directory, arguments, common, started),
         AnyTune::Seven(tune) => {
@@ -131,8 +131,8 @@ fn finish<const N: usize>(
 }
 
 /// The settings of a new campaign, and its directory.
-fn configured_campaign(arguments: &Tune) -> anyhow::Result<(PathBuf, AnyTune)> {
-    let tune = configured(arguments.config.as_deref(), |config| arguments.settings.apply(config))?;
+fn configured_campaign(arguments: &Tune, common: &Common) -> anyhow::Result<(PathBuf, AnyTune)> {
+    let tune = configured(arguments.config.as_deref(), common, |config| arguments.settings.apply(config))?;
     Ok((new_directory(arguments)?, tune))
 }
 
@@ -161,6 +161,8 @@ pub(super) fn resumed(arguments: &Tune) -> anyhow::Result<PathBuf> {
     let frozen = [
         ("a settings file", arguments.config.is_some()),
         ("--robot", settings.scenario.robot.is_some()),
+        ("--base-link", settings.scenario.ends.base_link.is_some()),
+        ("--tip-link", settings.scenario.ends.tip_link.is_some()),
         ("--seed", settings.scenario.seed.is_some()),
         ("--friction", settings.friction.is_some()),
         ("--residual", settings.residual.is_some()),

@@ -40,7 +40,7 @@ pub fn run(arguments: &Tune, host: &str, common: &Common) -> anyhow::Result<()> 
     let (directory, campaign) = match resumed {
         Some(directory) => (directory.clone(), opened::<7>(&directory)?),
         None => {
-            let tune = settings(arguments, robot)?;
+            let tune = settings(arguments, robot, common)?;
             let directory = new_directory(arguments)?;
             (directory.clone(), UserCampaign::create(&directory, tune, now)?)
         }
@@ -58,8 +58,8 @@ pub fn run(arguments: &Tune, host: &str, common: &Common) -> anyhow::Result<()> 
 }
 
 /// Settings of a new campaign on this robot.
-fn settings(arguments: &Tune, robot: &str) -> anyhow::Result<ValidTune<7>> {
-    let tune = on_own_robot(arguments.config.as_deref(), &arguments.settings, |config| {
+fn settings(arguments: &Tune, robot: &str, common: &Common) -> anyhow::Result<ValidTune<7>> {
+    let tune = on_own_robot(arguments.config.as_deref(), &arguments.settings, common, |config| {
         if config.robot.is_none() && config.model.is_none() {
             config.robot = Some(robot.to_owned());
         }

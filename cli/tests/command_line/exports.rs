@@ -9,7 +9,7 @@ use std::path::Path;
 use crate::common::{run, scratch};
 use serde_json::Value;
 use tribo_robot::presets;
-use tribo_robot::urdf::{UrdfArm, UrdfChain};
+use tribo_robot::{DescribedArm, urdf};
 
 const FORMATS: [&str; 8] = ["yaml", "json", "ros2", "crisp", "urdf", "mjcf", "c", "rust"];
 
@@ -62,7 +62,7 @@ fn every_format_is_written_and_says_what_it_lacks() {
 #[test]
 fn the_arm_of_a_urdf_campaign_is_exported() {
     let at = scratch();
-    let urdf = UrdfArm {
+    let urdf = DescribedArm {
         arm: presets::ur10e(),
         joint_names: std::array::from_fn(|j| format!("axis {j} <\"&'>")),
         coulomb_nm: [6.0, 6.0, 3.0, 1.0, 1.0, 1.0],
@@ -74,10 +74,10 @@ fn the_arm_of_a_urdf_campaign_is_exported() {
     std::fs::remove_file(at.path().join("arm.urdf")).unwrap();
     let exported = run(at.path(), "export c --format urdf --quiet").ok();
     assert_eq!(exported.stderr, "");
-    let back = UrdfChain::parse(&exported.stdout, None, None).unwrap().arm::<6>().unwrap();
+    let back = urdf::parse(&exported.stdout, None, None).unwrap().arm::<6>().unwrap();
     assert_eq!((back.arm.name.as_str(), &back.joint_names), ("my arm", &urdf.joint_names));
     // Links that are welded go through their inertia about the origin: to rounding.
-    let whole = UrdfChain::parse(&urdf.to_urdf(), None, None).unwrap().arm::<6>().unwrap();
+    let whole = urdf::parse(&urdf.to_urdf(), None, None).unwrap().arm::<6>().unwrap();
     for (exported, read) in back.arm.links.iter().zip(&whole.arm.links) {
         assert!((exported.mass_kg, exported.com_m) == (read.mass_kg, read.com_m), "{exported:?} {read:?}");
         assert!((exported.inertia_kg_m2 - read.inertia_kg_m2).amax() < 1e-15, "{exported:?} {read:?}");

@@ -209,7 +209,10 @@ fn robots_that_cannot_be_are_refused() {
     write("limits.yaml", "schema: tribo.model/1\nrobot: ur10e\nlimits:\n  q_min_rad: [9, 0, 0, 0, 0, 0]\n");
     write("poses.yaml", "schema: tribo.model/1\nrobot: ur10e\nposes_rad:\n- [0, 0, 4, 0, 0, 0]\n");
     for (call, parts) in [
-        ("tune --robot ur5", &["`robot` is ur5", "panda, fr3, ur10e, kinova_gen3, iiwa14", "URDF"][..]),
+        (
+            "tune --robot ur5",
+            &["`robot` is ur5", "panda, fr3, ur3e, ur5e, ur10e, xarm6, xarm7, kinova_gen3, iiwa14", "URDF"][..],
+        ),
         ("tune --robot prismatic.urdf", &["prismatic.urdf: joint `joint_1` is prismatic"]),
         ("tune --robot torn.urdf", &["torn.urdf: not a URDF"]),
         ("tune --robot bare.urdf", &["`truth` is coulomb_viscous", "the friction of this robot is not known"]),
@@ -231,5 +234,110 @@ fn robots_that_cannot_be_are_refused() {
             assert!(refused.stderr.contains(part), "{call}: {refused:?} lacks {part}");
         }
         assert!(!at.path().join("never").exists(), "{call} left something");
+    }
+}
+
+/// An arm of six hinges as MJCF, with a gripper, in two files.
+fn mjcf(at: &Path) {
+    let mut bodies = String::new();
+    for (k, (axis, length, mass)) in [
+        ("0 0 1", 0.15, 4.0),
+        ("0 1 0", 0.4, 8.0),
+        ("0 1 0", 0.35, 4.0),
+        ("0 1 0", 0.1, 1.5),
+        ("0 0 1", 0.1, 1.5),
+        ("0 1 0", 0.1, 0.6),
+    ]
+    .into_iter()
+    .enumerate()
+    {
+        let below = [0.1, 0.15, 0.4, 0.35, 0.1, 0.1][k];
+        let class = if k < 3 { "large" } else { "small" };
+        bodies += &format!(
+            "<body name=\"link_{k}\" pos=\"0 0 {below}\"><joint name=\"turn_{k}\" class=\"{class}\" axis=\"{axis}\"/>\
+             <geom type=\"capsule\" fromto=\"0 0 0 0 0 {length}\" size=\"0.05\" mass=\"{mass}\"/>"
+        );
+    }
+    let finger = |name: &str| {
+        format!("<body name=\"{name}\"><joint name=\"{name}\" type=\"slide\"/><geom size=\"0.02\"/></body>")
+    };
+    let drives: String = (0..6)
+        .map(|k| format!("<motor joint=\"turn_{k}\" ctrlrange=\"-1 1\" gear=\"{}\"/>", if k < 3 { 200 } else { 60 }))
+        .collect();
+    let model = format!(
+        "<mujoco model=\"six\"><include file=\"classes.xml\"/><worldbody><body name=\"base\">{bodies}<site name=\"tool\" pos=\"0 0 0.2\"/>{}{}{}</worldbody>\
+         <actuator>{drives}</actuator></mujoco>",
+        finger("left"),
+        finger("right"),
+        "</body>".repeat(7)
+    );
+    let classes = "<mujoco><default><default class=\"large\"><joint armature=\"0.2\" damping=\"2\" frictionloss=\"3\" range=\"-160 160\"/></default>\
+                   <default class=\"small\"><joint armature=\"0.05\" damping=\"0.6\" frictionloss=\"0.9\" range=\"-160 160\"/></default></default></mujoco>";
+    std::fs::create_dir_all(at.join("arms")).unwrap();
+    std::fs::write(at.join("arms/six.xml"), model).unwrap();
+    std::fs::write(at.join("arms/classes.xml"), classes).unwrap();
+}
+
+/// An arm from an MJCF is a robot like any other: tuned, simulated, diagnosed, exported, and no longer in need of its files.
+#[test]
+fn an_arm_from_an_mjcf_is_tuned_and_diagnosed() {
+    let at = scratch();
+    mjcf(at.path());
+    let said = run(at.path(), "tune --robot arms/six.xml --trials 2 --out mine --json").ok().stderr;
+    for part in [
+        "six.xml: held where the file draws them",
+        "left, right",
+        "six.xml: no speed limit of 6 joints, `turn_0` to `turn_5`",
+    ] {
+        assert!(said.contains(part), "{said:?} lacks {part:?}");
+    }
+    assert!(!said.contains("no torque limit"), "{said}");
+    run(at.path(), "simulate --robot arms/six.xml --tip-link tool --log log.csv --quiet").ok();
+    let diagnosis = run(at.path(), "diagnose log.csv --robot arms/six.xml --tip-link tool --json --quiet").ok().json();
+    assert_ne!(diagnosis["verdict"], "nothing_missing", "{diagnosis}");
+    std::fs::rename(at.path().join("arms"), at.path().join("moved")).unwrap();
+    let tuned = run(at.path(), "tune --resume --trials 3 --out mine --json --quiet").ok().json();
+    let [against_nothing, against_oracle] = ratios(&tuned);
+    println!("J / J uncompensated = {against_nothing:.3}, J / J oracle = {against_oracle:.3}");
+    assert!(against_nothing < 0.3 && against_oracle < 1.3, "{against_nothing} {against_oracle}");
+}
+
+/// A robot goes from one format into another without a campaign, and stays what it is.
+#[test]
+fn robots_are_exported_without_a_campaign() {
+    let at = scratch();
+    mjcf(at.path());
+    run(at.path(), "export --robot arms/six.xml --format urdf --out six.urdf --quiet").ok();
+    run(at.path(), "export --robot six.urdf --format mjcf --out again.xml --quiet").ok();
+    let read = |file: &str| {
+        let text = std::fs::read_to_string(at.path().join(file)).unwrap();
+        tribo_robot::parse_description(&text, None, None).unwrap().arm::<6>().unwrap()
+    };
+    let (urdf, again) = (read("six.urdf"), read("again.xml"));
+    assert_eq!(urdf.joint_names, again.joint_names);
+    assert_eq!(
+        (urdf.coulomb_nm, urdf.viscous_nm_s_per_rad),
+        ([3.0, 3.0, 3.0, 0.9, 0.9, 0.9], [2.0, 2.0, 2.0, 0.6, 0.6, 0.6])
+    );
+    assert_eq!(urdf.coulomb_nm, again.coulomb_nm);
+    assert_eq!(urdf.arm.limits.tau_max_nm, again.arm.limits.tau_max_nm);
+    let q = urdf.arm.limits.q_min_rad * 0.3;
+    let mass = |arm| tribo_robot::mass_matrix(arm, &q);
+    assert!((mass(&urdf.arm) - mass(&again.arm)).amax() < 1e-9);
+    let losses = run(at.path(), "export --robot ur5e --format urdf --json").ok().json()["losses"].to_string();
+    assert!(losses.contains("rotor inertia") && !losses.contains("velocity source"), "{losses}");
+    for (call, part) in [
+        ("export --robot ur5e --format c", "about a tuned compensator"),
+        ("export --format mjcf", "<SOURCE>"),
+        ("export --robot nothing --format mjcf", "field `robot` is nothing"),
+        ("export --robot ur5e --tip-link tool0 --format mjcf", "only where robot is a URDF or MJCF"),
+        ("export campaigns/0001 --robot ur5e --format mjcf", "cannot be used with"),
+        ("export --robot arms/six.xml --tip-link left --format mjcf", "`left` is prismatic (slide)"),
+        ("tune --tip-link tool", "--robot"),
+    ] {
+        let refused = run(at.path(), &format!("{call} --out never"));
+        assert_eq!(refused.code, Some(2), "{call}: {refused:?}");
+        assert!(refused.stderr.contains(part), "{call}: {refused:?} lacks {part}");
+        assert!(!at.path().join("never").exists());
     }
 }

@@ -14,7 +14,11 @@ type Choices = &'static [(&'static str, &'static str)];
 const ROBOTS: Choices = &[
     ("panda", "Franka Emika Panda, 7 joints"),
     ("fr3", "Franka Research 3, 7 joints"),
+    ("ur3e", "Universal Robots UR3e, 6 joints"),
+    ("ur5e", "Universal Robots UR5e, 6 joints"),
     ("ur10e", "Universal Robots UR10e, 6 joints"),
+    ("xarm6", "UFACTORY xArm 6, 6 joints"),
+    ("xarm7", "UFACTORY xArm 7, 7 joints"),
     ("kinova_gen3", "Kinova Gen3, 7 joints"),
     ("iiwa14", "KUKA LBR iiwa 14, 7 joints"),
 ];

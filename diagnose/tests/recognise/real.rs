@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use tribo_diagnose::{Diagnosable, Nominal};
 use tribo_friction::FrictionModel;
 use tribo_logs::read_log;
-use tribo_robot::urdf::UrdfChain;
+use tribo_robot::urdf;
 use tribo_robot::{Arm, presets};
 use tribo_sim::TorqueSide;
 
@@ -21,7 +21,7 @@ fn preset(name: &str) -> Arm<7> {
 }
 
 fn urdf<const N: usize>(path: &Path) -> Arm<N> {
-    let chain = UrdfChain::parse(&std::fs::read_to_string(path).unwrap(), None, None).unwrap();
+    let chain = urdf::parse(&std::fs::read_to_string(path).unwrap(), None, None).unwrap();
     chain.arm::<N>().unwrap().arm
 }
 

@@ -13,7 +13,8 @@ use tribo_export::{ExportError, Format, TunedCompensator, export};
 use tribo_friction::law::{CoulombViscous, GazSigmoid, Stribeck};
 use tribo_friction::{FrictionModel, VelocitySource};
 use tribo_model::TunedFile;
-use tribo_robot::urdf::{UrdfArm, UrdfChain, to_urdf};
+use tribo_robot::DescribedArm;
+use tribo_robot::urdf::{self, to_urdf};
 use tribo_robot::{Arm, bias_torque, mass_matrix, presets};
 
 /// Of the largest element of the mass matrix, and of the bias.
@@ -44,7 +45,7 @@ fn odd_urdf(possible: bool) -> String {
     if !possible {
         return text.to_owned();
     }
-    let mut odd = UrdfChain::parse(text, None, None).expect("a URDF").arm::<7>().expect("seven joints");
+    let mut odd = urdf::parse(text, None, None).expect("a URDF").arm::<7>().expect("seven joints");
     for link in &mut odd.arm.links {
         link.inertia_kg_m2 = Matrix3::identity() * link.inertia_kg_m2.trace() - link.inertia_kg_m2;
     }
@@ -115,10 +116,10 @@ fn expectation<const N: usize>(tuned: &TunedFile, rotors: bool) -> Value {
 
 /// `damping` and `friction` of the file, read by our own reader of URDF.
 fn friction_of_urdf(text: &str) -> [Vec<f64>; 2] {
-    fn of<const N: usize>(arm: UrdfArm<N>) -> [Vec<f64>; 2] {
+    fn of<const N: usize>(arm: DescribedArm<N>) -> [Vec<f64>; 2] {
         [arm.viscous_nm_s_per_rad.to_vec(), arm.coulomb_nm.to_vec()]
     }
-    let chain = UrdfChain::parse(text, None, None).expect("a URDF");
+    let chain = urdf::parse(text, None, None).expect("a URDF");
     match chain.joints() {
         6 => of(chain.arm::<6>().expect("six")),
         _ => of(chain.arm::<7>().expect("seven")),

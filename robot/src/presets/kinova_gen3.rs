@@ -1,9 +1,9 @@
 //! Kinova Gen3 with seven joints and vision module.
 
-use nalgebra::{Matrix3, SVector, Vector3};
+use nalgebra::{SVector, Vector3};
 use std::f64::consts::FRAC_PI_2;
 
-use super::{Link, Preset, links};
+use super::{Link, Preset, links, quarter_turns_x};
 use crate::{Arm, JointPlacement, Limits};
 
 /// Origins of the joints (m) and quarter turns about the parent's x axis. Source: ros_kortex
@@ -28,17 +28,6 @@ const LINKS: [Link; 7] = [
     (0.6781, [1e-6, -0.045483, -0.00965], [0.001641, 0.0, 0.0, 0.00041, -0.000278, 0.001641]),
     (0.5006, [-0.000281, -0.011402, -0.029798], [0.000587, 3e-6, 3e-6, 0.000369, 0.000118, 0.000609]),
 ];
-
-/// Rotation by quarter turns about x, exact.
-fn quarter_turns_x(turns: i32) -> Matrix3<f64> {
-    let (s, c) = match turns.rem_euclid(4) {
-        0 => (0.0, 1.0),
-        1 => (1.0, 0.0),
-        2 => (0.0, -1.0),
-        _ => (-1.0, 0.0),
-    };
-    Matrix3::new(1.0, 0.0, 0.0, 0.0, c, -s, 0.0, s, c)
-}
 
 /// The Gen3 without payload; flange: `end_effector_link`, 0.061525 m beyond joint 7, z outward.
 ///

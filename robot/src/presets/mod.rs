@@ -4,7 +4,9 @@
 //! |---|---|---|
 //! | `panda` | 7 | Franka Emika Panda (FER) |
 //! | `fr3` | 7 | Franka Research 3 |
-//! | `ur10e` | 6 | Universal Robots UR10e |
+//! | `ur3e`, `ur5e`, `ur10e` | 6 | Universal Robots UR3e, UR5e, UR10e |
+//! | `xarm6` | 6 | UFACTORY xArm 6 |
+//! | `xarm7` | 7 | UFACTORY xArm 7 |
 //! | `kinova_gen3` | 7 | Kinova Gen3 with vision module |
 //! | `iiwa14` | 7 | KUKA LBR iiwa 14 R820 |
 
@@ -14,20 +16,29 @@ use nalgebra::{Matrix3, SVector, Vector3};
 
 use crate::{Arm, LinkInertia};
 
+mod e_series;
 mod fr3;
 mod iiwa14;
 mod kinova_gen3;
 mod panda;
 mod ur10e;
+mod ur3e;
+mod ur5e;
+mod xarm6;
+mod xarm7;
 
 pub use fr3::fr3;
 pub use iiwa14::iiwa14;
 pub use kinova_gen3::kinova_gen3;
 pub use panda::{PANDA_JOINT_STIFFNESS_NM_PER_RAD, panda, panda_ready_pose, preset as panda_preset};
+pub use ur3e::ur3e;
+pub use ur5e::ur5e;
 pub use ur10e::ur10e;
+pub use xarm6::xarm6;
+pub use xarm7::xarm7;
 
 /// Names of the presets, as files and commands spell them.
-pub const NAMES: [&str; 5] = ["panda", "fr3", "ur10e", "kinova_gen3", "iiwa14"];
+pub const NAMES: [&str; 9] = ["panda", "fr3", "ur3e", "ur5e", "ur10e", "xarm6", "xarm7", "kinova_gen3", "iiwa14"];
 
 /// An arm and where to try it.
 #[derive(Clone, Debug, PartialEq)]
@@ -55,7 +66,11 @@ pub fn find(name: &str) -> Option<AnyPreset> {
     Some(match name {
         "panda" => AnyPreset::Seven(panda::preset()),
         "fr3" => AnyPreset::Seven(fr3::preset()),
+        "ur3e" => AnyPreset::Six(ur3e::preset()),
+        "ur5e" => AnyPreset::Six(ur5e::preset()),
         "ur10e" => AnyPreset::Six(ur10e::preset()),
+        "xarm6" => AnyPreset::Six(xarm6::preset()),
+        "xarm7" => AnyPreset::Seven(xarm7::preset()),
         "kinova_gen3" => AnyPreset::Seven(kinova_gen3::preset()),
         "iiwa14" => AnyPreset::Seven(iiwa14::preset()),
         _ => return None,
@@ -98,6 +113,17 @@ fn links<const N: usize>(table: &[Link; N]) -> [LinkInertia; N] {
         com_m: Vector3::from(com),
         inertia_kg_m2: Matrix3::new(xx, xy, xz, xy, yy, yz, xz, yz, zz),
     })
+}
+
+/// Rotation by quarter turns about x, exact.
+fn quarter_turns_x(turns: i32) -> Matrix3<f64> {
+    let (s, c) = match turns.rem_euclid(4) {
+        0 => (0.0, 1.0),
+        1 => (1.0, 0.0),
+        2 => (0.0, -1.0),
+        _ => (-1.0, 0.0),
+    };
+    Matrix3::new(1.0, 0.0, 0.0, 0.0, c, -s, 0.0, s, c)
 }
 
 #[cfg(test)]

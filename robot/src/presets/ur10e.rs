@@ -1,10 +1,11 @@
 //! Universal Robots UR10e, six joints.
 
-use nalgebra::{SVector, Vector3};
+use nalgebra::SVector;
 use std::f64::consts::{FRAC_PI_2, PI};
 
-use super::{Link, Preset, links};
-use crate::{Arm, Limits, LinkInertia, StandardDh};
+use super::e_series::{self, Numbers};
+use super::{Link, Preset};
+use crate::Arm;
 
 /// Standard DH rows (a (m), d (m), alpha (rad)). Source: universal-robots.com, "DH Parameters for calculations of
 /// kinematics and dynamics".
@@ -27,38 +28,20 @@ const LINKS: [Link; 6] = [
     (0.615, [0.0, 0.0, -0.026], [0.0004, 0.0, 0.0, 0.00041, 0.0, 0.00034]),
 ];
 
-/// The UR10e without payload, base axes of its controller (x to the side of the cable), flange as its controller reports it.
+/// The UR10e without payload (`e_series.rs` says in which frames).
 ///
-/// Limits of position (the elbow's as planners use it), speed and torque from Universal_Robots_ROS2_Description
-/// `config/ur10e/joint_limits.yaml`. The vendor publishes neither torque rate nor rotor inertia. Assumptions: 1000 Nm/s,
-/// as the Panda's; 0.1 kg m² in every joint, the armature in mujoco_menagerie `universal_robots_ur10e`, which calls it
-/// not carefully tuned.
+/// Limits of position, speed and torque from Universal_Robots_ROS2_Description `config/ur10e/joint_limits.yaml`. The vendor
+/// publishes no rotor inertia. Assumption: 0.1 kg m² in every joint, the armature in mujoco_menagerie
+/// `universal_robots_ur10e`, which calls it not carefully tuned.
 pub fn ur10e() -> Arm<6> {
-    let rows = DH.map(|(a_m, d_m, alpha_rad)| StandardDh { a_m, d_m, alpha_rad });
-    let far = links(&LINKS);
-    let flange = rows[5].near_from_far();
-    Arm {
-        name: "ur10e".to_owned(),
-        placements: StandardDh::placements(&rows),
-        links: std::array::from_fn(|k| moved(&far[k], &rows[k])),
-        link_from_flange_rotation: flange.rotation,
-        link_from_flange_translation: flange.translation,
-        rotor_inertia_kg_m2: SVector::repeat(0.1),
-        limits: Limits {
-            q_min_rad: SVector::from([-2.0 * PI, -2.0 * PI, -PI, -2.0 * PI, -2.0 * PI, -2.0 * PI]),
-            q_max_rad: SVector::from([2.0 * PI, 2.0 * PI, PI, 2.0 * PI, 2.0 * PI, 2.0 * PI]),
-            qd_max_rad_s: SVector::from([2.0 * PI / 3.0, 2.0 * PI / 3.0, PI, PI, PI, PI]),
-            tau_max_nm: SVector::from([330.0, 330.0, 150.0, 56.0, 56.0, 56.0]),
-            tau_rate_max_nm_s: SVector::repeat(1000.0),
-        },
-        gravity_m_s2: Vector3::new(0.0, 0.0, -9.81),
-    }
-}
-
-/// A link of the far frame in the frame that its joint moves.
-fn moved(link: &LinkInertia, row: &StandardDh) -> LinkInertia {
-    let near_from_far = row.near_from_far();
-    link.placed(&near_from_far.rotation, &near_from_far.translation)
+    e_series::arm(&Numbers {
+        name: "ur10e",
+        dh: DH,
+        links: LINKS,
+        qd_max_rad_s: [2.0 * PI / 3.0, 2.0 * PI / 3.0, PI, PI, PI, PI],
+        tau_max_nm: [330.0, 330.0, 150.0, 56.0, 56.0, 56.0],
+        rotor_inertia_kg_m2: [0.1; 6],
+    })
 }
 
 /// The UR10e with its poses, all elbow-up with the tool down: the middle of the workspace, to its side, and further out.

@@ -1,26 +1,17 @@
-//! Rigid bodies: links welded by fixed joints.
-
-use std::collections::BTreeSet;
+//! What a link says of its mass.
 
 use nalgebra::{Matrix3, Vector3};
-use urdf_rs::{JointType, Link};
+use urdf_rs::Link;
 
 use super::UrdfError;
-use super::frame::{Frame, chained, frame_of};
-use super::tree::Tree;
+use super::origin::frame_of;
 use crate::LinkInertia;
-
-const NO_MASS: LinkInertia = LinkInertia {
-    mass_kg: 0.0,
-    com_m: Vector3::new(0.0, 0.0, 0.0),
-    inertia_kg_m2: Matrix3::new(0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0),
-};
 
 /// Moments of inertia below this are rounding [kg m²].
 const ROUNDING_KG_M2: f64 = 1e-12;
 
 /// The `<inertial>` of a link in its own frame; of no mass where there is none.
-fn inertia_of(link: &Link) -> Result<LinkInertia, UrdfError> {
+pub(super) fn inertia_of(link: &Link) -> Result<LinkInertia, UrdfError> {
     let refuse = |field, value: String, allowed| UrdfError::Link { link: link.name.clone(), field, value, allowed };
     let (mass_kg, i) = (link.inertial.mass.value, &link.inertial.inertia);
     if !(0.0..=1e6).contains(&mass_kg) {
@@ -38,31 +29,4 @@ fn inertia_of(link: &Link) -> Result<LinkInertia, UrdfError> {
         return Err(refuse("inertia", value, "ixx ixy ixz iyy iyz izz of a positive semi-definite matrix"));
     }
     Ok(LinkInertia { mass_kg, com_m: Vector3::zeros(), inertia_kg_m2 }.placed(&at.rotation, &at.translation))
-}
-
-/// Everything welded to `link`, which is at `body_from_link`, but for what hangs on the joints of the chain, in any order.
-pub(super) fn welded(
-    tree: &Tree,
-    link: &str,
-    body_from_link: Frame,
-    chain: &BTreeSet<usize>,
-) -> Result<LinkInertia, UrdfError> {
-    let mut body = NO_MASS;
-    let mut waiting = vec![(link.to_owned(), body_from_link)];
-    while let Some((name, at)) = waiting.pop() {
-        if let Some(link) = tree.link(&name) {
-            body = body.combined(&inertia_of(link)?.placed(&at.rotation, &at.translation));
-        }
-        for (k, joint) in tree.below(&name) {
-            let fixed = joint.joint_type == JointType::Fixed;
-            if !fixed && !chain.contains(&k) {
-                return Err(UrdfError::MovesBeside { joint: joint.name.clone() });
-            }
-            if fixed {
-                let origin = super::joint::origin(joint)?;
-                waiting.push((joint.child.link.clone(), chained(&at, &origin)));
-            }
-        }
-    }
-    Ok(body)
 }

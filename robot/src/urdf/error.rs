@@ -1,5 +1,7 @@
 //! What in a URDF cannot be used.
 
+use crate::ChainError;
+
 /// Why a URDF is no serial arm; names the joint or link to be mended.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum UrdfError {
@@ -54,44 +56,6 @@ pub enum UrdfError {
         /// The roots.
         links: Vec<String>,
     },
-    /// A base or tip that is not there.
-    #[error("{which} `{name}` is not among the links")]
-    NoSuchEnd {
-        /// `base_link` or `tip_link`.
-        which: &'static str,
-        /// The name.
-        name: String,
-    },
-    /// A tip that does not hang on the base.
-    #[error("tip_link `{tip}` does not hang on base_link `{base}`")]
-    NotConnected {
-        /// The base.
-        base: String,
-        /// The tip.
-        tip: String,
-    },
-    /// More than one way to go on.
-    #[error("the tree branches at link `{link}` into joints {}; name the end of the arm as tip_link", joints.join(", "))]
-    Branch {
-        /// Where.
-        link: String,
-        /// The joints to choose from.
-        joints: Vec<String>,
-    },
-    /// A joint of a kind that arms do not have here.
-    #[error("joint `{joint}` is {kind}; only revolute, continuous and fixed joints are supported")]
-    Kind {
-        /// The joint.
-        joint: String,
-        /// Its kind.
-        kind: &'static str,
-    },
-    /// A joint that moves beside the chain.
-    #[error("joint `{joint}` moves, and is not between base and tip; make it fixed")]
-    MovesBeside {
-        /// The joint.
-        joint: String,
-    },
     /// A number of a joint that is missing or out of range.
     #[error("joint `{joint}`: {field} is {value}; allowed: {allowed}")]
     Joint {
@@ -116,34 +80,22 @@ pub enum UrdfError {
         /// The allowed range.
         allowed: &'static str,
     },
-    /// A joint that moves no mass.
-    #[error("joint `{joint}` moves no mass: give link `{link}` an <inertial> with a mass above 0")]
-    NoInertia {
-        /// The joint.
-        joint: String,
-        /// The link that it moves.
-        link: String,
-    },
-    /// Another number of joints than arms have here.
-    #[error("{found} joints move between `{base}` and `{tip}`; arms have 6 or 7")]
-    Joints {
-        /// How many.
-        found: usize,
-        /// The base.
-        base: String,
-        /// The tip.
-        tip: String,
-    },
+    /// Xacro, the macro language that URDFs are written in.
+    #[error("this is xacro, which has to be expanded first: xacro arm.urdf.xacro > arm.urdf")]
+    Xacro,
+    /// No way from a base to a tip.
+    #[error(transparent)]
+    Chain(#[from] ChainError),
 }
 
 /// Says what is wrong with the roots, and what to do.
 fn no_root(roots: &[String]) -> String {
     if roots.is_empty() {
-        "the URDF has no root link (one that is the child of no joint); is it xacro? run `xacro arm.urdf.xacro > arm.urdf` first".to_owned()
+        "the URDF has no root link (one that is the child of no joint)".to_owned()
     } else {
         let (count, names) = (roots.len(), roots.join(", "));
         format!(
-            "the URDF has {count} root links ({names}), each the child of no joint; name the arm's base as base_link"
+            "the URDF has {count} root links ({names}), each the child of no joint; name the arm's base as base_link (--base-link)"
         )
     }
 }

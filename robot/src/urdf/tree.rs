@@ -1,47 +1,34 @@
-//! The tree of links, and the way from base to tip.
+//! The tree of links.
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use urdf_rs::{Joint, JointType, Link, Robot};
+use urdf_rs::Robot;
 
 use super::UrdfError;
+use super::body::inertia_of;
+use super::joint::{chain_joint, kind, origin};
+use crate::LinkInertia;
+use crate::chain::Source;
+use crate::chain::frame::{Frame, same};
+use crate::chain::joint::{ChainJoint, JointPose};
+use crate::chain::skeleton::{JointKind, Node, Skeleton};
+use crate::chain::xml::within_bounds;
 
-/// Largest file that is read (bytes), a hundred times that of any arm.
-const LARGEST: usize = 16 << 20;
-/// Deepest nesting of elements; URDF needs six.
-const DEEPEST: usize = 64;
-
-/// A URDF whose names are unique and whose joints join links.
+/// A URDF whose names are unique and whose joints join links. Links are numbered as in `robot.links`.
 pub(super) struct Tree {
     pub robot: Robot,
-    /// Place of each link in `robot.links`.
-    links: BTreeMap<String, usize>,
+    skeleton: Skeleton,
+    /// Whether macros may still be in the file; of an expanded one, they may be in comments.
+    pub xacro: bool,
     /// Place of the joint above each link in `robot.joints`.
-    above: BTreeMap<String, usize>,
-    /// Places of the joints below each link.
-    below: BTreeMap<String, Vec<usize>>,
-    /// Whether each joint of `robot.joints`, or any joint that hangs on it, is not fixed.
-    moves: Vec<bool>,
-}
-
-/// Places in `robot.joints` of the joints from base to tip, and the names of both ends.
-pub(super) struct Path {
-    pub base: String,
-    pub tip: String,
-    pub joints: Vec<usize>,
+    above: Vec<Option<usize>>,
 }
 
 impl Tree {
     /// Parses a URDF.
     pub fn parse(text: &str) -> Result<Self, UrdfError> {
-        if text.len() > LARGEST {
-            return Err(UrdfError::Syntax(format!("{} bytes; allowed: up to {LARGEST}", text.len())));
-        }
-        // The parser calls itself for every level, and a stack that ends takes the program with it.
-        if nesting(text) > DEEPEST {
-            return Err(UrdfError::Syntax(format!("elements are nested more than {DEEPEST} deep")));
-        }
-        let robot = urdf_rs::read_from_string(text).map_err(|error| UrdfError::Syntax(error.to_string()))?;
+        within_bounds(text).map_err(UrdfError::Syntax)?;
+        let robot = read(text)?;
         let names = robot.links.iter().map(|link| ("link", &link.name));
         let names =
             names.chain(robot.joints.iter().map(|joint| ("joint", &joint.name))).chain([("robot", &robot.name)]);
@@ -55,131 +42,122 @@ impl Tree {
                 return Err(twice("link", &link.name));
             }
         }
-        let (mut above, mut below) = (BTreeMap::<String, usize>::new(), BTreeMap::<String, Vec<usize>>::new());
+        let mut above = vec![None; robot.links.len()];
+        let mut parents = vec![None; robot.links.len()];
         let mut joints = BTreeSet::new();
         for (k, joint) in robot.joints.iter().enumerate() {
             if !joints.insert(&joint.name) {
                 return Err(twice("joint", &joint.name));
             }
-            for link in [&joint.parent.link, &joint.child.link] {
-                if !links.contains_key(link) {
-                    return Err(UrdfError::NoSuchLink { joint: joint.name.clone(), link: link.clone() });
-                }
-            }
-            if joint.parent.link == joint.child.link {
+            let place = |link: &String| {
+                let none = || UrdfError::NoSuchLink { joint: joint.name.clone(), link: link.clone() };
+                links.get(link).copied().ok_or_else(none)
+            };
+            let (parent, child) = (place(&joint.parent.link)?, place(&joint.child.link)?);
+            if parent == child {
                 return Err(UrdfError::OwnParent { joint: joint.name.clone(), link: joint.child.link.clone() });
             }
-            below.entry(joint.parent.link.clone()).or_default().push(k);
-            if let Some(first) = above.insert(joint.child.link.clone(), k) {
+            if let Some(first) = above[child].replace(k) {
                 return Err(UrdfError::TwoParents {
                     link: joint.child.link.clone(),
                     first: robot.joints[first].name.clone(),
                     second: joint.name.clone(),
                 });
             }
+            parents[child] = Some(parent);
         }
-        let moves = moving(&robot, &above);
-        Ok(Self { robot, links, above, below, moves })
-    }
-
-    /// A link by name.
-    pub fn link(&self, name: &str) -> Option<&Link> {
-        self.links.get(name).map(|&k| &self.robot.links[k])
-    }
-
-    /// The joints that hang on a link.
-    pub fn below(&self, link: &str) -> impl Iterator<Item = (usize, &Joint)> {
-        self.below.get(link).into_iter().flatten().map(|&k| (k, &self.robot.joints[k]))
-    }
-
-    /// The way from `base` (else the root) to `tip` (else the only end that joints lead to).
-    pub fn path(&self, base: Option<&str>, tip: Option<&str>) -> Result<Path, UrdfError> {
-        for (which, end) in [("base_link", base), ("tip_link", tip)] {
-            if let Some(name) = end.filter(|name| !self.links.contains_key(*name)) {
-                return Err(UrdfError::NoSuchEnd { which, name: name.to_owned() });
+        let node = |(k, link): (usize, &urdf_rs::Link)| {
+            let joint = above[k].map(|joint: usize| &robot.joints[joint]);
+            Node {
+                name: link.name.clone(),
+                above: parents[k],
+                joint: joint.map_or(String::new(), |joint| joint.name.clone()),
+                kind: joint.map_or(JointKind::Fixed, kind),
             }
-        }
-        let base = base.map_or_else(|| self.root(), |base| Ok(base.to_owned()))?;
-        match tip {
-            Some(tip) => self.path_up(base, tip),
-            None => self.path_down(base),
-        }
+        };
+        let skeleton = Skeleton::new(robot.links.iter().enumerate().map(node).collect());
+        Ok(Self { robot, skeleton, above, xacro: text.contains(MACRO) })
     }
 
-    fn root(&self) -> Result<String, UrdfError> {
-        let roots: Vec<&String> = self.links.keys().filter(|link| !self.above.contains_key(*link)).collect();
+    /// The link that the way to `base` or `tip` starts from: the link above both on which nothing hangs itself.
+    pub fn root(&self, end: Option<usize>) -> Result<usize, UrdfError> {
+        let nodes = &self.skeleton.nodes;
+        if let Some(mut at) = end {
+            let mut steps = 0;
+            while let Some(above) = nodes[at].above.filter(|_| steps < nodes.len()) {
+                (at, steps) = (above, steps + 1);
+            }
+            return Ok(at);
+        }
+        let roots: Vec<usize> = (0..nodes.len()).filter(|&k| nodes[k].above.is_none()).collect();
         match roots[..] {
-            [root] => Ok(root.clone()),
-            _ => Err(UrdfError::NoRoot { links: roots.into_iter().cloned().collect() }),
+            [root] => Ok(root),
+            _ if self.xacro => Err(UrdfError::Xacro),
+            _ => Err(UrdfError::NoRoot { links: roots.into_iter().map(|k| nodes[k].name.clone()).collect() }),
         }
-    }
-
-    fn path_up(&self, base: String, tip: &str) -> Result<Path, UrdfError> {
-        let (mut joints, mut link) = (Vec::new(), tip);
-        while link != base {
-            // A loop would never end; a tree has fewer joints than links.
-            let Some(&joint) = self.above.get(link).filter(|_| joints.len() < self.links.len()) else {
-                return Err(UrdfError::NotConnected { base, tip: tip.to_owned() });
-            };
-            joints.push(joint);
-            link = &self.robot.joints[joint].parent.link;
-        }
-        joints.reverse();
-        Ok(Path { base, tip: tip.to_owned(), joints })
-    }
-
-    fn path_down(&self, base: String) -> Result<Path, UrdfError> {
-        let (mut joints, mut link) = (Vec::new(), base.as_str());
-        loop {
-            let below: Vec<(usize, &Joint)> = self.below(link).collect();
-            let moving: Vec<&(usize, &Joint)> = below.iter().filter(|(k, _)| self.moves[*k]).collect();
-            let candidates: Vec<&(usize, &Joint)> = if moving.is_empty() { below.iter().collect() } else { moving };
-            match candidates[..] {
-                _ if joints.len() > self.links.len() => return Err(UrdfError::NoRoot { links: Vec::new() }),
-                [] => break,
-                [&(k, joint)] => {
-                    joints.push(k);
-                    link = &joint.child.link;
-                }
-                _ => {
-                    return Err(UrdfError::Branch {
-                        link: link.to_owned(),
-                        joints: candidates.iter().map(|(_, joint)| format!("`{}`", joint.name)).collect(),
-                    });
-                }
-            }
-        }
-        let tip = link.to_owned();
-        Ok(Path { base, tip, joints })
     }
 }
 
-/// Which joints move, or carry one that does: from every joint that is not fixed up to the base, or to where another one came by.
-fn moving(robot: &Robot, above: &BTreeMap<String, usize>) -> Vec<bool> {
-    let mut moves = vec![false; robot.joints.len()];
-    for (k, joint) in robot.joints.iter().enumerate() {
-        let mut at = (joint.joint_type != JointType::Fixed).then_some(k);
-        while let Some(k) = at.filter(|&k| !moves[k]) {
-            moves[k] = true;
-            at = above.get(&robot.joints[k].parent.link).copied();
+/// How a macro of xacro begins.
+const MACRO: &str = "<xacro:";
+/// What the parser says of a prefix that nobody declares.
+const UNBOUND: &str = "Unbound namespace prefix";
+/// Most prefixes that are declared for an author who forgot to.
+const PREFIXES: usize = 32;
+
+/// Parses the XML. Prefixes of vendors' extensions that nobody declares (`drake:acceleration`) are declared.
+fn read(text: &str) -> Result<Robot, UrdfError> {
+    let refuse = |error: String| match text.contains(MACRO) {
+        true => UrdfError::Xacro,
+        false => UrdfError::Syntax(error),
+    };
+    match urdf_rs::read_from_string(text).map_err(|error| error.to_string()) {
+        Ok(robot) => Ok(robot),
+        Err(error) if error.contains(UNBOUND) && !text.contains(MACRO) => {
+            let declared = declared(text).unwrap_or_default();
+            urdf_rs::read_from_string(&declared).map_err(|_| refuse(error))
         }
+        Err(error) => Err(refuse(error)),
     }
-    moves
 }
 
-/// How deep the elements of a text are nested at most; what is in comments or quotes may count too.
-fn nesting(text: &str) -> usize {
-    let (mut depth, mut deepest) = (0usize, 0);
-    for (at, _) in text.match_indices('<') {
-        let rest = &text[at + 1..];
-        let end = rest.find('>').unwrap_or(rest.len());
-        match rest.as_bytes().first() {
-            Some(b'/') => depth = depth.saturating_sub(1),
-            Some(b'!' | b'?') | None => {}
-            Some(_) if rest[..end].ends_with('/') => {}
-            Some(_) => depth += 1,
+/// The text with every prefix declared in its root element.
+fn declared(text: &str) -> Option<String> {
+    let root = text.find("<robot")? + "<robot".len();
+    let mut prefixes = BTreeSet::new();
+    for (at, _) in text.match_indices(':') {
+        let before = &text[..at];
+        let start = before.rfind(|letter: char| !(letter.is_ascii_alphanumeric() || letter == '_' || letter == '-'))?;
+        let prefix = &before[start + 1..];
+        let opens = before[start..].starts_with(['<', '/', ' ', '\n', '\t', '\r']);
+        let named = prefix.starts_with(|letter: char| letter.is_ascii_alphabetic()) && !prefix.starts_with("xml");
+        if opens && named && prefixes.len() < PREFIXES && !text.contains(&format!("xmlns:{prefix}")) {
+            prefixes.insert(prefix);
         }
-        deepest = deepest.max(depth);
     }
-    deepest
+    let names: String = prefixes.iter().map(|prefix| format!(" xmlns:{prefix}=\"{prefix}\"")).collect();
+    Some(format!("{}{names}{}", &text[..root], &text[root..]))
+}
+
+impl Source for Tree {
+    type Error = UrdfError;
+
+    fn skeleton(&self) -> &Skeleton {
+        &self.skeleton
+    }
+
+    fn inertia(&self, link: usize) -> Result<LinkInertia, UrdfError> {
+        inertia_of(&self.robot.links[link])
+    }
+
+    fn above_from_link(&self, link: usize) -> Result<Frame, UrdfError> {
+        self.above[link].map_or_else(|| Ok(same()), |joint| origin(&self.robot.joints[joint]))
+    }
+
+    fn joint(&self, link: usize) -> Result<(ChainJoint, JointPose), UrdfError> {
+        match self.above[link] {
+            Some(joint) => chain_joint(&self.robot.joints[joint]),
+            None => Err(UrdfError::NoRoot { links: Vec::new() }),
+        }
+    }
 }

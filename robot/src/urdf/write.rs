@@ -3,8 +3,7 @@
 use nalgebra::{Matrix3, Vector3};
 use std::fmt::Write;
 
-use super::UrdfArm;
-use crate::{Arm, LinkInertia};
+use crate::{Arm, DescribedArm, LinkInertia};
 
 /// The URDF of an arm: `link_0` (the base, without mass), `joint_1` … `joint_N` about z, and `flange` fixed to the last
 /// link. Rotor inertia, torque rates and gravity have no place in a URDF and are lost; roll, pitch and yaw repeat rotations
@@ -14,8 +13,8 @@ pub fn to_urdf<const N: usize>(arm: &Arm<N>) -> String {
     written(arm, &joint_names, |_| String::new())
 }
 
-impl<const N: usize> UrdfArm<N> {
-    /// [`to_urdf`] with the joints' names and, as `<dynamics>`, their friction.
+impl<const N: usize> DescribedArm<N> {
+    /// The arm as a URDF: [`to_urdf`] with the joints' names and, as `<dynamics>`, their friction.
     pub fn to_urdf(&self) -> String {
         written(&self.arm, &self.joint_names, |k| {
             let (damping, friction) = (self.viscous_nm_s_per_rad[k], self.coulomb_nm[k]);

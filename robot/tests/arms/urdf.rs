@@ -1,7 +1,7 @@
 //! URDFs that are not what they should be.
 
-use tribo_robot::presets;
-use tribo_robot::urdf::{UrdfChain, UrdfError, to_urdf};
+use tribo_robot::urdf::{self, UrdfError, to_urdf};
+use tribo_robot::{ChainError, presets};
 
 /// The UR10e as a URDF, with one part replaced.
 fn changed(from: &str, to: &str) -> String {
@@ -11,7 +11,7 @@ fn changed(from: &str, to: &str) -> String {
 }
 
 fn refusal(text: &str) -> String {
-    UrdfChain::parse(text, None, None).expect_err("refused").to_string()
+    urdf::parse(text, None, None).expect_err("refused").to_string()
 }
 
 #[test]
@@ -24,10 +24,17 @@ fn refusals_name_the_joint_or_link_to_blame() {
         let to = from + text[from..].find("</link>").expect("its end") + "</link>".len();
         format!("{}<link name=\"link_4\"/>{}", &text[..from], &text[to..])
     };
-    let gripper = "<link name=\"flange\"/><link name=\"finger\"/><joint name=\"grip\" type=\"prismatic\">\
-                   <parent link=\"link_6\"/><child link=\"finger\"/><limit lower=\"0\" upper=\"1\" effort=\"1\" velocity=\"1\"/></joint>";
-    let second_end = "<link name=\"flange\"/><link name=\"other\"/><joint name=\"other_joint\" type=\"fixed\">\
-                      <parent link=\"link_6\"/><child link=\"other\"/></joint>";
+    let second_arm = {
+        let text = to_urdf(&presets::ur10e());
+        let again: String = text.lines().skip(2).collect::<Vec<_>>().join("\n").replace("</robot>", "");
+        let again = again.replace("link_0", "link_00");
+        let again = (1..=6).fold(again, |text, k| text.replace(&format!("link_{k}\""), &format!("link_{k}b\"")));
+        let again =
+            again.replace("joint_", "turn_").replace("flange_joint", "turn_f").replace("\"flange\"", "\"flange_b\"");
+        let joined =
+            "<joint name=\"both\" type=\"fixed\"><parent link=\"link_0\"/><child link=\"link_00\"/></joint></robot>";
+        text.replace("</robot>", &format!("{again}{joined}"))
+    };
     let cases: Vec<(String, &[&str])> = vec![
         ("<robot".to_owned(), &["not a URDF"]),
         ("no xml at all".to_owned(), &["not a URDF"]),
@@ -39,7 +46,7 @@ fn refusals_name_the_joint_or_link_to_blame() {
         (changed("<axis xyz=\"0 0 1\"/>", "<axis xyz=\"0 0 1\"/><mimic joint=\"joint_2\"/>"), &["joint_1", "mimic"]),
         (changed("<axis xyz=\"0 0 1\"/>", "<axis xyz=\"0 0 0\"/>"), &["joint_1", "axis", "a direction"]),
         (changed("<axis xyz=\"0 0 1\"/>", "<axis xyz=\"NaN 0 1\"/>"), &["joint_1", "axis"]),
-        (changed("velocity=\"2.0943951023931953\"", "velocity=\"0\""), &["joint_1", "velocity", "above 0"]),
+        (changed("velocity=\"2.0943951023931953\"", "velocity=\"-1\""), &["joint_1", "velocity", "above 0"]),
         (changed("effort=\"330\"", "effort=\"-1\""), &["joint_1", "effort"]),
         (changed("upper=\"3.141592653589793\"", "upper=\"-4\""), &["joint_3", "lower below upper"]),
         (changed("<mass value=\"7.369\"/>", "<mass value=\"-7.369\"/>"), &["link_1", "mass", "-7.369"]),
@@ -54,22 +61,18 @@ fn refusals_name_the_joint_or_link_to_blame() {
         (changed("<parent link=\"link_0\"/>", "<parent link=\"flange\"/>"), &["0 joints", "`link_0`"]),
         (
             changed("<link name=\"flange\"/>", "<link name=\"flange\"/><link name=\"island\"/>"),
-            &["2 root links", "island, link_0", "base_link"],
+            &["2 root links", "link_0, island", "base_link"],
         ),
         (
             "<robot name=\"arm\" xmlns:xacro=\"http://ros.org/wiki/xacro\"><xacro:arm/></robot>".to_owned(),
-            &["no root link", "xacro"],
+            &["xacro arm.urdf.xacro > arm.urdf"],
         ),
         (changed("joint_2", "joint_1"), &["joint `joint_1` is there twice"]),
         (
             changed("<link name=\"flange\"/>", "<link name=\"flange\"/><link name=\"flange\"/>"),
             &["link `flange` is there twice"],
         ),
-        (changed("<link name=\"flange\"/>", gripper), &["grip", "prismatic"]),
-        (
-            changed("<link name=\"flange\"/>", second_end),
-            &["branches at link `link_6`", "`flange_joint`", "`other_joint`", "tip_link"],
-        ),
+        (second_arm, &["more than one chain", "--tip-link", "`flange` or `flange_b`"]),
         (format!("<robot name=\"deep\">{}", "<a>".repeat(100_000)), &["nested"]),
     ];
     for (text, parts) in cases {
@@ -80,25 +83,103 @@ fn refusals_name_the_joint_or_link_to_blame() {
     }
 }
 
+/// What many public files have at the wrist: fingers, and several frames.
+#[test]
+fn grippers_are_held_and_the_tool_frame_is_the_flange() {
+    let finger = |name: &str, kind: &str| {
+        format!(
+            "<link name=\"{name}\"><inertial><mass value=\"0.1\"/><inertia ixx=\"0\" ixy=\"0\" ixz=\"0\" iyy=\"0\" iyz=\"0\" izz=\"0\"/></inertial></link>\
+             <joint name=\"{name}_joint\" type=\"{kind}\"><parent link=\"link_6\"/><child link=\"{name}\"/><limit lower=\"0\" upper=\"1\" effort=\"1\" velocity=\"1\"/></joint>"
+        )
+    };
+    let flange = "<link name=\"flange\"/>";
+    let read = |more: &str, tip| urdf::parse(&changed(flange, &format!("{flange}{more}")), None, tip);
+    let bare = urdf::parse(&to_urdf(&presets::ur10e()), None, None).expect("an arm").arm::<6>().expect("six");
+    // Two fingers, one finger, a finger that turns, a mimic.
+    for more in [
+        finger("left", "prismatic") + &finger("right", "prismatic"),
+        finger("left", "prismatic"),
+        finger("finger", "revolute"),
+        finger("a", "revolute") + &finger("b", "revolute").replace("<limit", "<mimic joint=\"a_joint\"/><limit"),
+    ] {
+        let chain = read(&more, None).expect("an arm");
+        let arm = chain.arm::<6>().expect("six joints").arm;
+        let fingers = more.matches("<link").count() as f64;
+        assert!((arm.links[5].mass_kg - bare.arm.links[5].mass_kg - 0.1 * fingers).abs() < 1e-12, "{more}");
+        let said: Vec<String> = chain.remarks().iter().map(ToString::to_string).collect();
+        assert!(said.iter().any(|remark| remark.contains("held where the file draws them")), "{said:?}");
+    }
+    let frame = |name: &str, x: f64| {
+        format!(
+            "<link name=\"{name}\"/><joint name=\"{name}_joint\" type=\"fixed\"><origin xyz=\"{x} 0 0\"/><parent link=\"link_6\"/><child link=\"{name}\"/></joint>"
+        )
+    };
+    let flange_x = |chain: tribo_robot::SerialChain| chain.arm::<6>().expect("six").arm.link_from_flange_translation.x;
+    let two = frame("tool0", 0.5) + &frame("ee_link", 0.7);
+    assert_eq!(flange_x(read(&two, None).expect("an arm")), 0.5);
+    assert_eq!(flange_x(read(&two, Some("ee_link")).expect("an arm")), 0.7);
+    // Without a tool frame, the last link that moves.
+    assert_eq!(flange_x(read(&frame("camera", 0.3), None).expect("an arm")), 0.0);
+    let error = read(&two, Some("tool")).expect_err("no such link").to_string();
+    assert!(error.contains("did you mean `tool0`?"), "{error}");
+    let error = read(&finger("left", "prismatic"), Some("left")).expect_err("no arm").to_string();
+    assert!(error.contains("`left_joint` is prismatic") && error.contains("did you mean `link_6`?"), "{error}");
+}
+
+/// A torque and a speed of 0 are limits that nobody knows; a prefix that nobody declares is a vendor's.
+#[test]
+fn unknown_limits_are_assumed_and_said() {
+    let text = changed("effort=\"330\"", "effort=\"0\"").replacen(
+        "velocity=\"2.0943951023931953\"",
+        "velocity=\"0\" drake:acceleration=\"3\"",
+        1,
+    );
+    let chain = urdf::parse(&text, None, None).expect("an arm");
+    let said: Vec<String> = chain.remarks().iter().map(ToString::to_string).collect();
+    assert!(
+        said[0].starts_with("no torque limit of joint_1") && said[1].starts_with("no speed limit of joint_1"),
+        "{said:?}"
+    );
+    let arm = chain.arm::<6>().expect("six joints").arm;
+    assert_eq!(arm.limits.qd_max_rad_s[0], std::f64::consts::PI);
+    // Stretched out, with a vertical axis: inertia alone, of 30 kg m² at most.
+    let torque = arm.limits.tau_max_nm[0];
+    assert!(torque > 50.0 && torque < 300.0, "{torque}");
+    assert_eq!(arm.limits.tau_max_nm[1], 330.0);
+}
+
+/// A base that is turned: gravity stays that of the root.
+#[test]
+fn gravity_is_the_roots() {
+    let turned = "<link name=\"wall\"/><joint name=\"mount\" type=\"fixed\"><origin xyz=\"0 0 1\" rpy=\"0 1.5707963267948966 0\"/><parent link=\"wall\"/><child link=\"link_0\"/></joint><link name=\"link_0\"/>";
+    let text = changed("<link name=\"link_0\"/>", turned);
+    let gravity = |base| urdf::parse(&text, base, None).expect("an arm").arm::<6>().expect("six").arm.gravity_m_s2;
+    assert!((gravity(None) - nalgebra::Vector3::new(0.0, 0.0, -9.81)).amax() < 1e-12);
+    assert!((gravity(Some("link_0")) - nalgebra::Vector3::new(9.81, 0.0, 0.0)).amax() < 1e-12);
+}
+
 #[test]
 fn ends_choose_among_branches_and_rigid_branches_weigh() {
     let heavy = "<link name=\"flange\"/><link name=\"tool\"><inertial><mass value=\"2\"/>\
                  <inertia ixx=\"0\" ixy=\"0\" ixz=\"0\" iyy=\"0\" iyz=\"0\" izz=\"0\"/></inertial></link>\
                  <joint name=\"tool_joint\" type=\"fixed\"><origin xyz=\"0 0 0.1\"/><parent link=\"link_6\"/><child link=\"tool\"/></joint>";
     let text = changed("<link name=\"flange\"/>", heavy);
-    let arm =
-        |tip: &str| UrdfChain::parse(&text, Some("link_0"), Some(tip)).expect(tip).arm::<6>().expect("six joints").arm;
+    let arm = |tip: &str| urdf::parse(&text, Some("link_0"), Some(tip)).expect(tip).arm::<6>().expect("six joints").arm;
     let (at_flange, at_tool) = (arm("flange"), arm("tool"));
     assert_eq!(at_flange.links, at_tool.links);
     assert!((at_flange.links[5].mass_kg - 2.615).abs() < 1e-12);
     assert_eq!(at_tool.link_from_flange_translation.z, 0.1);
     assert_eq!(at_flange.link_from_flange_translation, presets::ur10e().link_from_flange_translation);
-    let end = |base, tip| UrdfChain::parse(&text, base, tip).expect_err("refused");
-    assert!(matches!(end(Some("nowhere"), None), UrdfError::NoSuchEnd { which: "base_link", .. }));
-    assert!(matches!(end(None, Some("nowhere")), UrdfError::NoSuchEnd { which: "tip_link", .. }));
-    assert!(matches!(end(Some("link_3"), Some("link_1")), UrdfError::NotConnected { .. }));
-    assert!(matches!(end(Some("link_2"), Some("flange")), UrdfError::Joints { found: 4, .. }));
-    assert_eq!(UrdfChain::parse(&text, None, Some("tool")).expect("a chain").arm::<7>(), None);
+    let end = |base, tip| urdf::parse(&text, base, tip).expect_err("refused");
+    let chain = |base, tip| match end(base, tip) {
+        UrdfError::Chain(error) => error,
+        other => panic!("{other}"),
+    };
+    assert!(matches!(chain(Some("nowhere"), None), ChainError::NoSuchEnd { which: "base_link", .. }));
+    assert!(matches!(chain(None, Some("nowhere")), ChainError::NoSuchEnd { which: "tip_link", .. }));
+    assert!(matches!(chain(Some("link_3"), Some("link_1")), ChainError::NotConnected { .. }));
+    assert!(matches!(chain(Some("link_2"), Some("flange")), ChainError::Joints { found: 4, .. }));
+    assert_eq!(urdf::parse(&text, None, Some("tool")).expect("a chain").arm::<7>(), None);
 }
 
 /// Whatever happens to a file, it is read or refused, and what is read has finite numbers.
@@ -145,7 +226,7 @@ fn no_mutation_brings_it_down() {
                 _ => bytes.truncate(at.max(1)),
             }
         }
-        if let Ok(chain) = UrdfChain::parse(&String::from_utf8_lossy(&bytes), None, None)
+        if let Ok(chain) = urdf::parse(&String::from_utf8_lossy(&bytes), None, None)
             && let Some(arm) = chain.arm::<7>()
         {
             read += 1;
@@ -181,7 +262,7 @@ fn long_chain(links: usize) -> String {
 fn seconds(text: &str) -> f64 {
     let once = || {
         let begun = std::time::Instant::now();
-        UrdfChain::parse(text, None, None).expect("an arm");
+        urdf::parse(text, None, None).expect("an arm");
         begun.elapsed().as_secs_f64()
     };
     (0..3).map(|_| once()).fold(f64::INFINITY, f64::min)
@@ -199,7 +280,7 @@ fn a_long_chain_is_read_in_linear_time() {
 fn a_joint_of_a_link_with_itself_is_refused() {
     let text =
         long_chain(8).replace("<parent link=\"l2\"/><child link=\"l3\"/>", "<parent link=\"l3\"/><child link=\"l3\"/>");
-    let error = UrdfChain::parse(&text, None, None).expect_err("no arm").to_string();
+    let error = urdf::parse(&text, None, None).expect_err("no arm").to_string();
     assert_eq!(error, "joint `j3` has link `l3` as parent and as child");
 }
 
@@ -213,7 +294,7 @@ fn names_with_control_characters_are_refused() {
         ("\"r\"", "\"r\u{9b}31m\"", "the name of robot `r\\u{9b}31m` has a control character"),
     ] {
         let text = long_chain(8).replace(from, to);
-        let error = UrdfChain::parse(&text, None, None).expect_err("no arm").to_string();
+        let error = urdf::parse(&text, None, None).expect_err("no arm").to_string();
         assert!(error.contains(expected) && !error.contains(|letter: char| letter.is_control()), "{error:?}");
     }
 }

@@ -18,6 +18,8 @@ pub fn choice(arguments: &Diagnose) -> anyhow::Result<ModelChoice> {
     Ok(ModelChoice {
         model: arguments.model.clone(),
         robot: arguments.robot.clone(),
+        base_link: arguments.ends.base_link.clone(),
+        tip_link: arguments.ends.tip_link.clone(),
         torque_side: named(&arguments.torque_side)?,
     })
 }

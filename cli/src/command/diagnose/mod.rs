@@ -19,8 +19,8 @@ use tribo_model::{AnyModel, Model, ModelFile, not_cancelled_of};
 use tribo_robot::Arm;
 
 use super::believe::{Refused, believe};
-use super::check_joints;
 use super::columns::joint_names;
+use super::{check_joints, show_robot};
 use crate::arguments::{Common, Diagnose};
 use crate::failure::{BadInput, CheckFailed, Stopped};
 use crate::output::print_json;
@@ -90,6 +90,7 @@ pub(super) fn diagnosed(arguments: &Diagnose, common: &Common) -> anyhow::Result
     let first = session.first().map_or(0, |log| log.joints());
     let path = arguments.logs.first().map_or(Path::new(""), |path| path);
     let (model_file, model) = given.map_or_else(|| choice.bare(path, first, &session), Ok)?;
+    show_robot(&model_file, common);
     let others = validate.iter().chain(&reference).map(|(name, log)| (name, log));
     for (name, log) in names.iter().zip(&session).chain(others) {
         check_joints(Path::new(name), log, &model)?;

@@ -19,8 +19,13 @@ pub(super) struct Settings {
     schema: String,
     /// Model file that the robot is held against.
     pub(super) model: Option<PathBuf>,
-    /// Preset or URDF, where there is no model file.
+    /// Preset, URDF or MJCF, where there is no model file.
     pub(super) robot: Option<String>,
+    /// Ends of the arm in that file.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub(super) base_link: Option<String>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub(super) tip_link: Option<String>,
     /// Side of the gears of the measured torque, where there is no model file.
     pub(super) torque_side: String,
     /// Ending of the logs.
@@ -39,6 +44,8 @@ impl Settings {
         Self {
             schema: "tribo.investigation/1".to_owned(),
             robot: if arguments.model.is_some() { None } else { Some(given.unwrap_or_else(|| "panda".to_owned())) },
+            base_link: arguments.ends.base_link.clone(),
+            tip_link: arguments.ends.tip_link.clone(),
             model: arguments.model.clone(),
             torque_side: arguments.torque_side.clone(),
             log_format: if live.is_some() { "parquet".to_owned() } else { arguments.log_format.clone() },
@@ -60,6 +67,8 @@ impl Settings {
         let choice = ModelChoice {
             model: self.model.clone(),
             robot: self.robot.clone(),
+            base_link: self.base_link.clone(),
+            tip_link: self.tip_link.clone(),
             torque_side: named(&self.torque_side)?,
         };
         let (_, model) = match choice.given()? {
@@ -82,6 +91,7 @@ impl Settings {
         for (what, same) in [
             ("model", held.model == self.model),
             ("robot", held.robot == self.robot),
+            ("base or tip", (&held.base_link, &held.tip_link) == (&self.base_link, &self.tip_link)),
             ("torque side", held.torque_side == self.torque_side),
             ("log format", held.log_format == self.log_format),
             ("seed", held.seed == self.seed),
