@@ -10,6 +10,7 @@ use tribo_model::{
 use tribo_robot::presets;
 
 use crate::failure::{bad, raised};
+use crate::remarks::warn;
 
 /// What is believed of a robot: the arm, its friction, further effects, and the side of the gears on which torques are meant.
 ///
@@ -43,6 +44,9 @@ impl PyModel {
         let mut file = ModelFile { base_link, tip_link, ..ModelFile::bare(robot, side, logs) };
         file.resolve(Path::new("")).map_err(raised)?;
         let model = file.validate_any().map_err(raised)?;
+        for remark in file.remarks() {
+            Python::attach(|py| warn(py, &format!("{robot}: {remark}")))?;
+        }
         let robot = match &model {
             AnyModel::Six(model) => &model.robot.arm.name,
             AnyModel::Seven(model) => &model.robot.arm.name,

@@ -82,3 +82,17 @@ def test_what_an_arm_says_of_itself():
     assert (limits["q_min"] < arm.poses[0]).all() and (arm.poses[0] < limits["q_max"]).all()
     assert repr(arm) == "Arm(panda, 7 joints)"
     assert tribo.Model.bare("panda").joint_names[0] == "joint_0"
+
+
+def test_a_robot_comes_back_from_mjcf_and_urdf(tmp_path, random):
+    compensator = tribo.tune(trials=1).compensator
+    arm, q = tribo.Arm.preset("panda"), random.normal(size=(10, 7))
+    for form, read in [("mjcf", tribo.Arm.from_mjcf), ("urdf", tribo.Arm.from_urdf)]:
+        text, _ = compensator.export(form)
+        path = tmp_path / f"panda.{form}"
+        path.write_text(text)
+        again = read(path)
+        np.testing.assert_allclose(again.gravity(q), arm.gravity(q), atol=1e-9)
+        np.testing.assert_allclose(again.pose(q), arm.pose(q), atol=1e-9)
+    mass = tribo.Arm.from_mjcf(tmp_path / "panda.mjcf").mass_matrix(q)
+    np.testing.assert_allclose(mass, arm.mass_matrix(q), atol=1e-9)

@@ -51,6 +51,8 @@ def log_from_pandas(frame: pd.DataFrame, *, map: Map | None = None, joints: Sequ
     if frame.index.name is not None and frame.index.name not in frame.columns:
         frame = frame.reset_index()
     columns = {str(name): frame[name].to_numpy() for name in frame.columns}
+    if map is None and {"time", "q_0"} <= columns.keys():
+        return Log.from_columns(columns)
     text, is_text = _map_text(map)
     buffer = io.BytesIO()
     if all(values.dtype.kind in "fiub" for values in columns.values()):

@@ -96,13 +96,18 @@ impl<P: Plant<7>> Server<P> {
     ///
     /// [`ServeError::Network`] where sockets can no longer be had. What a client does is never an error of the server.
     pub fn run(&mut self, stop: &AtomicBool, mut event: impl FnMut(ServerEvent)) -> Result<(), ServeError> {
-        let mut clients = 0;
+        let (mut clients, mut next) = (0, None);
         while !stop.load(Ordering::Relaxed) {
-            wait_for(&[&self.listener], ATTENTION)?;
-            let (stream, client) = match self.listener.accept() {
-                Ok(accepted) => accepted,
-                Err(error) if is_nothing_yet(&error) => continue,
-                Err(error) => return Err(error.into()),
+            let (stream, client) = match next.take() {
+                Some(waiting) => waiting,
+                None => {
+                    wait_for(&[&self.listener], ATTENTION)?;
+                    match self.listener.accept() {
+                        Ok(accepted) => accepted,
+                        Err(error) if is_nothing_yet(&error) => continue,
+                        Err(error) => return Err(error.into()),
+                    }
+                }
             };
             event(ServerEvent::Connected(client));
             if let Some(renewal) = &mut self.renewal {
@@ -114,6 +119,7 @@ impl<P: Plant<7>> Server<P> {
             if let Ok(mut session) = session {
                 self.message_id = session.run(stop, &mut event);
                 clients += usize::from(session.is_greeted());
+                next = session.into_next();
             }
             event(ServerEvent::Disconnected);
         }

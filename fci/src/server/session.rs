@@ -62,6 +62,8 @@ pub(super) struct Session<'a, P> {
     message_id: u64,
     in_hand: Option<MoveInHand>,
     command: Option<CyclicCommand>,
+    /// Somebody else who wants to connect: refused once it is seen that this client is still there, else the next one.
+    waiting: Option<(TcpStream, SocketAddr)>,
 }
 
 impl<'a, P: Plant<7>> Session<'a, P> {
@@ -80,7 +82,8 @@ impl<'a, P: Plant<7>> Session<'a, P> {
         udp.set_nonblocking(true)?;
         let inbox = Inbox::new(HeaderLayout::Robot);
         let (greeted, in_hand, command) = (false, None, None);
-        Ok(Self { settings, stream, listener, udp, greeted, inbox, unit, model, message_id, in_hand, command })
+        let waiting = None;
+        Ok(Self { settings, stream, listener, udp, greeted, inbox, unit, model, message_id, in_hand, command, waiting })
     }
 
     /// Whether the client was of our version.
@@ -222,6 +225,7 @@ impl<'a, P: Plant<7>> Session<'a, P> {
     }
 
     fn read_requests(&mut self, event: &mut impl FnMut(ServerEvent)) -> Result<(), End> {
+        let somebody_waited = self.waiting.is_some();
         let arrival = self.inbox.fill(&mut self.stream)?;
         loop {
             let message = self.inbox.next().map_err(|_| End::Nonsense)?;
@@ -233,11 +237,22 @@ impl<'a, P: Plant<7>> Session<'a, P> {
         if arrival == Arrival::End {
             return Err(End::Gone);
         }
-        // Asked last: a client that has gone may already be back.
-        if let Ok((_, other)) = self.listener.accept() {
+        // Who came while this client was going has seen it go: it is read once more before anybody is refused.
+        if somebody_waited
+            && arrival == Arrival::Nothing
+            && let Some((_, other)) = self.waiting.take()
+        {
             event(ServerEvent::Busy(other));
         }
+        if self.waiting.is_none() {
+            self.waiting = self.listener.accept().ok();
+        }
         Ok(())
+    }
+
+    /// Who is to be served next, having come before this client was seen to be gone.
+    pub(super) fn into_next(self) -> Option<(TcpStream, SocketAddr)> {
+        self.waiting
     }
 
     fn carry_out(
