@@ -114,16 +114,19 @@ impl Source {
         match (channel.message_encoding.as_str(), encoding, schema) {
             ("json", _, _) => Ok(Self::Json),
             ("cdr", "ros2msg", Some(schema)) => {
-                let text = String::from_utf8_lossy(&schema.data);
-                let mut nodes = expand(&schema.name, &text)?;
-                let bound: Vec<Quantity> = bind_all(&mut nodes);
-                match Quantity::ALL.into_iter().find(|q| q.is_required() && *q != Quantity::Time && !bound.contains(q))
-                {
-                    None => Ok(Self::Cdr(nodes)),
-                    Some(lacking) => Err(format!("has no field for {lacking}")),
-                }
+                Self::of_definition(&schema.name, &String::from_utf8_lossy(&schema.data))
             }
             (message, schema, _) => Err(format!("has encoding `{message}` with schema `{schema}`")),
+        }
+    }
+
+    /// How messages in CDR of this definition (`ros2msg`) are read, or why they are not.
+    pub fn of_definition(name: &str, definition: &str) -> Result<Self, String> {
+        let mut nodes = expand(name, definition)?;
+        let bound: Vec<Quantity> = bind_all(&mut nodes);
+        match Quantity::ALL.into_iter().find(|q| q.is_required() && *q != Quantity::Time && !bound.contains(q)) {
+            None => Ok(Self::Cdr(nodes)),
+            Some(lacking) => Err(format!("has no field for {lacking}")),
         }
     }
 
