@@ -65,7 +65,8 @@ mod tuned;
 
 pub use against_ekf::{AgainstEkf, against_ekf};
 pub use ask_tell::{
-    Asked, JudgeError, JudgedLog, Learnt, RecognisedTrial, SentTorque, Told, UserCampaign, UserTrials, judge_log, recognise_trial,
+    Asked, JudgeError, JudgedLog, Learnt, RecognisedTrial, SentTorque, Told, UserCampaign, UserTrials, judge_log,
+    recognise_trial,
 };
 pub use batches::Batches;
 pub use calibration::Calibration;
@@ -96,5 +97,5 @@ pub use transmission_friction::{TransmissionError, TransmissionFriction, Transmi
 pub use trial::{Trial, TrialOutcome, run_trial, run_trial_observed, run_trial_on};
 pub use trial_log::TrialLog;
 pub use trial_store::{read_own_trial_log, read_trial_log, trial_log_path, write_trial_log};
-pub use tuned::{finished_compensator, trial_compensator};
 pub use tribo_runtime::SETTLE_S;
+pub use tuned::{finished_compensator, trial_compensator};

@@ -51,12 +51,7 @@ pub struct LogEstimate {
 impl<const N: usize> LogEstimator<N> {
     /// Estimators that believe in `model` ([`Believed::on_log`]) and have seen no log in free motion.
     pub fn new(model: &Model<N>) -> Self {
-        Self {
-            believed: Believed::on_log(model),
-            smoothing_rad_s: model.smoothing_rad_s,
-            free: None,
-            contact: None,
-        }
+        Self { believed: Believed::on_log(model), smoothing_rad_s: model.smoothing_rad_s, free: None, contact: None }
     }
 
     /// What of the model estimators believe, and what they cannot use.
@@ -124,8 +119,11 @@ impl<const N: usize> LogEstimator<N> {
         };
         let ekf = WrenchEkfSettings::default();
         let stiffness = self.believed.joint_stiffness_nm_per_rad();
-        AnyEstimator::with_confidence(name, ekf, arm, &friction, &band, noise_factor)?
-            .on_gears(arm, stiffness, noise_factor)
+        AnyEstimator::with_confidence(name, ekf, arm, &friction, &band, noise_factor)?.on_gears(
+            arm,
+            stiffness,
+            noise_factor,
+        )
     }
 }
 

@@ -103,11 +103,15 @@ mod tests {
     /// Bytes laid out by hand: stamp 2 s + 3 ns, frame "b", one joint "j" at 1.5 rad.
     #[test]
     fn the_bytes_are_those_of_the_standard() {
-        let mut bytes = b"\0\x01\0\0\x02\0\0\0\x03\0\0\0\x02\0\0\0b\0\0\0\x01\0\0\0\x02\0\0\0j\0\0\0\x01\0\0\0".to_vec();
+        let mut bytes =
+            b"\0\x01\0\0\x02\0\0\0\x03\0\0\0\x02\0\0\0b\0\0\0\x01\0\0\0\x02\0\0\0j\0\0\0\x01\0\0\0".to_vec();
         bytes.extend_from_slice(&1.5_f64.to_le_bytes());
         bytes.extend_from_slice(&[0; 8]);
         let read = JointStateReader::new().unwrap().read(&bytes).unwrap();
-        assert_eq!((read.stamp_ns, &read.names[..], &read.position[..]), (2_000_000_003, &["j".to_owned()][..], &[1.5][..]));
+        assert_eq!(
+            (read.stamp_ns, &read.names[..], &read.position[..]),
+            (2_000_000_003, &["j".to_owned()][..], &[1.5][..])
+        );
         let mut cdr = CdrWriter::default();
         cdr.header(2_000_000_003, "b").texts(&read.names).f64s(&read.position).f64s(&[]).f64s(&[]);
         assert_eq!(cdr.finish(), bytes);

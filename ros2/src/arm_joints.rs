@@ -58,8 +58,9 @@ impl<const N: usize> ArmJoints<N> {
         let no_arm = |missing: String| Unusable::NoArm { found: shown(&message.names), missing };
         let names = match &self.names {
             Some(names) => names.clone(),
-            None => <[String; N]>::try_from(message.arm_joints())
-                .map_err(|joints| no_arm(format!("an arm of {N} joints ({} are no tool's); --joints names them", joints.len())))?,
+            None => <[String; N]>::try_from(message.arm_joints()).map_err(|joints| {
+                no_arm(format!("an arm of {N} joints ({} are no tool's); --joints names them", joints.len()))
+            })?,
         };
         let place = |name: &String| message.names.iter().position(|found| found == name);
         let missing: Vec<String> = names.iter().filter(|name| place(name).is_none()).cloned().collect();
@@ -128,7 +129,10 @@ mod tests {
         assert_eq!(joints.entries(&message(&["arm_joint1", "x", "arm_joint2"])).unwrap(), [0, 2]);
         let mut given = ArmJoints::<2>::new(Some(["b".into(), "a".into()]));
         assert_eq!(given.entries(&message(&["a", "wheel_3", "b"])).unwrap(), [2, 0]);
-        assert_eq!(ArmJoints::<2>::new(None).entries(&JointState { position: vec![0.0; 2], ..JointState::default() }), Ok([0, 1]));
+        assert_eq!(
+            ArmJoints::<2>::new(None).entries(&JointState { position: vec![0.0; 2], ..JointState::default() }),
+            Ok([0, 1])
+        );
     }
 
     #[test]

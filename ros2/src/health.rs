@@ -36,7 +36,9 @@ impl Health<'_> {
             Some(fault) => (Level::Error, fault.to_string()),
             None if published == 0 => (Level::Warn, "the estimator settles".to_owned()),
             None if grew(|c| c.unsent) > 0 => (Level::Warn, "the network did not take every wrench".to_owned()),
-            None if self.refused.is_some() => (Level::Warn, "the newest parameters cannot be used; the old ones are".to_owned()),
+            None if self.refused.is_some() => {
+                (Level::Warn, "the newest parameters cannot be used; the old ones are".to_owned())
+            }
             None if grew(|c| c.faults + c.lost + c.gaps + c.restarts + c.not_later + c.unusable) > 0 => {
                 (Level::Warn, "messages were lost or could not be used".to_owned())
             }

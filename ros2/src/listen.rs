@@ -96,11 +96,15 @@ pub fn listen<const N: usize, E: WrenchEstimator<N>>(
     let recording = settings.record.as_deref().map(|path| Recording::begin(path, &topic)).transpose()?;
     let network = |why: String| ListenError::Network { domain: node.settings.domain, why };
     let reader = JointStateReader::new().map_err(network)?;
-    let told = node.compensation.is_some().then(|| Told { joints: ArmJoints::new(stream.joints().names().cloned()), torque: None });
+    let told = node
+        .compensation
+        .is_some()
+        .then(|| Told { joints: ArmJoints::new(stream.joints().names().cloned()), torque: None });
     let ages = Ages::new();
     let second = Second { begun: Instant::now(), before: Counts::default(), ages: Ages::new() };
     let (due_ns, refused) = (0, None);
-    let mut listener = Listener { node, stream, settings, reader, recording, told, ages, second, due_ns, refused, hear };
+    let mut listener =
+        Listener { node, stream, settings, reader, recording, told, ages, second, due_ns, refused, hear };
     let ran = listener.run(updates, stop);
     // What was recorded is kept, whatever ended it.
     let kept = listener.recording.take().map_or(Ok(()), Recording::finish);

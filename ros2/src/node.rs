@@ -84,7 +84,8 @@ impl Node {
         let participant = builder.build()?;
         let sensor_data = qos(Reliability::BestEffort);
         let reliable = qos(Reliability::Reliable { max_blocking_time: Duration::from_millis(100).into() });
-        let (subscriber, publisher) = (participant.create_subscriber(&sensor_data)?, participant.create_publisher(&reliable)?);
+        let (subscriber, publisher) =
+            (participant.create_subscriber(&sensor_data)?, participant.create_publisher(&reliable)?);
         let ends = Ends { participant: &participant, subscriber, publisher, sensor_data, reliable };
         let topics = &settings.topics;
         Ok(Self {

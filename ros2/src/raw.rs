@@ -1,8 +1,8 @@
 //! Messages as bytes, through the serialisation of the DDS library.
 
+use rustdds::RepresentationIdentifier;
 use rustdds::bytes::Bytes;
 use rustdds::no_key::{Decode, DefaultDecoder, DeserializerAdapter, SerializerAdapter};
-use rustdds::RepresentationIdentifier;
 
 /// One message in CDR with the four bytes in front that say its byte order.
 #[derive(Clone, Debug)]

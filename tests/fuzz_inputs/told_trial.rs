@@ -3,7 +3,9 @@
 use std::path::Path;
 use std::sync::LazyLock;
 
-use tribo_campaign::{EstimatorName, RecognisedTrial, SentTorque, TuneConfig, UserTrials, ValidTune, judge_log, recognise_trial};
+use tribo_campaign::{
+    EstimatorName, RecognisedTrial, SentTorque, TuneConfig, UserTrials, ValidTune, judge_log, recognise_trial,
+};
 use tribo_logs::read_log_from;
 
 /// What errors call the input.

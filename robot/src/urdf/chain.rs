@@ -19,6 +19,7 @@ const GRAVITY_M_S2: f64 = 9.81;
 #[derive(Clone, Debug, PartialEq)]
 pub struct UrdfChain {
     name: String,
+    base_link: String,
     joints: Vec<ChainJoint>,
     placements: Vec<JointPlacement>,
     links: Vec<LinkInertia>,
@@ -74,7 +75,19 @@ impl UrdfChain {
         if !(6..=7).contains(&joints.len()) {
             return Err(UrdfError::Joints { found: joints.len(), base: path.base, tip: path.tip });
         }
-        Ok(Self { name: tree.robot.name, joints, placements, links, link_from_flange: body_from_link })
+        Ok(Self {
+            name: tree.robot.name,
+            base_link: path.base,
+            joints,
+            placements,
+            links,
+            link_from_flange: body_from_link,
+        })
+    }
+
+    /// Name of the link that the arm begins at; wrenches in base axes are in its axes.
+    pub fn base_link(&self) -> &str {
+        &self.base_link
     }
 
     /// Number of joints.
