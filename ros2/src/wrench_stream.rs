@@ -197,3 +197,160 @@ struct Sample<const N: usize> {
     frame: SensorFrame<N>,
     has_velocity: bool,
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use tribo_ekf::{WrenchEkf, WrenchEkfSettings};
+    use tribo_friction::law::CoulombViscous;
+    use tribo_friction::{Compensator, FrictionModel, VelocitySource};
+    use tribo_robot::{presets, rnea};
+
+    /// Frictionless, or an arm whose friction is believed to be so many Nm.
+    fn measured(coulomb_nm: f64) -> MeasuredWrench<7, WrenchEkf> {
+        let law = CoulombViscous { coulomb_nm, viscous_nm_s_per_rad: 0.0 };
+        let compensator = Compensator::new(FrictionModel::uniform(law.into()), VelocitySource::Measured);
+        MeasuredWrench::new(presets::panda(), compensator, WrenchEkf::new(WrenchEkfSettings::default()))
+    }
+
+    fn stream() -> WrenchStream<7, WrenchEkf> {
+        WrenchStream::new(measured(0.0), ArmJoints::new(None))
+    }
+
+    /// A slow wave of all joints, torques of the rigid arm, at k ms.
+    fn message(k: u64) -> JointState {
+        let (arm, ready, t) = (presets::panda(), presets::panda_ready_pose(), k as f64 * 1e-3);
+        let q = ready.map(|q| q + 0.1 * (2.0 * t).sin());
+        let qd = ready.map(|_| 0.2 * (2.0 * t).cos());
+        let qdd = ready.map(|_| -0.4 * (2.0 * t).sin());
+        let list = |values: &SVector<f64, 7>| values.as_slice().to_vec();
+        JointState {
+            stamp_ns: 1_700_000_000_000_000_000 + k * 1_000_000,
+            names: (1..=7).map(|j| format!("panda_joint{j}")).collect(),
+            position: list(&q),
+            velocity: list(&qd),
+            effort: list(&rnea(&arm, &q, &qd, &qdd)),
+        }
+    }
+
+    /// The wrenches of messages.
+    fn wrenches(stream: &mut WrenchStream<7, WrenchEkf>, messages: &[JointState]) -> Vec<StampedWrench> {
+        messages.iter().filter_map(|message| stream.take(message, None).ok()?.wrench).collect()
+    }
+
+    fn run(range: std::ops::Range<u64>) -> Vec<JointState> {
+        range.map(message).collect()
+    }
+
+    /// A rigid arm in free motion has no wrench, and the first half second says nothing.
+    #[test]
+    fn an_arm_that_nobody_touches_has_no_wrench() {
+        let (mut stream, messages) = (stream(), run(0..1500));
+        let wrenches = wrenches(&mut stream, &messages);
+        assert_eq!((wrenches.len(), wrenches[0].stamp_ns), (1000, messages[500].stamp_ns));
+        let last = wrenches.last().unwrap().estimate.wrench_base.to_vector();
+        assert!(last.amax() < 0.05, "{last}");
+        let counts = *stream.counts();
+        assert_eq!(counts, Counts { received: 1500, used: 1500, ..Counts::default() });
+    }
+
+    /// What a driver lists beside the arm, and in which order, changes no bit.
+    #[test]
+    fn the_order_of_joints_changes_no_bit() {
+        let mixed = |state: &JointState| {
+            let mixed = |values: &[f64]| std::iter::once(9.0).chain(values.iter().rev().copied()).collect::<Vec<f64>>();
+            let names = std::iter::once("panda_finger_joint1".to_owned()).chain(state.names.iter().rev().cloned());
+            JointState {
+                stamp_ns: state.stamp_ns,
+                names: names.collect(),
+                position: mixed(&state.position),
+                velocity: mixed(&state.velocity),
+                effort: mixed(&state.effort),
+            }
+        };
+        let messages = run(0..800);
+        let shuffled: Vec<JointState> = messages.iter().map(mixed).collect();
+        assert_eq!(wrenches(&mut stream(), &messages), wrenches(&mut stream(), &shuffled));
+    }
+
+    /// Messages that cannot be used leave the estimator as it was, and each is counted as what it is.
+    #[test]
+    fn what_cannot_be_used_moves_nothing() {
+        let clean = run(0..800);
+        let mut with_trouble = clean.clone();
+        let other = JointState { names: vec!["gripper".into()], position: vec![0.1], ..message(601) };
+        with_trouble.insert(601, other);
+        with_trouble.insert(603, JointState { effort: vec![f64::NAN; 7], ..message(602) });
+        with_trouble.insert(605, JointState { effort: Vec::new(), ..message(603) });
+        with_trouble.insert(607, JointState { velocity: vec![0.0; 3], ..message(604) });
+        with_trouble.insert(609, message(550));
+        with_trouble.insert(611, JointState { stamp_ns: 0, ..message(606) });
+        let mut troubled = stream();
+        assert_eq!(wrenches(&mut stream(), &clean), wrenches(&mut troubled, &with_trouble));
+        let counts = *troubled.counts();
+        assert_eq!((counts.used, counts.incomplete, counts.unusable, counts.not_later), (800, 1, 4, 1));
+    }
+
+    /// Some messages that are lost are bridged and counted; after a gap, and where the clock is set back, the estimator settles anew.
+    #[test]
+    fn gaps_begin_anew_and_losses_are_bridged() {
+        let mut lossy = run(0..600);
+        lossy.extend(run(605..700));
+        let mut stream = stream();
+        assert_eq!(wrenches(&mut stream, &lossy).len(), 195);
+        assert_eq!((stream.counts().lost, stream.counts().gaps), (5, 0));
+        let after = run(720..1230);
+        let again = wrenches(&mut stream, &after);
+        assert_eq!((stream.counts().gaps, again[0].stamp_ns), (1, message(1220).stamp_ns));
+        let fresh = wrenches(&mut self::stream(), &after);
+        assert_eq!(again.last().unwrap().estimate, fresh.last().unwrap().estimate);
+        let back: Vec<JointState> =
+            (0..510).map(|k| JointState { stamp_ns: 5_000_000_000 + k * 1_000_000, ..message(k) }).collect();
+        assert_eq!(wrenches(&mut stream, &back).len(), 10);
+        assert_eq!(stream.counts().restarts, 1);
+    }
+
+    /// Another estimator takes over when it has settled: no wrench is missing, and in the end it is as if it had been there alone.
+    #[test]
+    fn another_estimator_takes_over_without_a_gap() {
+        let (mut swapped, messages) = (stream(), run(0..2500));
+        let mut found = wrenches(&mut swapped, &messages[..1000]);
+        swapped.replace(measured(0.5));
+        found.extend(wrenches(&mut swapped, &messages[1000..]));
+        assert_eq!(found.len(), 2000);
+        let alone = wrenches(&mut WrenchStream::new(measured(0.5), ArmJoints::new(None)), &messages[1000..]);
+        let kept = wrenches(&mut stream(), &messages);
+        // The new one begins with message 1000 and speaks from 1500 on.
+        assert_eq!(found[..1000], kept[..1000]);
+        assert_eq!(found[1000..], alone[..]);
+        assert!(found[1999].estimate.wrench_base != kept[1999].estimate.wrench_base);
+    }
+
+    /// Without velocities the slope of the positions stands for them: a little late, so a little wrong.
+    #[test]
+    fn velocities_come_from_positions_where_there_are_none() {
+        let bare: Vec<JointState> =
+            run(0..1500).into_iter().map(|state| JointState { velocity: Vec::new(), ..state }).collect();
+        let found = wrenches(&mut stream(), &bare);
+        let (last, mut with) = (found.last().unwrap().estimate, stream());
+        let exact = wrenches(&mut with, &run(0..1500)).last().unwrap().estimate;
+        let apart = (last.wrench_base.to_vector() - exact.wrench_base.to_vector()).amax();
+        assert!(apart > 1e-6 && apart < 1.0, "{apart}");
+    }
+
+    /// A torque that the controller tells takes the place of the law believed.
+    #[test]
+    fn a_told_compensation_replaces_the_law() {
+        let told = SVector::<f64, 7>::repeat(0.5);
+        let mut believed = WrenchStream::new(measured(0.0), ArmJoints::new(None));
+        let with: Vec<JointState> = run(0..800)
+            .into_iter()
+            .map(|state| JointState { effort: state.effort.iter().map(|tau| tau + 0.5).collect(), ..state })
+            .collect();
+        let found: Vec<StampedWrench> =
+            with.iter().filter_map(|message| believed.take(message, Some(&told)).unwrap().wrench).collect();
+        let plain = wrenches(&mut stream(), &run(0..800));
+        let apart = (found[299].estimate.wrench_base.to_vector() - plain[299].estimate.wrench_base.to_vector()).amax();
+        assert!(apart < 1e-6, "{apart}");
+    }
+}

@@ -28,6 +28,7 @@ pub mod campaign_journal;
 pub mod early_stop_yaml;
 pub mod expected_json;
 pub mod experiment_yaml;
+pub mod joint_state;
 pub mod journal;
 pub mod mcap_message;
 pub mod model_yaml;
@@ -47,13 +48,14 @@ pub use robot_log::{csv_log, mcap_log, parquet_log};
 pub type Target = (&'static str, fn(&[u8]));
 
 /// Every target.
-pub const TARGETS: [Target; 22] = [
+pub const TARGETS: [Target; 23] = [
     ("arguments", arguments::check),
     ("campaign_journal", campaign_journal::check),
     ("csv_log", csv_log),
     ("early_stop_yaml", early_stop_yaml::check),
     ("expected_json", expected_json::check),
     ("experiment_yaml", experiment_yaml::check),
+    ("joint_state", joint_state::check),
     ("journal", journal::check),
     ("kinova_gen3_log", csv_log),
     ("libfranka_log", csv_log),
