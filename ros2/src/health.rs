@@ -71,8 +71,10 @@ impl Health<'_> {
                 values.push(("stamp to wrench, p50 [ms]", ms(age.quantile_us(0.5))));
                 values.push(("stamp to wrench, p99 [ms]", ms(age.quantile_us(0.99))));
             }
-            values.push(("taken to wrench, p50 [ms]", ms(took.quantile_us(0.5))));
-            values.push(("taken to wrench, p99 [ms]", ms(took.quantile_us(0.99))));
+            if took.count() > 0 {
+                values.push(("taken to wrench, p50 [ms]", ms(took.quantile_us(0.5))));
+                values.push(("taken to wrench, p99 [ms]", ms(took.quantile_us(0.99))));
+            }
         }
         if let Some(why) = self.refused {
             values.push(("parameters refused", why.to_owned()));

@@ -249,6 +249,7 @@ fn options_that_cannot_be_are_refused() {
         ("--robot panda --joints a,b,c,d,e,f,a", "--joints names a twice"),
         ("--robot panda --record r.csv", "ends with .mcap"),
         ("--robot panda --joint-states /2a", "topic /2a: is no name of a topic"),
+        ("--robot panda --address 192.0.2.1", "--address 192.0.2.1: no network interface"),
         ("--robot nobody", "nobody"),
         ("--model none.yaml", "none.yaml"),
         ("--compensator none.yaml", "none.yaml"),

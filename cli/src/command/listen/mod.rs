@@ -3,6 +3,7 @@
 mod parameters;
 mod summary;
 
+use std::net::UdpSocket;
 use std::path::Path;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{Sender, channel};
@@ -140,6 +141,9 @@ fn node_settings(arguments: &Listen) -> anyhow::Result<NodeSettings> {
         [] if here => vec![std::net::Ipv4Addr::LOCALHOST.into()],
         given => given.to_vec(),
     };
+    if let Some(address) = addresses.iter().find(|address| UdpSocket::bind((**address, 0)).is_err()) {
+        return Err(BadInput(format!("--address {address}: no network interface of this computer has it")).into());
+    }
     let topics = TopicNames {
         joint_states: arguments.joint_states.clone(),
         compensation: arguments.compensation.clone(),
