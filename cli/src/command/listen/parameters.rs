@@ -26,7 +26,7 @@ pub struct Parameters {
 impl Parameters {
     /// Reads the files.
     pub fn read(arguments: &Listen) -> anyhow::Result<Self> {
-        let tuned = arguments.compensator.as_deref().map(|path| tuned(path)).transpose()?;
+        let tuned = arguments.compensator.as_deref().map(tuned).transpose()?;
         let choice = ModelChoice {
             model: arguments.model.clone(),
             robot: arguments.robot.clone(),
