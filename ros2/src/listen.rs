@@ -61,7 +61,7 @@ pub enum Heard {
     Silence(Vec<String>),
     /// The first message that is used; names of the joints, base to tool, where it has names.
     Begun(Vec<String>),
-    /// The stamps have a gap, or jumped back: the estimator has begun anew.
+    /// The stamps have a gap, or jumped back: the estimator has begun anew. Said once a second at most.
     BegunAnew,
 }
 
@@ -101,7 +101,7 @@ pub fn listen<const N: usize, E: WrenchEstimator<N>>(
         .is_some()
         .then(|| Told { joints: ArmJoints::new(stream.joints().names().cloned()), torque: None });
     let ages = Ages::new();
-    let second = Second { begun: Instant::now(), before: Counts::default(), ages: Ages::new() };
+    let second = Second::after(Counts::default());
     let (due_ns, refused) = (0, None);
     let mut listener =
         Listener { node, stream, settings, reader, recording, told, ages, second, due_ns, refused, hear };
@@ -141,6 +141,14 @@ struct Second {
     begun: Instant,
     before: Counts,
     ages: Option<Ages>,
+    /// Whether somebody has been told of a gap.
+    told: bool,
+}
+
+impl Second {
+    fn after(before: Counts) -> Self {
+        Self { begun: Instant::now(), before, ages: Ages::new(), told: false }
+    }
 }
 
 impl<const N: usize, E: WrenchEstimator<N>> Listener<'_, N, E> {
@@ -234,7 +242,8 @@ impl<const N: usize, E: WrenchEstimator<N>> Listener<'_, N, E> {
             (self.hear)(Heard::Begun(names.map(|names| names.to_vec()).unwrap_or_default()));
         }
         let counts = self.stream.counts();
-        if (counts.gaps, counts.restarts) != (before.gaps, before.restarts) {
+        if (counts.gaps, counts.restarts) != (before.gaps, before.restarts) && !self.second.told {
+            self.second.told = true;
             (self.hear)(Heard::BegunAnew);
         }
         if let Some(wrench) = taken.wrench.filter(|wrench| self.is_due(wrench.stamp_ns)) {
@@ -323,7 +332,7 @@ impl<const N: usize, E: WrenchEstimator<N>> Listener<'_, N, E> {
         };
         // A monitor that misses one sees the next.
         let _ = sent(&self.node.diagnostics, diagnostic_array(now_ns(), &health.status()));
-        self.second = Second { begun: Instant::now(), before: now, ages: Ages::new() };
+        self.second = Second::after(now);
     }
 }
 

@@ -70,7 +70,7 @@ fn panda_joint_state(arm: &Arm<7>, k: u64) -> Vec<u8> {
         stamp_ns: 1_700_000_000_000_000_000 + k * 1_000_000,
         names: names.collect(),
         position: with_finger(0.02, q.as_slice()),
-        velocity: if k % 240 == 0 { vec![0.0; 8] } else { Vec::new() },
+        velocity: if k.is_multiple_of(240) { vec![0.0; 8] } else { Vec::new() },
         effort: with_finger(0.0, gravity_torque(arm, &q).as_slice()),
     };
     state.to_cdr()

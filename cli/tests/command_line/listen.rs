@@ -201,6 +201,35 @@ fn parameters_change_while_it_listens() {
     assert!(refused, "{}", heard["diagnostics"]);
 }
 
+/// A torque that the controller adds for friction, and tells, is no wrench.
+#[test]
+fn a_told_compensation_is_no_wrench() {
+    let Some(network) = Network::new("a compensation that is told") else { return };
+    let wrenches = |added_nm: f64, option: &str| -> Vec<Vec<f64>> {
+        let at = scratch();
+        question(at.path(), 1_000, &[("added_nm", json!(added_nm))]);
+        let script = "
+            $peer hear question.json > heard.json & hears=$!
+            $tribo listen --robot panda --json $option > listened.json & listens=$!
+            $peer publish question.json > sent.json && wait $hears || exit 9
+            kill -INT $listens; wait $listens";
+        network.run(at.path(), &script.replace("$option", option)).ok();
+        let heard = document(&at.path().join("heard.json"));
+        let values =
+            |wrench: &Value| wrench[2].as_array().unwrap().iter().map(|value| value.as_f64().unwrap()).collect();
+        heard["wrench"].as_array().unwrap().iter().map(values).collect()
+    };
+    let (without, told) = (wrenches(0.0, ""), wrenches(0.7, "--compensation /tau_friction"));
+    let untold = wrenches(0.7, "");
+    assert_eq!((without.len(), told.len(), untold.len()), (500, 500, 500));
+    let apart = |some: &[Vec<f64>]| {
+        let pairs = some.iter().zip(&without).flat_map(|(some, without)| some.iter().zip(without));
+        pairs.map(|(some, without)| (some - without).abs()).fold(0.0, f64::max)
+    };
+    // Other stamps round otherwise.
+    assert!(apart(&told) < 1e-5 && apart(&untold) > 0.5, "{} {}", apart(&told), apart(&untold));
+}
+
 /// What is wrong with a topic is said with its name and what it has, and the exit code is 2.
 #[test]
 fn topics_that_cannot_be_used_are_named() {

@@ -4,7 +4,7 @@ ros2_peer.py publish QUESTION    sends the rows of a canonical CSV as joint stat
 ros2_peer.py hear QUESTION       keeps wrenches, covariances and diagnostics until none comes any more; prints them
 
 QUESTION is a JSON file: csv, rows, rate_hz, ready (a file that `hear` makes once it is connected), effort (false: none), velocity (false: none),
-names (of the seven joints), extra (false: no fingers). Topics are those of `tribo listen` by default.
+names (of the seven joints), extra (false: no fingers), added_nm (a torque that is added to the effort and told on /tau_friction). Topics are those of `tribo listen` by default.
 """
 
 import csv, json, os, sys, time
@@ -130,6 +130,12 @@ def publish(question):
     until(lambda: writer.get_matched_subscriptions(), "a subscriber of /joint_states")
     if question["ready"]:
         until(lambda: os.path.exists(question["ready"]), "a hearer of /wrench")
+    added_nm, compensation = question.get("added_nm", 0.0), None
+    if added_nm:
+        compensation = DataWriter(participant, Topic(participant, "rt/tau_friction", JointState_), qos=RELIABLE)
+        until(lambda: compensation.get_matched_subscriptions(), "a subscriber of /tau_friction")
+        compensation.write(JointState_(Header_(Time_(0, 0), ""), names, [], [], [added_nm] * len(names)))
+        time.sleep(0.5)
     period_ns = round(NS / question["rate_hz"])
     start_ns = time.time_ns() + NS // 10
     late_ns = 0
@@ -141,7 +147,7 @@ def publish(question):
         late_ns = max(late_ns, time.time_ns() - stamp_ns)
         writer.write(JointState_(
             Header_(Time_(stamp_ns // NS, stamp_ns % NS), ""), listed, entries(row, "q"),
-            entries(row, "dq") if question["velocity"] else [], entries(row, "tau_J") if question["effort"] else [],
+            entries(row, "dq") if question["velocity"] else [], [tau + added_nm for tau in entries(row, "tau_J")] if question["effort"] else [],
         ))
     time.sleep(1.0)
     print(json.dumps({"sent": len(rows), "first_ns": start_ns, "latest_ms": late_ns / 1e6}))
