@@ -57,9 +57,11 @@ impl Network {
     }
 }
 
-/// A script with a loopback that knows multicast.
+/// A script with a loopback that knows multicast; what it started ends with it.
 fn inside(script: &str) -> String {
-    format!("ip link set lo up && ip link set lo multicast on && ip route add 224.0.0.0/4 dev lo && {{ {script}\n}}")
+    format!(
+        "trap 'kill $hears $listens $sends 2> /dev/null' EXIT; ip link set lo up && ip link set lo multicast on && ip route add 224.0.0.0/4 dev lo && {{ {script}\n}}"
+    )
 }
 
 /// A trial of the simulated Panda as canonical CSV, and what the peer is to do with it.
@@ -205,9 +207,10 @@ fn parameters_change_while_it_listens() {
 #[test]
 fn a_told_compensation_is_no_wrench() {
     let Some(network) = Network::new("a compensation that is told") else { return };
-    let wrenches = |added_nm: f64, option: &str| -> Vec<Vec<f64>> {
+    let wrenches = |added_nm: f64, told: bool| -> Vec<Vec<f64>> {
         let at = scratch();
-        question(at.path(), 1_000, &[("added_nm", json!(added_nm))]);
+        question(at.path(), 1_000, &[("added_nm", json!(added_nm)), ("told", json!(told))]);
+        let option = if told { "--compensation /tau_friction" } else { "" };
         let script = "
             $peer hear question.json > heard.json & hears=$!
             $tribo listen --robot panda --json $option > listened.json & listens=$!
@@ -219,8 +222,8 @@ fn a_told_compensation_is_no_wrench() {
             |wrench: &Value| wrench[2].as_array().unwrap().iter().map(|value| value.as_f64().unwrap()).collect();
         heard["wrench"].as_array().unwrap().iter().map(values).collect()
     };
-    let (without, told) = (wrenches(0.0, ""), wrenches(0.7, "--compensation /tau_friction"));
-    let untold = wrenches(0.7, "");
+    let (without, told) = (wrenches(0.0, false), wrenches(0.7, true));
+    let untold = wrenches(0.7, false);
     assert_eq!((without.len(), told.len(), untold.len()), (500, 500, 500));
     let apart = |some: &[Vec<f64>]| {
         let pairs = some.iter().zip(&without).flat_map(|(some, without)| some.iter().zip(without));

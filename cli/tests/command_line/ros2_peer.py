@@ -4,7 +4,8 @@ ros2_peer.py publish QUESTION    sends the rows of a canonical CSV as joint stat
 ros2_peer.py hear QUESTION       keeps wrenches, covariances and diagnostics until none comes any more; prints them
 
 QUESTION is a JSON file: csv, rows, rate_hz, ready (a file that `hear` makes once it is connected), effort (false: none), velocity (false: none),
-names (of the seven joints), extra (false: no fingers), added_nm (a torque that is added to the effort and told on /tau_friction). Topics are those of `tribo listen` by default.
+names (of the seven joints), extra (false: no fingers), added_nm (a torque that is added to the effort),
+told (whether it is told on /tau_friction). Topics are those of `tribo listen` by default.
 """
 
 import csv, json, os, sys, time
@@ -130,8 +131,8 @@ def publish(question):
     until(lambda: writer.get_matched_subscriptions(), "a subscriber of /joint_states")
     if question["ready"]:
         until(lambda: os.path.exists(question["ready"]), "a hearer of /wrench")
-    added_nm, compensation = question.get("added_nm", 0.0), None
-    if added_nm:
+    added_nm = question.get("added_nm", 0.0)
+    if question.get("told"):
         compensation = DataWriter(participant, Topic(participant, "rt/tau_friction", JointState_), qos=RELIABLE)
         until(lambda: compensation.get_matched_subscriptions(), "a subscriber of /tau_friction")
         compensation.write(JointState_(Header_(Time_(0, 0), ""), names, [], [], [added_nm] * len(names)))
