@@ -28,3 +28,19 @@ pub fn covariance_array(stamp_ns: u64, moment_first: &Matrix6<f64>) -> Vec<u8> {
     }
     cdr.finish()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Row i, column j of the estimator holds 10 i + j: the first numbers that go out are those of force with force, then with moment.
+    #[test]
+    fn force_comes_first() {
+        let bytes = covariance_array(12_000_000_345, &Matrix6::from_fn(|i, j| (10 * i + j) as f64));
+        let data = &bytes[bytes.len() - 36 * 8..];
+        let numbers: Vec<f64> = data.chunks(8).map(|eight| f64::from_le_bytes(eight.try_into().unwrap())).collect();
+        assert_eq!(numbers[..6], [33.0, 34.0, 35.0, 30.0, 31.0, 32.0]);
+        assert_eq!(numbers[18..24], [3.0, 4.0, 5.0, 0.0, 1.0, 2.0]);
+        assert_eq!(&bytes[12..49], b"fx fy fz tx ty tz, stamp 12.000000345");
+    }
+}
