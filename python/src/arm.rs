@@ -122,10 +122,7 @@ impl PyArm {
 
     /// Limits as arrays `(joints,)`: `q_min` and `q_max` (rad), `qd_max` (rad/s), `tau_max` (Nm), `tau_rate_max` (Nm/s).
     #[getter]
-    fn limits<'py>(
-        &self,
-        py: Python<'py>,
-    ) -> PyResult<std::collections::BTreeMap<&'static str, Bound<'py, PyArrayDyn<f64>>>> {
+    fn limits<'py>(&self, py: Python<'py>) -> PyResult<std::collections::BTreeMap<&'static str, Bound<'py, PyArrayDyn<f64>>>> {
         fn named<'py, const N: usize>(
             py: Python<'py>,
             arm: &Arm<N>,

@@ -7,8 +7,8 @@ use numpy::PyArrayDyn;
 use pyo3::prelude::*;
 use tribo_export::{Format, export};
 use tribo_friction::{Bristles, Compensator, CompensatorInput};
-use tribo_logs::write_atomic;
 use tribo_model::{Believed, TunedFile, YamlDocument, to_yaml};
+use tribo_logs::write_atomic;
 
 use crate::failure::{bad, raised};
 use crate::rows::{array, sample};
@@ -28,14 +28,7 @@ impl<const N: usize> Running<N> {
         Ok(Self { compensator, bristles: Bristles::default() })
     }
 
-    fn step(
-        &mut self,
-        dq: &Bound<'_, PyAny>,
-        dq_reference: Option<&Bound<'_, PyAny>>,
-        q: Option<&Bound<'_, PyAny>>,
-        load: Option<&Bound<'_, PyAny>>,
-        dt_s: f64,
-    ) -> PyResult<Vec<f64>> {
+    fn step(&mut self, dq: &Bound<'_, PyAny>, dq_reference: Option<&Bound<'_, PyAny>>, q: Option<&Bound<'_, PyAny>>, load: Option<&Bound<'_, PyAny>>, dt_s: f64) -> PyResult<Vec<f64>> {
         let zero = SVector::zeros();
         let qd_measured = sample::<N>(dq, "dq")?;
         let input = CompensatorInput {

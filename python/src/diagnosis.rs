@@ -112,9 +112,7 @@ pub(crate) fn diagnose(
         let heard = |stage: &str, part: f64| {
             if let Some(progress) = &progress {
                 // Whoever listens does not break the work.
-                Python::attach(|py| {
-                    progress.call1(py, (stage, part)).map(drop).unwrap_or_else(|error| error.print(py))
-                });
+                Python::attach(|py| progress.call1(py, (stage, part)).map(drop).unwrap_or_else(|error| error.print(py)));
             }
             !stop.load(Ordering::Relaxed)
         };

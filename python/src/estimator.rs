@@ -27,26 +27,17 @@ impl<const N: usize> Running<N> {
         let Believed { arm, friction, .. } = Believed::on_log(model);
         let settings = WrenchEkfSettings::default();
         let band = believed_band(&friction);
-        let estimator = AnyEstimator::with_confidence(estimator_named(name)?, settings, &arm, &friction, &band, 1.0)
-            .map_err(raised)?;
+        let estimator =
+            AnyEstimator::with_confidence(estimator_named(name)?, settings, &arm, &friction, &band, 1.0).map_err(raised)?;
         Ok(Self { arm, estimator, time_s: 0.0, started: false, last: WrenchEstimate::none_yet() })
     }
 
-    fn step(
-        &mut self,
-        q: &Bound<'_, PyAny>,
-        dq: &Bound<'_, PyAny>,
-        tau: &Bound<'_, PyAny>,
-        tau_friction: Option<&Bound<'_, PyAny>>,
-        dt_s: f64,
-        theta: Option<&Bound<'_, PyAny>>,
-    ) -> PyResult<()> {
+    fn step(&mut self, q: &Bound<'_, PyAny>, dq: &Bound<'_, PyAny>, tau: &Bound<'_, PyAny>, tau_friction: Option<&Bound<'_, PyAny>>, dt_s: f64, theta: Option<&Bound<'_, PyAny>>) -> PyResult<()> {
         let none = SVector::zeros();
         let tau = sample::<N>(tau, "tau")?;
         let friction = tau_friction.map_or(Ok(none), |value| sample::<N>(value, "tau_friction"))?;
         let theta = theta.map(|theta| sample::<N>(theta, "theta")).transpose()?;
-        let frame =
-            SensorFrame { time_s: self.time_s, q: sample::<N>(q, "q")?, qd: sample::<N>(dq, "dq")?, tau, theta };
+        let frame = SensorFrame { time_s: self.time_s, q: sample::<N>(q, "q")?, qd: sample::<N>(dq, "dq")?, tau, theta };
         let terms = ControlTerms::at(&self.arm, &frame.q, &frame.qd);
         if self.started {
             self.last = self.estimator.step(&EstimatorInput {

@@ -4,9 +4,7 @@ use std::path::{Path, PathBuf};
 
 use pyo3::prelude::*;
 use tribo_logs::{RobotLog, write_atomic};
-use tribo_model::{
-    AnyModel, FrictionSection, JointParameters, LawName, ModelChoice, ModelFile, PayloadSection, to_yaml,
-};
+use tribo_model::{AnyModel, FrictionSection, JointParameters, LawName, ModelChoice, ModelFile, PayloadSection, to_yaml};
 use tribo_robot::presets;
 
 use crate::arm::{AnyArm, PyArm};
@@ -67,8 +65,7 @@ impl PyModel {
         if let Ok(arm) = given.cast::<PyArm>() {
             return Ok(arm.get().model.clone());
         }
-        let path: PathBuf =
-            given.extract().map_err(|_| bad("model is none of Model, Arm, path of a model file, name of a robot"))?;
+        let path: PathBuf = given.extract().map_err(|_| bad("model is none of Model, Arm, path of a model file, name of a robot"))?;
         let is_model = path.extension().is_some_and(|ending| ending == "yaml" || ending == "yml");
         if is_model { Self::read(path) } else { Self::bare_robot(&path.to_string_lossy(), "motor", None, None, logs) }
     }
@@ -105,11 +102,7 @@ impl PyModel {
     fn with_friction(&self, coulomb: Vec<f64>, viscous: Vec<f64>) -> PyResult<Self> {
         let joints = self.joints();
         if [coulomb.len(), viscous.len()] != [joints; 2] {
-            return Err(bad(format!(
-                "coulomb has {}, viscous {} numbers; the arm has {joints} joints",
-                coulomb.len(),
-                viscous.len()
-            )));
+            return Err(bad(format!("coulomb has {}, viscous {} numbers; the arm has {joints} joints", coulomb.len(), viscous.len())));
         }
         let joints = coulomb.into_iter().zip(viscous).map(|(coulomb, viscous)| JointParameters {
             coulomb_nm: Some(coulomb),
@@ -164,10 +157,7 @@ impl PyModel {
     /// Side of the gears on which torques are meant: `motor` or `link`.
     #[getter]
     fn torque_side(&self) -> String {
-        serde_json::to_value(self.file.torque_side)
-            .ok()
-            .and_then(|side| side.as_str().map(str::to_owned))
-            .unwrap_or_default()
+        serde_json::to_value(self.file.torque_side).ok().and_then(|side| side.as_str().map(str::to_owned)).unwrap_or_default()
     }
 
     fn __repr__(&self) -> String {

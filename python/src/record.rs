@@ -44,8 +44,11 @@ pub(crate) fn record(
         }
     }
     let usual = Recording { rate_hz: rate, ..Recording::default() };
-    let recording =
-        Recording { encoder_sd_rad: noise * usual.encoder_sd_rad, torque_sd_nm: noise * usual.torque_sd_nm, ..usual };
+    let recording = Recording {
+        encoder_sd_rad: noise * usual.encoder_sd_rad,
+        torque_sd_nm: noise * usual.torque_sd_nm,
+        ..usual
+    };
     let log = py
         .detach(|| either!(&model.model, AnyModel, model => of(model, excitation, duration, &recording, seed)))
         .map_err(raised)?;

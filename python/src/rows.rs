@@ -39,7 +39,12 @@ impl Rows {
     ///
     /// # Errors
     /// Another shape.
-    pub(crate) fn of_arm(value: &Bound<'_, PyAny>, name: &str, joints: usize, like: Option<&Self>) -> PyResult<Self> {
+    pub(crate) fn of_arm(
+        value: &Bound<'_, PyAny>,
+        name: &str,
+        joints: usize,
+        like: Option<&Self>,
+    ) -> PyResult<Self> {
         let rows = Self::of(value, name)?;
         if rows.joints != joints {
             return Err(bad(format!("{name} has {} columns; the arm has {joints} joints", rows.joints)));
@@ -74,11 +79,7 @@ impl Rows {
 /// No numbers, or another number of dimensions.
 pub(crate) fn column(value: &Bound<'_, PyAny>, name: &str) -> PyResult<Vec<f64>> {
     let rows = Rows::of(value, name)?;
-    if rows.leading.is_empty() {
-        Ok(rows.numbers)
-    } else {
-        Err(bad(format!("{name} has two dimensions; allowed: (n,)")))
-    }
+    if rows.leading.is_empty() { Ok(rows.numbers) } else { Err(bad(format!("{name} has two dimensions; allowed: (n,)"))) }
 }
 
 /// One sample of N joints.

@@ -29,8 +29,7 @@ impl PyStudy {
         method: &str,
         init: Option<usize>,
     ) -> PyResult<Self> {
-        let pairs =
-            if let Ok(dictionary) = space.cast::<PyDict>() { dictionary.items().into_any() } else { space.clone() };
+        let pairs = if let Ok(dictionary) = space.cast::<PyDict>() { dictionary.items().into_any() } else { space.clone() };
         let space: Vec<(String, (f64, f64))> = pairs.extract()?;
         let (names, bounds): (Vec<String>, Vec<(f64, f64)>) = space.into_iter().unzip();
         let (low, high): (Vec<f64>, Vec<f64>) = bounds.into_iter().unzip();
@@ -58,9 +57,7 @@ impl PyStudy {
     fn tell(&mut self, trial: usize, cost: Option<f64>) -> PyResult<()> {
         let outcome = match cost {
             Some(cost) if cost.is_finite() => Outcome::Value(cost),
-            Some(cost) => {
-                return Err(bad(format!("cost is {cost}; allowed: finite numbers, or None of a trial that failed")));
-            }
+            Some(cost) => return Err(bad(format!("cost is {cost}; allowed: finite numbers, or None of a trial that failed"))),
             None => Outcome::FAILED,
         };
         self.study.tell(trial, outcome).map_err(raised)

@@ -129,8 +129,9 @@ where
     }
     let mut estimator = LogEstimator::new(model);
     if let Some((path, log)) = &free {
-        estimator =
-            estimator.calibrated_on(log.clone()).map_err(|error| BadInput(format!("{}: {error}", path.display())))?;
+        estimator = estimator
+            .calibrated_on(log.clone())
+            .map_err(|error| BadInput(format!("{}: {error}", path.display())))?;
     }
     if let Some(share) = arguments.touched {
         let prior = ContactPrior::rarely(share).map_err(|error| BadInput(error.to_string()))?;

@@ -116,7 +116,8 @@ where
     Nominal<N>: Diagnosable,
 {
     let theta = campaign.asked(number)?.theta;
-    let RecognisedTrial { log, remarks } = recognise_trial(campaign.tune(), campaign.user_trials(), log, failed);
+    let RecognisedTrial { log, remarks } =
+        recognise_trial(campaign.tune(), campaign.user_trials(), log, failed);
     for remarks in &remarks {
         believe(path, remarks, Use::Trial, Refused::IsAnError, common.quiet)?;
     }
