@@ -84,7 +84,7 @@ pub use follow::{Followed, follow, follow_on};
 pub use friction_limit::{Allowance, FrictionLimit};
 pub use in_memory::{InMemory, run_in_memory};
 pub use log_estimator::{LogEstimate, LogEstimator};
-pub use log_wrench::{LogWrench, ReferenceErrors, SETTLE_S, WrenchSummary, wrench_on_log};
+pub use log_wrench::{LogWrench, ReferenceErrors, WrenchSummary, wrench_on_log};
 pub use monitor::{AbortReason, PenaltyLimits, TrialMonitor};
 pub use numbered_trial::{noise_seed, run_numbered};
 pub use parameters::{Bounds, ParameterSpace, TunedLaw};
@@ -97,4 +97,5 @@ pub use transmission_friction::{TransmissionError, TransmissionFriction, Transmi
 pub use trial::{Trial, TrialOutcome, run_trial, run_trial_observed, run_trial_on};
 pub use trial_log::TrialLog;
 pub use trial_store::{read_own_trial_log, read_trial_log, trial_log_path, write_trial_log};
+pub use tribo_runtime::SETTLE_S;
 pub use tuned::{finished_compensator, trial_compensator};

@@ -6,7 +6,9 @@ use tribo_friction::{FrictionBand, FrictionModel, JointBand};
 use tribo_logs::RobotLog;
 use tribo_model::{Believed, Model};
 use tribo_residual::{BandFitError, OBSERVER_GAIN_RAD_S, identify_band};
+use tribo_runtime::MeasuredWrench;
 
+use crate::log_wrench::measured_wrench;
 use crate::{
     AnyEstimator, Calibration, ContactPrior, EstimatorError, EstimatorName, LogWrench, WrenchSummary, believed_band,
     wrench_on_log,
@@ -92,8 +94,22 @@ impl<const N: usize> LogEstimator<N> {
         Ok(LogEstimate { name, calibration, summary: wrench.summary(), wrench })
     }
 
+    /// The estimator behind the sensors of a live arm, with what [`Self::estimate`] gives it, tare and prior of contact aside.
+    ///
+    /// # Errors
+    /// A model that the estimator cannot work with.
+    pub fn measured(&self, name: EstimatorName) -> Result<MeasuredWrench<N, AnyEstimator<N>>, EstimatorError> {
+        Ok(measured_wrench(&self.believed, self.smoothing_rad_s, self.any(name, 1.0)?))
+    }
+
     /// The wrench before tare and prior.
     fn raw(&self, name: EstimatorName, noise_factor: f64, log: &RobotLog) -> Result<LogWrench, EstimatorError> {
+        let mut estimator = self.any(name, noise_factor)?;
+        Ok(wrench_on_log(log, &self.believed, self.smoothing_rad_s, &mut estimator))
+    }
+
+    /// The estimator of a name.
+    fn any(&self, name: EstimatorName, noise_factor: f64) -> Result<AnyEstimator<N>, EstimatorError> {
         let Believed { arm, friction, .. } = &self.believed;
         let band = self.free.as_ref().map_or_else(|| believed_band(friction), |free| free.band);
         // What the joints have today, at the temperature of today; the others take no more than its band.
@@ -102,12 +118,12 @@ impl<const N: usize> LogEstimator<N> {
             _ => *friction,
         };
         let ekf = WrenchEkfSettings::default();
-        let mut estimator = AnyEstimator::with_confidence(name, ekf, arm, &friction, &band, noise_factor)?.on_gears(
+        let stiffness = self.believed.joint_stiffness_nm_per_rad();
+        AnyEstimator::with_confidence(name, ekf, arm, &friction, &band, noise_factor)?.on_gears(
             arm,
-            self.believed.joint_stiffness_nm_per_rad(),
+            stiffness,
             noise_factor,
-        )?;
-        Ok(wrench_on_log(log, &self.believed, self.smoothing_rad_s, &mut estimator))
+        )
     }
 }
 

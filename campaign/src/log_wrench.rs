@@ -1,10 +1,11 @@
 //! A wrench estimator run over a measured log.
 
-use nalgebra::{SVector, Vector6};
+use nalgebra::SVector;
 use serde_json::{Value, json};
-use tribo_friction::{Bristles, Compensator, CompensatorInput, VelocitySource};
+use tribo_friction::{Compensator, VelocitySource};
 use tribo_logs::{GAP_TOLERANCE, RobotLog, bursts};
-use tribo_robot::{ControlTerms, EstimatorInput, SensorFrame, Wrench, WrenchEstimate, WrenchEstimator};
+use tribo_robot::{SensorFrame, Wrench, WrenchEstimate, WrenchEstimator};
+use tribo_runtime::{LONGEST_GAP_PERIODS, MeasuredWrench};
 
 use tribo_model::Believed;
 
@@ -29,67 +30,53 @@ pub struct LogWrench {
     pub stated_delay_s: f64,
 }
 
-/// Time after the start of a burst that summaries leave out (s): the estimator is still forgetting its start.
-pub const SETTLE_S: f64 = 0.5;
-
 /// Runs an estimator over the bursts of a log, starting anew at each.
 ///
-/// The torque given to it is `tau_J` less the effects believed, and as friction the law believed, at the logged velocity; `believed` must
-/// be [`Believed::on_log`], the arm on the same side of the gears as that torque. The torque that acted over a period is
-/// taken as the mean of its two ends. Friction that grows with the load takes gravity and Coriolis torque as the load.
+/// What it is given is said at [`MeasuredWrench`]; `believed` must be [`Believed::on_log`], the arm on the same side of the gears as
+/// `tau_J`.
 pub fn wrench_on_log<const N: usize, E: WrenchEstimator<N>>(
     log: &RobotLog,
     believed: &Believed<N>,
     smoothing_rad_s: f64,
     estimator: &mut E,
 ) -> LogWrench {
-    let arm = &believed.arm;
-    let compensator = Compensator {
-        smoothing_rad_s,
-        effects: believed.effects,
-        ..Compensator::new(believed.friction, VelocitySource::Measured)
-    };
     let mut result = LogWrench { stated_delay_s: estimator.delay_s(), ..LogWrench::default() };
     if let Some(columns) = &log.o_f_ext {
         let rows = 0..log.rows();
         result.reference = Some(rows.map(|k| std::array::from_fn(|i| columns[i][k])).collect());
     }
-    let no_command = Vector6::zeros();
+    let mut measured = measured_wrench(believed, smoothing_rad_s, estimator);
     for burst in bursts(&log.time_s, GAP_TOLERANCE.max(LONGEST_GAP_PERIODS)) {
         let first = burst.start;
-        let mut bristles = Bristles::default();
         for k in burst {
             let frame = frame_at(log, k);
-            let terms = ControlTerms::at(arm, &frame.q, &frame.qd);
             let estimate = if k == first {
-                estimator.reset(&frame, &terms);
+                measured.begin(&frame);
                 None
             } else {
-                let tau_motor = (frame.tau + at(&log.tau_j_nm, k - 1)) * 0.5;
-                let dt_s = log.time_s[k] - log.time_s[k - 1];
-                let (q, qd_measured, qd_reference, load_nm) = (frame.q, frame.qd, frame.qd, terms.bias_nm());
-                let input = CompensatorInput { q, qd_measured, qd_reference, load_nm, dt_s };
-                let compensation = compensator.tick(&mut bristles, &input);
-                let tau_friction = compensation.law_nm;
-                // What is no friction is nobody's band.
-                let tau_motor = tau_motor - compensation.effects_nm;
-                Some(estimator.step(&EstimatorInput {
-                    frame: &frame,
-                    terms: &terms,
-                    tau_motor: &tau_motor,
-                    tau_friction: &tau_friction,
-                    acceleration_command: &no_command,
-                    dt_s,
-                }))
+                Some(measured.step(&frame, None))
             };
-            let settled = log.time_s[k] - log.time_s[first] >= SETTLE_S;
-            match estimate.filter(|_| settled) {
+            match estimate.filter(|_| measured.has_settled()) {
                 Some(estimate) => result.push(log.time_s[k], &estimate),
                 None => result.push_unsettled(log.time_s[k]),
             }
         }
     }
     result
+}
+
+/// The estimator behind the sensors of an arm that is believed to be so, its friction at the measured velocity.
+pub(crate) fn measured_wrench<const N: usize, E: WrenchEstimator<N>>(
+    believed: &Believed<N>,
+    smoothing_rad_s: f64,
+    estimator: E,
+) -> MeasuredWrench<N, E> {
+    let compensator = Compensator {
+        smoothing_rad_s,
+        effects: believed.effects,
+        ..Compensator::new(believed.friction, VelocitySource::Measured)
+    };
+    MeasuredWrench::new(believed.arm.clone(), compensator, estimator)
 }
 
 /// Row k of a log as a sample of the joint sensors.
@@ -107,9 +94,6 @@ pub(crate) fn frame_at<const N: usize>(log: &RobotLog, k: usize) -> SensorFrame<
 pub(crate) fn at<const N: usize>(columns: &[Vec<f64>], k: usize) -> SVector<f64, N> {
     SVector::from_fn(|j, _| columns[j][k])
 }
-
-/// Gaps up to this many periods are bridged: a real-time logger on a busy computer skips a few rows at a time.
-pub(crate) const LONGEST_GAP_PERIODS: f64 = 20.0;
 
 /// Summary of a wrench along a log.
 #[derive(Clone, Debug, Default, PartialEq)]

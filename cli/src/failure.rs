@@ -6,6 +6,7 @@ use tribo_export::ExportError;
 use tribo_fci::ConnectionError;
 use tribo_logs::LogError;
 use tribo_model::{ConfigError, FileError};
+use tribo_ros2::ListenError;
 
 /// A failed quality check that was asked for with `--check`.
 #[derive(Debug)]
@@ -63,6 +64,7 @@ pub fn exit_code(error: &anyhow::Error) -> u8 {
         || error.is::<FileError>()
         || error.is::<ConfigError>()
         || error.is::<LogError>()
+        || error.is::<ListenError>()
     {
         return 2;
     }

@@ -59,6 +59,7 @@ pub fn run(words: Vec<OsString>) -> u8 {
         Command::Simulate(simulate) => command::simulate::run(&simulate, &common),
         Command::Investigate(investigate) => command::investigate::run(&investigate, &common),
         Command::Serve(serve) => command::serve::run(&serve, &common),
+        Command::Listen(listen) => command::listen::run(&listen, &common),
         Command::Estimate(estimate) => command::estimate::run(&estimate, &common),
         Command::Diagnose(diagnose) => command::diagnose::run(&diagnose, &common),
         Command::Convert(convert) => command::convert::run(&convert, &common),

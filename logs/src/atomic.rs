@@ -62,10 +62,38 @@ pub(crate) fn replace(
 ) -> Result<(), LogError> {
     let target = resolve(path)?;
     let temporary = written(&target, write)?;
+    named(temporary, &target)
+}
 
-    // The name, then the directory that holds it.
-    let directory = directory_of(&target);
-    temporary.persist(&target).map_err(|e| failed(&target, "replace", e.error))?;
+/// A file that somebody fills little by little and that replaces the one at its path at the end.
+pub(crate) struct AtomicFile {
+    target: PathBuf,
+}
+
+impl AtomicFile {
+    /// The file, and what to write into; dropping the latter leaves nothing.
+    pub fn begin(path: &Path) -> Result<(Self, NamedTempFile), LogError> {
+        let target = resolve(path)?;
+        let temporary = create_in(directory_of(&target), &target)?;
+        Ok((Self { target }, temporary))
+    }
+
+    /// Path of the file.
+    pub fn target(&self) -> &Path {
+        &self.target
+    }
+
+    /// Puts what was written in its place.
+    pub fn commit(&self, temporary: NamedTempFile) -> Result<(), LogError> {
+        temporary.as_file().sync_all().map_err(|e| failed(&self.target, "sync", e))?;
+        named(temporary, &self.target)
+    }
+}
+
+/// Content under its name: the name, then the directory that holds it.
+fn named(temporary: NamedTempFile, target: &Path) -> Result<(), LogError> {
+    let directory = directory_of(target);
+    temporary.persist(target).map_err(|e| failed(target, "replace", e.error))?;
     sync_directory(directory).map_err(|e| failed(directory, "sync", e))
 }
 

@@ -136,7 +136,8 @@ fn is_scalar(quantity: Quantity) -> bool {
     quantity.column_count(2) == 1
 }
 
-fn told(path: &Path, error: McapError) -> LogError {
+/// The error of a writer of MCAP.
+pub(crate) fn told(path: &Path, error: McapError) -> LogError {
     match error {
         McapError::Io(source) => failed(path, "write", source),
         other => LogError::Corrupt { path: path.to_path_buf(), detail: other.to_string() },

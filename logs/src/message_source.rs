@@ -110,19 +110,21 @@ impl Source {
     pub fn of(message_encoding: &str, definition: Option<(&str, &str, &[u8])>) -> Result<Self, String> {
         match (message_encoding, definition) {
             ("json", _) => Ok(Self::Json),
-            ("cdr", Some((name, "ros2msg", text))) => {
-                let mut nodes = expand(name, &String::from_utf8_lossy(text))?;
-                let bound: Vec<Quantity> = bind_all(&mut nodes);
-                match Quantity::ALL.into_iter().find(|q| q.is_required() && *q != Quantity::Time && !bound.contains(q))
-                {
-                    None => Ok(Self::Cdr(nodes)),
-                    Some(lacking) => Err(format!("has no field for {lacking}")),
-                }
-            }
+            ("cdr", Some((name, "ros2msg", text))) => Self::of_definition(name, &String::from_utf8_lossy(text)),
             (message, definition) => {
                 let schema = definition.map_or("", |(_, encoding, _)| encoding);
                 Err(format!("has encoding `{message}` with schema `{schema}`"))
             }
+        }
+    }
+
+    /// How messages in CDR of this definition (`ros2msg`) are read, or why they are not.
+    pub fn of_definition(name: &str, definition: &str) -> Result<Self, String> {
+        let mut nodes = expand(name, definition)?;
+        let bound: Vec<Quantity> = bind_all(&mut nodes);
+        match Quantity::ALL.into_iter().find(|q| q.is_required() && *q != Quantity::Time && !bound.contains(q)) {
+            None => Ok(Self::Cdr(nodes)),
+            Some(lacking) => Err(format!("has no field for {lacking}")),
         }
     }
 

@@ -106,6 +106,22 @@ impl ModelFile {
         Some(self.chain(text).ok()?.arm::<N>()?.joint_names)
     }
 
+    /// The frame in whose axes the arm's wrenches are: the base link of a robot description; of a preset the name that its maker's description gives
+    /// it (of a Universal Robot `base`, whose `base_link` is turned by half a turn).
+    pub fn base_frame(&self) -> Option<String> {
+        let preset = match self.robot.as_str() {
+            "panda" => Some("panda_link0"),
+            "fr3" => Some("fr3_link0"),
+            "ur3e" | "ur5e" | "ur10e" => Some("base"),
+            "xarm6" | "xarm7" => Some("link_base"),
+            "kinova_gen3" => Some("base_link"),
+            "iiwa14" => Some("iiwa_link_0"),
+            _ => None,
+        };
+        let urdf = || Some(self.chain(self.description()?).ok()?.base_link().to_owned());
+        preset.map(str::to_owned).or_else(urdf)
+    }
+
     /// Number of joints of the robot.
     ///
     /// # Errors

@@ -132,6 +132,21 @@ pub trait WrenchEstimator<const N: usize> {
     fn delay_s(&self) -> f64;
 }
 
+impl<const N: usize, E: WrenchEstimator<N> + ?Sized> WrenchEstimator<N> for &mut E {
+    fn reset(&mut self, frame: &SensorFrame<N>, terms: &ControlTerms<N>) {
+        (**self).reset(frame, terms);
+    }
+
+    #[inline]
+    fn step(&mut self, input: &EstimatorInput<'_, N>) -> WrenchEstimate {
+        (**self).step(input)
+    }
+
+    fn delay_s(&self) -> f64 {
+        (**self).delay_s()
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -86,7 +86,7 @@ macro_rules! targets {
 }
 
 targets! {
-    arguments bag_log campaign_journal column_map csv_log early_stop_yaml expected_json experiment_yaml foreign_log journal
+    arguments bag_log campaign_journal column_map csv_log early_stop_yaml expected_json experiment_yaml foreign_log joint_state journal
     kinova_gen3_log libfranka_log
     mcap_log mcap_message mjcf model_yaml panda_gaz_log parquet_log references_yaml study_cell_json study_yaml told_trial
     trajectory_yaml tune_yaml tuned_yaml urdf

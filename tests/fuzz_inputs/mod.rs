@@ -29,6 +29,7 @@ pub mod column_map;
 pub mod early_stop_yaml;
 pub mod expected_json;
 pub mod experiment_yaml;
+pub mod joint_state;
 pub mod journal;
 pub mod mcap_message;
 pub mod mjcf;
@@ -49,7 +50,7 @@ pub use robot_log::{bag_log, csv_log, foreign_log, mcap_log, parquet_log};
 pub type Target = (&'static str, fn(&[u8]));
 
 /// Every target.
-pub const TARGETS: [Target; 26] = [
+pub const TARGETS: [Target; 27] = [
     ("arguments", arguments::check),
     ("bag_log", bag_log),
     ("campaign_journal", campaign_journal::check),
@@ -59,6 +60,7 @@ pub const TARGETS: [Target; 26] = [
     ("expected_json", expected_json::check),
     ("experiment_yaml", experiment_yaml::check),
     ("foreign_log", foreign_log),
+    ("joint_state", joint_state::check),
     ("journal", journal::check),
     ("kinova_gen3_log", csv_log),
     ("libfranka_log", csv_log),

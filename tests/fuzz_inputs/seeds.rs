@@ -8,10 +8,10 @@ use std::path::Path;
 
 use mcap::Compression;
 use tribo_campaign::{AnyTune, TuneConfig, UserTrials};
-use tribo_logs::{LogColumns, LogTarget, RobotLog, read_log_from, write_log_to};
+use tribo_logs::{JointState, LogColumns, LogTarget, RobotLog, read_log_from, write_log_to};
 use tribo_model::{TunedFile, to_yaml};
-use tribo_robot::presets;
 use tribo_robot::urdf::to_urdf;
+use tribo_robot::{Arm, gravity_torque, presets};
 use tribo_tests::fuzz_inputs::recorder::{Cdr, JOINT_STATE, Recorded, franka_robot_state, mcap_file};
 
 /// Folder, name and content of each.
@@ -55,7 +55,25 @@ fn seeds() -> Vec<(&'static str, &'static str, Vec<u8>)> {
     for (name, messages) in [("franka_robot_state", franka), ("joint_state", joints), ("json", flat)] {
         seeds.push(("mcap_message", name, apart(&messages)));
     }
+    let arm = presets::panda();
+    let messages: Vec<Vec<u8>> = (0..8).map(|k| panda_joint_state(&arm, k * 120)).collect();
+    seeds.push(("joint_state", "panda", messages.join(&b"\n--\n"[..])));
     seeds
+}
+
+/// A standing Panda with a finger at k ms, velocities in every other message.
+fn panda_joint_state(arm: &Arm<7>, k: u64) -> Vec<u8> {
+    let q = presets::panda_ready_pose();
+    let with_finger = |first: f64, values: &[f64]| -> Vec<f64> { [&[first], values].concat() };
+    let names = std::iter::once("panda_finger_joint1".to_owned()).chain((1..=7).map(|j| format!("panda_joint{j}")));
+    let state = JointState {
+        stamp_ns: 1_700_000_000_000_000_000 + k * 1_000_000,
+        names: names.collect(),
+        position: with_finger(0.02, q.as_slice()),
+        velocity: if k.is_multiple_of(240) { vec![0.0; 8] } else { Vec::new() },
+        effort: with_finger(0.0, gravity_torque(arm, &q).as_slice()),
+    };
+    state.to_cdr()
 }
 
 /// Two joints, three rows, everything that a log can hold.

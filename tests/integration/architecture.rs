@@ -1,7 +1,7 @@
 //! Crates point one way (ARCHITECTURE.md, Direction), and files keep a friendly size.
 //!
 //! ```text
-//! robot friction bayesopt logs figure  ←  control ekf residual sim  ←  runtime diagnose  ←  model  ←  campaign export fci
+//! robot friction bayesopt logs figure  ←  control ekf residual sim  ←  runtime diagnose  ←  model  ←  campaign export fci ros2
 //!                                      ←  watch bench experiments  ←  dashboard  ←  cli
 //! ```
 //!
@@ -18,7 +18,7 @@ const LAYERS: [&[&str]; 9] = [
     &["control", "ekf", "residual", "sim"],
     &["runtime", "diagnose"],
     &["model"],
-    &["campaign", "export", "fci"],
+    &["campaign", "export", "fci", "ros2"],
     &["watch", "bench", "experiments"],
     &["dashboard"],
     &["cli"],

@@ -23,6 +23,8 @@ const EXAMPLES: &[(&str, &[&str])] = &[
     ("own_estimator", &["at rest     -10.78", "]   no", "]   yes"]),
     // Stick: friction equals the drive, to the digit, and the joint ends at rest.
     ("serve_and_drive", &["connected: V5", "joint 0 at 0."]),
+    // The force that the example presses with, at its first sample and long after.
+    ("wrench_of_messages", &["1.0 s   fz   0.01 N   76 bytes", "2.0 s   fz  10.00 N", "panda_joint1 panda_joint2"]),
     ("arm_with_friction", &["0.40          0.40        0.0000", "at rest: true"]),
     ("ten_seconds_of_ticks", &["no compensation         4.", "all of the friction     0.2"]),
     // 0.5 kg and 0.4 Nm are hidden in the log.

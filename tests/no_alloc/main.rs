@@ -2,25 +2,27 @@
 //!
 //! A counting allocator (crate `allocation-counter`, one counter per thread) watches a thousand ticks of the whole loop
 //! (sense, wrench filter, controller, limits, plant) for every truth and velocity source, then a thousand ticks after a
-//! fault; a thousand steps of the loop on a clock; and a thousand ticks of every other wrench estimator. There is no tolerance: one allocation in two thousand ticks is a failure.
+//! fault; a thousand steps of the loop on a clock; a thousand ticks of every other wrench estimator, and of each as logs and topics feed it. There is no tolerance: one allocation in two thousand ticks is a failure.
 
 use std::cell::Cell;
 use std::sync::Arc;
 
 use nalgebra::{SVector, Vector6};
+use tribo_campaign::{EstimatorName, LogEstimator};
 use tribo_control::{PAPER_PHASES_RAD, SinusoidReference};
 use tribo_fci::{
     ControlUnit, ControllerMode, CyclicCommand, FciVersion, GeneratorMode, MotionRequest, MoveEnd, STATE_BYTES_MAX,
 };
 use tribo_friction::thermal::{HeatBalance, PolynomialStribeck, TemperatureFactor, ThermalJoint, ThermalLaw};
 use tribo_friction::{Compensator, FrictionBand, JointBand, JointEffects, VelocitySource};
+use tribo_model::Model;
 use tribo_residual::{
     DoubleEncoderEstimator, DoubleEncoderModel, DoubleEncoderSettings, LoadedRest, MomentumEstimator, MomentumSettings,
     QpEstimator, QpSettings, Rest, Rests, ThermalEstimator, ThermalSettings, calibrate,
 };
 use tribo_robot::{ControlTerms, EstimatorInput, SensorFrame, Wrench, WrenchEstimator, presets};
 use tribo_runtime::{Clock, LoopTiming, OverrunPolicy, RealTimeLoop, record_ring};
-use tribo_sim::{BoxFrictionPlant, Effect, Sensors, Truth, WrenchPulses};
+use tribo_sim::{BoxFrictionPlant, Effect, Sensors, TorqueSide, Truth, WrenchPulses};
 use tribo_tests::{DT_S, TamperedPlant, all_effects, five_truths, loop_with, ready_flange};
 
 /// Ticks watched before and after the fault.
@@ -46,15 +48,8 @@ fn no_tick_allocates_healthy_or_faulted() {
 /// whose friction has both.
 #[test]
 fn no_tick_allocates_with_effects() {
-    let mut truth = Truth::panda_coulomb_viscous();
-    watch("believed effects", &truth, all_effects());
-    for joint in 0..7 {
-        truth.effects.push(Effect::FrictionCurve { joint, amplitude_nm: 0.05, width_rad_s: 0.1 });
-        for (presliding_distance_rad, amplitude_nm) in [(3e-4, Some(0.05)), (3e-3, Some(-0.02)), (1e-3, None)] {
-            truth.effects.push(Effect::Presliding { joint, presliding_distance_rad, amplitude_nm });
-        }
-    }
-    watch("true effects", &truth, all_effects());
+    watch("believed effects", &Truth::panda_coulomb_viscous(), all_effects());
+    watch("true effects", &truth_with_effects(), all_effects());
 }
 
 /// The other wrench estimators by themselves: a moving arm, a standing one (friction in its band, all twelve limits), a
@@ -182,6 +177,45 @@ fn no_period_of_the_control_unit_allocates() {
     });
     assert_eq!(seen.count_total, 0, "{seen:?}");
     assert_eq!(reflexes, 1, "the jump of torque");
+}
+
+/// Every estimator as a log or a topic feeds it, its friction and effects believed, one beginning on the way.
+#[test]
+fn no_measured_wrench_allocates() {
+    let model = Model { effects: truth_with_effects().effects, ..Model::panda(TorqueSide::Motor) };
+    for name in EstimatorName::ALL {
+        let mut measured = LogEstimator::new(&model).measured(name).expect("a believable model");
+        let terms = ControlTerms::at(&model.arm, &presets::panda_ready_pose(), &SVector::zeros());
+        let mut settled = 0;
+        let seen = allocation_counter::measure(|| {
+            for tick in 0..TICKS {
+                let t = tick as f64 * DT_S;
+                let q = presets::panda_ready_pose() + SVector::repeat(0.1 * (2.0 * t).sin());
+                let qd = SVector::repeat(0.2 * (2.0 * t).cos());
+                let frame = SensorFrame { time_s: t, q, qd, tau: terms.gravity_nm, theta: Some(q) };
+                if tick % 800 == 0 {
+                    measured.begin(&frame);
+                } else {
+                    std::hint::black_box(measured.step(&frame, (tick % 3 == 0).then_some(&qd)));
+                }
+                settled += u64::from(measured.has_settled());
+            }
+        });
+        assert_eq!(seen.count_total, 0, "{name:?}: {seen:?}");
+        assert_eq!(settled, 300, "{name:?}");
+    }
+}
+
+/// A Panda with a curve and bristles in every joint.
+fn truth_with_effects() -> Truth<7> {
+    let mut truth = Truth::panda_coulomb_viscous();
+    for joint in 0..7 {
+        truth.effects.push(Effect::FrictionCurve { joint, amplitude_nm: 0.05, width_rad_s: 0.1 });
+        for (presliding_distance_rad, amplitude_nm) in [(3e-4, Some(0.05)), (3e-3, Some(-0.02)), (1e-3, None)] {
+            truth.effects.push(Effect::Presliding { joint, presliding_distance_rad, amplitude_nm });
+        }
+    }
+    truth
 }
 
 fn watch_estimator<E: WrenchEstimator<7>>(name: &str, mut estimator: E) {

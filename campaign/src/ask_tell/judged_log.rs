@@ -5,12 +5,12 @@ use tribo_control::{TaskState, TorqueTerms};
 use tribo_friction::{Bristles, Compensator, CompensatorInput, VelocitySource};
 use tribo_logs::{GAP_TOLERANCE, Quantity, RobotLog, bursts, median_period_s};
 use tribo_robot::{ControlTerms, EstimatorInput, Pose, SensorFrame, WrenchEstimate, WrenchEstimator};
-use tribo_runtime::TickRecord;
+use tribo_runtime::{LONGEST_GAP_PERIODS, TickRecord};
 
 use super::judge_error::{JudgeError, LEAST_USED};
 use super::logged_compensation::LoggedCompensation;
 use super::{SentTorque, UserTrials};
-use crate::log_wrench::{LONGEST_GAP_PERIODS, at, frame_at};
+use crate::log_wrench::{at, frame_at};
 use crate::{AnyEstimator, Cost, CostAccumulator, EstimatorName, TrialLog, ValidTune};
 
 /// A trial that ran elsewhere, judged.

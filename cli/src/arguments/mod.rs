@@ -4,11 +4,13 @@ use std::path::PathBuf;
 
 mod ends;
 mod export;
+mod listen;
 mod live;
 mod logs;
 
 pub use ends::Ends;
 pub use export::Export;
+pub use listen::Listen;
 pub use live::{Investigate, LiveDrive, Serve};
 pub use logs::{Columns, Convert, Diagnose, Estimate};
 
@@ -97,6 +99,10 @@ pub enum Command {
     /// The program connects to --address and runs unchanged: states, motions, torques, reflexes, model, hand. The arm has the friction of
     /// --truth, and its external wrench knows nothing of it. Ctrl-C ends.
     Serve(Serve),
+    /// Publish the tool wrench of a robot on ROS 2 topics, from its joint states; ROS need not be installed. Ctrl-C ends.
+    ///
+    /// By the robot on the environment, at the flange, in base axes; covariance and diagnostics beside it.
+    Listen(Box<Listen>),
     /// Estimate the tool wrench and the joints' torque residual from a robot log.
     Estimate(Estimate),
     /// Say what a model gets wrong about measured logs, which causes explain it, and how much better the corrected model predicts

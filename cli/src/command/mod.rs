@@ -11,6 +11,7 @@ pub mod estimate;
 pub mod export;
 pub mod investigate;
 mod learnt;
+pub mod listen;
 mod live;
 pub mod report;
 pub mod reproduce;

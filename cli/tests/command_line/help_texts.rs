@@ -42,7 +42,36 @@ fn options_say_their_defaults_and_values() {
         let text = option(&help, name);
         assert!(text.contains("[possible values:"), "{text}");
     }
-    for command in ["tune", "ask", "tell", "simulate", "estimate", "diagnose", "convert", "export", "report", "study"] {
+    let help = run(at.path(), "listen --help").ok().stdout;
+    // Its usage names options too.
+    let (_, help) = help.split_once("Options:").unwrap();
+    for name in [
+        "--model",
+        "--robot",
+        "--torque-side",
+        "--compensator",
+        "--residual",
+        "--joints",
+        "--joint-states",
+        "--compensation",
+        "--wrench",
+        "--diagnostics",
+        "--frame",
+        "--rate",
+        "--domain",
+        "--address",
+        "--record",
+        "--for",
+    ] {
+        let text = option(help, name);
+        assert!(text.contains("[default:"), "{text}");
+    }
+    for name in ["--torque-side", "--residual"] {
+        assert!(option(help, name).contains("[possible values:"), "{help}");
+    }
+    for command in
+        ["tune", "ask", "tell", "simulate", "listen", "estimate", "diagnose", "convert", "export", "report", "study"]
+    {
         let help = run(at.path(), &format!("{command} --help")).ok().stdout;
         let (own, common) = help.split_once("Options of every command:").unwrap_or_else(|| panic!("{help}"));
         assert!(["--json", "--quiet", "--verbose", "--threads"].iter().all(|name| common.contains(name)), "{help}");

@@ -19,12 +19,13 @@ mod foreign_columns;
 mod help_texts;
 #[cfg(unix)]
 mod kill_and_resume;
+mod listen;
 mod live;
 mod old_processor;
 mod optuna_reads_the_journal;
 mod other_arms;
 #[path = "../../../tests/python_witness.rs"]
-#[allow(dead_code, clippy::expect_used, reason = "only Optuna is asked here")]
+#[allow(dead_code, clippy::expect_used, reason = "no answer is asked for here")]
 mod python_witness;
 mod real_kinova_log;
 mod real_panda_log;

@@ -15,6 +15,7 @@ const TORQUE_RATE_NM_S: f64 = 1000.0;
 #[derive(Clone, Debug, PartialEq)]
 pub struct SerialChain {
     pub(crate) name: String,
+    pub(crate) base_link: String,
     pub(crate) joints: Vec<ChainJoint>,
     pub(crate) placements: Vec<JointPlacement>,
     pub(crate) links: Vec<LinkInertia>,
@@ -38,6 +39,11 @@ pub struct DescribedArm<const N: usize> {
 }
 
 impl SerialChain {
+    /// Name of the link that the arm begins at; wrenches in base axes are in its axes.
+    pub fn base_link(&self) -> &str {
+        &self.base_link
+    }
+
     /// Number of joints.
     pub fn joints(&self) -> usize {
         self.joints.len()

@@ -72,6 +72,7 @@ pub(crate) fn welded_chain<S: Source>(
     }
     Ok(SerialChain {
         name,
+        base_link: skeleton.nodes[path.links[0]].name.clone(),
         joints,
         placements,
         links,
