@@ -96,21 +96,7 @@ pub fn fixed(value: f64, decimals: usize) -> String {
 
 /// What to know about the log.
 pub fn log_json(log: &LogSummary) -> Value {
-    json!({"rows": log.rows, "duration_s": log.duration_s, "rate_hz": log.rate_hz, "dropped_repeats": log.dropped_repeats, "read_as": mapping_json(log.mapping.as_ref())})
-}
-
-/// Which column became which, for JSON documents; null where the file has our names or a known format.
-pub fn mapping_json(mapping: Option<&Mapping>) -> Value {
-    mapping.map_or(Value::Null, |mapping| {
-        json!({
-            "map": mapping.map,
-            "proposed": mapping.proposed,
-            "joints": mapping.joints,
-            "columns": mapping.columns.iter().map(|column| {
-                json!({"column": column.column, "from": column.from, "unit": column.unit})
-            }).collect::<Vec<_>>(),
-        })
-    })
+    json!({"rows": log.rows, "duration_s": log.duration_s, "rate_hz": log.rate_hz, "dropped_repeats": log.dropped_repeats, "read_as": log.mapping.as_ref().map(Mapping::to_json)})
 }
 
 #[cfg(test)]

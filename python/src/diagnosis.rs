@@ -102,10 +102,11 @@ pub(crate) fn diagnose(
     if let Some(band_hz) = band_hz.filter(|band_hz| !(*band_hz > 0.0 && band_hz.is_finite())) {
         return Err(bad(format!("band_hz is {band_hz}; allowed: greater than 0")));
     }
+    let given: Vec<&Bound<'_, PyLog>> = logs.iter().chain(&validate).chain(&reference).collect();
     let raw: Vec<RobotLog> = logs.iter().map(|log| log.get().log.clone()).collect();
     let model = meant(model.as_ref(), &raw)?;
     let (names, session): (Vec<String>, Vec<RobotLog>) = believed(py, &logs, &model, anyway)?.into_iter().unzip();
-    let validate = believed(py, &validate, &model, anyway)?;
+    let unseen = believed(py, &validate, &model, anyway)?;
     let unloaded: Vec<RobotLog> = believed(py, &reference, &model, anyway)?.into_iter().map(|(_, log)| log).collect();
     let settings = DiagnoseSettings { seed, band_hz };
     let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().map_err(raised)?;
@@ -122,7 +123,7 @@ pub(crate) fn diagnose(
         pool.install(|| {
             either!(&model.model, AnyModel, model => {
                 let nominal: Nominal<_> = model.to_nominal();
-                diagnose_with_reference(&session, &unloaded, &nominal, &validate, &settings, &heard)
+                diagnose_with_reference(&session, &unloaded, &nominal, &unseen, &settings, &heard)
             })
         })
     })?;
@@ -136,7 +137,8 @@ pub(crate) fn diagnose(
         (AnyModel::Seven(before), AnyModel::Seven(after)) => not_cancelled_of(&diagnosis, before, after),
         _ => Vec::new(),
     };
-    let document = document(&diagnosis, &Extras { not_cancelled, ..Extras::default() }).to_string();
+    let read_as = given.iter().map(|log| log.get().read_as()).collect();
+    let document = document(&diagnosis, &Extras { not_cancelled, read_as, ..Extras::default() }).to_string();
     let context = ReportContext {
         logs: names,
         model: model.name,

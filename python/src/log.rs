@@ -5,8 +5,9 @@ use std::path::{Path, PathBuf};
 
 use numpy::PyArrayDyn;
 use pyo3::prelude::*;
+use serde_json::{Value, json};
 use tribo_logs::{
-    ColumnMap, LogColumns, LogSummary, LogTarget, Quantity, ReadOptions, RobotLog, read, read_from, write_log,
+    ColumnMap, LogColumns, LogSummary, LogTarget, Mapping, Quantity, ReadOptions, RobotLog, read, read_from, write_log,
 };
 
 use crate::failure::{bad, raised};
@@ -58,6 +59,12 @@ pub(crate) fn read_log(
 }
 
 impl PyLog {
+    /// Which columns were read as which, as the JSON of a diagnosis has it.
+    pub(crate) fn read_as(&self) -> Value {
+        let mapping = self.summary.as_ref().and_then(|summary| summary.mapping.as_ref());
+        json!({"log": self.name, "read_as": mapping.map(Mapping::to_json)})
+    }
+
     /// A log that comes from no file.
     pub(crate) fn of(log: RobotLog, name: &str) -> Self {
         Self { log, name: name.to_owned(), summary: None }

@@ -11,7 +11,7 @@ use super::ends::Ends;
 #[derive(Debug, Clone, Default, Args)]
 pub struct Columns {
     /// Which columns of the log are which: a YAML file (schema tribo.map/1), or text like
-    /// q=pos_{joint}[deg],dq=vel_{joint},tau=cur_{joint}[mA*0.11],time=stamp[ms]; may be repeated. Keys: time, q, dq, tau, tau_d, tau_friction,
+    /// q=pos_{joint}[deg],dq=vel_{joint},tau=eff_{joint}[mNm],time=stamp[ms]; may be repeated. Keys: time, q, dq, tau, tau_d, tau_friction,
     /// tau_link, theta, dtheta, temperature, temperature_ambient, wrench; joint, joints, episode, rate; of a bag: topic [default: what the names
     /// of the columns say, which is printed].
     #[arg(long, value_name = "FILE|KEY=COLUMN,...")]

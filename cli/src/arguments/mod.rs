@@ -291,6 +291,9 @@ pub struct Ask {
     /// Give another trial even if nothing is left to gain.
     #[arg(long)]
     pub anyway: bool,
+    /// Format of the compensator, as in export.
+    #[arg(long, default_value = "yaml", value_parser = PossibleValuesParser::new(["yaml", "json", "ros2", "crisp", "urdf", "mjcf", "c", "rust"]))]
+    pub format: String,
     /// File to write the compensator to [default: standard output].
     #[arg(long, value_name = "FILE")]
     pub out: Option<PathBuf>,

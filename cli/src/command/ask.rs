@@ -4,10 +4,10 @@ use std::path::Path;
 
 use serde_json::json;
 use tribo_campaign::{AnyTune, CampaignError, TuneConfig, UserCampaign, UserTrials, first_difference};
+use tribo_export::{Exported, export};
 use tribo_logs::write_atomic;
-use tribo_model::{FileError, to_yaml};
 
-use super::{configured, now, opened, set};
+use super::{configured, named, now, opened, set};
 use crate::arguments::{Ask, CampaignSettings, Common};
 use crate::failure::BadInput;
 use crate::output::{print, print_json};
@@ -136,7 +136,7 @@ fn ask<const N: usize>(mut campaign: UserCampaign<N>, arguments: &Ask, common: &
             .map_err(|error| how_to_go_on(error, directory))?,
     };
     let out = arguments.out.as_deref();
-    let text = to_yaml(&asked.file).map_err(FileError::io(out.unwrap_or(&arguments.campaign)))?;
+    let Exported { text, losses } = export(&asked.file, named(&arguments.format)?, None)?;
     if let Some(out) = out {
         write_atomic(out, |file| file.write_all(text.as_bytes()))?;
     }
@@ -146,6 +146,9 @@ fn ask<const N: usize>(mut campaign: UserCampaign<N>, arguments: &Ask, common: &
         print(text.trim_end());
     }
     if !common.quiet {
+        for loss in &losses {
+            message!("tribo: not in the {} text: {loss}", arguments.format);
+        }
         let directory = arguments.campaign.display();
         if let Some(change) = campaign.law_change().filter(|change| change.from_trial == asked.number) {
             message!("tribo: {change}");

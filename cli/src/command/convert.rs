@@ -5,13 +5,13 @@ use std::path::Path;
 use serde_json::{Value, json};
 use tribo_campaign::switched_off_without;
 use tribo_logs::recognise::Use;
-use tribo_logs::{ColumnNames, LogError, LogSummary, LogTarget, RobotLog, convert_by};
+use tribo_logs::{ColumnNames, LogError, LogSummary, LogTarget, Mapping, RobotLog, convert_by};
 
 use super::believe::remarks_json;
 use super::columns::show_proposal;
 use crate::arguments::{Common, Convert};
 use crate::failure::{BadInput, Stopped};
-use crate::output::{mapping_json, print, print_json};
+use crate::output::{print, print_json};
 use crate::progress::{StageProgress, stop_on_signal};
 
 /// Reads a log of any known format, writes it as canonical CSV, Parquet or MCAP, and tells what is in it.
@@ -56,7 +56,7 @@ fn document(summary: &LogSummary) -> Value {
         "schema": "tribo.convert/1",
         "format": summary.format.to_string(),
         "source": summary.source,
-        "read_as": mapping_json(summary.mapping.as_ref()),
+        "read_as": summary.mapping.as_ref().map(Mapping::to_json),
         "joints": summary.joints,
         "rows": summary.rows,
         "dropped_repeats": summary.dropped_repeats,

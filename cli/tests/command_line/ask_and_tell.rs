@@ -83,6 +83,19 @@ fn other_strategies_estimators_and_formats_give_the_costs_of_tune() {
 }
 
 /// Nothing is left to gain after a few trials: `tell` says so, `ask` hands out no more, unless it is asked for all the same.
+/// The controller that runs the trials takes its parameters in the format that it knows.
+#[test]
+fn a_trial_is_asked_for_in_the_format_of_the_controller() {
+    let at = scratch();
+    let header = run(at.path(), "ask mine --format c").ok();
+    assert!(header.stdout.contains("#ifndef TRIBO_COMPENSATOR_H"), "{header:?}");
+    run(at.path(), "ask mine --trial 0 --format ros2 --out next.yaml -q").ok();
+    let parameters = std::fs::read_to_string(at.path().join("next.yaml")).unwrap();
+    assert!(parameters.contains("ros__parameters"), "{parameters}");
+    let kept = run(at.path(), "ask mine --trial 0").ok();
+    assert!(kept.stdout.starts_with("schema: tribo.tuned/1"), "{kept:?}");
+}
+
 #[test]
 fn a_campaign_ends_when_nothing_is_left_to_gain() {
     let at = scratch();

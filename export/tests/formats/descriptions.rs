@@ -56,8 +56,9 @@ fn odd_urdf(possible: bool) -> String {
 fn robots() -> Vec<TunedFile> {
     let mut files = Vec::new();
     for name in presets::NAMES {
-        files.push(match name {
-            "ur10e" => tuned(name, laws::<6>()[0], VelocitySource::Hybrid),
+        let joints = presets::find(name).map(|preset| preset.joints());
+        files.push(match joints {
+            Some(6) => tuned(name, laws::<6>()[0], VelocitySource::Hybrid),
             _ => tuned(name, laws::<7>()[1], VelocitySource::Hybrid),
         });
     }

@@ -2,6 +2,8 @@
 
 use std::fmt;
 
+use serde_json::{Value, json};
+
 /// One column of the log, and where it comes from.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct MappedColumn {
@@ -24,6 +26,21 @@ pub struct Mapping {
     pub joints: String,
     /// Column by column.
     pub columns: Vec<MappedColumn>,
+}
+
+impl Mapping {
+    /// Which column became which, as `read_as` of JSON documents has it.
+    #[must_use]
+    pub fn to_json(&self) -> Value {
+        json!({
+            "map": self.map,
+            "proposed": self.proposed,
+            "joints": self.joints,
+            "columns": self.columns.iter().map(|column| {
+                json!({"column": column.column, "from": column.from, "unit": column.unit})
+            }).collect::<Vec<_>>(),
+        })
+    }
 }
 
 impl fmt::Display for Mapping {

@@ -27,6 +27,7 @@ pub(crate) const ZIP_MAGIC: &[u8] = b"PK\x03\x04";
 
 /// Longest header of an array (bytes), and the most arrays and columns.
 const LONGEST_HEADER: u64 = 1 << 16;
+const DEEPEST_HEADER: usize = 8;
 const MOST_ARRAYS: usize = 1 << 10;
 const MOST_ENTRIES: u64 = 1 << 8;
 const MOST_COLUMNS: usize = 1 << 12;
@@ -256,6 +257,18 @@ fn header(reader: &mut impl Read) -> Result<NpyHeader, String> {
     }
     let mut text = vec![0; u32::from_le_bytes(length) as usize];
     reader.read_exact(&mut text).map_err(|error| error.to_string())?;
+    // The decoder needs twice as long for each level of brackets; a structure of arrays in a structure has six.
+    let depths = text.iter().scan(0_usize, |depth, byte| {
+        match byte {
+            b'(' | b'[' | b'{' => *depth += 1,
+            b')' | b']' | b'}' => *depth = depth.saturating_sub(1),
+            _ => {}
+        }
+        Some(*depth)
+    });
+    if depths.max().unwrap_or(0) > DEEPEST_HEADER {
+        return Err(format!("a header with more than {DEEPEST_HEADER} brackets in one another"));
+    }
     let whole = [&start[..], &length[..width], &text].concat();
     NpyHeader::from_reader(Cursor::new(whole)).map_err(|error| error.to_string())
 }

@@ -4,14 +4,13 @@ use std::path::{Path, PathBuf};
 
 use serde_json::{Value, json};
 use tribo_logs::recognise::{Use, recognise};
-use tribo_logs::{ReadOptions, RobotLog};
+use tribo_logs::{Mapping, ReadOptions, RobotLog};
 use tribo_model::ModelChoice;
 
 use super::super::believe::{Refused, believe};
 use super::super::{named, read_log};
 use crate::arguments::{Common, Diagnose};
 use crate::failure::BadInput;
-use crate::output::mapping_json;
 
 /// Which model the logs are held against.
 pub fn choice(arguments: &Diagnose) -> anyhow::Result<ModelChoice> {
@@ -56,7 +55,8 @@ fn log(
         }
     }
     believe(path, &recognise(&log), Use::Diagnosis, refused, common.quiet)?;
-    Ok((path.display().to_string(), log, mapping_json(summary.mapping.as_ref())))
+    let mapping = summary.mapping.as_ref().map_or(Value::Null, Mapping::to_json);
+    Ok((path.display().to_string(), log, mapping))
 }
 
 /// Refuses a log that is given twice: counted twice it would be evidence for anything, and validated on itself too.
