@@ -24,11 +24,12 @@ def test_a_payload_is_named_written_and_then_nothing_is_missing(model, loaded_lo
     assert after < 0.1 * before
 
 
-def test_the_command_says_the_same(model, loaded_log, tmp_path, command):
+def test_the_command_says_the_same(model, loaded_log, tmp_path, command, monkeypatch):
+    monkeypatch.chdir(tmp_path)
     loaded_log.write(tmp_path / "log.csv")
     model.save(tmp_path / "model.yaml")
     said = json.loads(command("diagnose", "log.csv", "--model", "model.yaml", "--json").stdout)
-    ours = tribo.diagnose(tmp_path / "log.csv", tmp_path / "model.yaml").document
+    ours = tribo.diagnose("log.csv", "model.yaml").document
     assert ours == said
 
 

@@ -105,7 +105,7 @@ RELIABLE = Qos(Policy.Reliability.Reliable(duration(seconds=1)), Policy.History.
 NS = 1_000_000_000
 # A subscriber waits for this long after the last message.
 PATIENCE_S = 3.0
-CONNECTED_WITHIN_S = 30.0
+CONNECTED_WITHIN_S = 120.0
 
 
 def until(happened, what):
