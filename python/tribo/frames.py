@@ -50,13 +50,13 @@ def log_from_pandas(frame: pd.DataFrame, *, map: Map | None = None, joints: Sequ
     """
     if frame.index.name is not None and frame.index.name not in frame.columns:
         frame = frame.reset_index()
-    columns = {str(name): frame[name].to_numpy() for name in frame.columns}
+    columns: dict[str, Any] = {str(name): frame[name].to_numpy() for name in frame.columns}
     if map is None and {"time", "q_0"} <= columns.keys():
         return Log.from_columns(columns)
     text, is_text = _map_text(map)
     buffer = io.BytesIO()
     if all(values.dtype.kind in "fiub" for values in columns.values()):
-        np.savez(buffer, **columns)  # type: ignore[arg-type]
+        np.savez(buffer, **columns)
         name = "frame.npz"
     else:
         buffer.write(frame.to_csv(index=False).encode())
