@@ -40,7 +40,11 @@ pub fn joint_names(choice: &ModelChoice, given: Option<&ModelFile>) -> Vec<Strin
     match (given, &choice.robot) {
         (Some(file), _) => of(file),
         (None, Some(robot)) => {
-            let mut file = ModelFile::bare(robot, choice.torque_side, &[]);
+            let mut file = ModelFile {
+                base_link: choice.base_link.clone(),
+                tip_link: choice.tip_link.clone(),
+                ..ModelFile::bare(robot, choice.torque_side, &[])
+            };
             // What is wrong with the robot is said where it is used.
             file.resolve(Path::new("")).map_or_else(|_| Vec::new(), |_| of(&file))
         }
