@@ -20,7 +20,18 @@ pub(crate) struct Health<'h> {
     pub fault: Option<EstimateFault>,
     /// Why the newest parameters were refused.
     pub refused: Option<&'h str>,
-    pub compensation_missing: bool,
+    /// Publishers of joint states.
+    pub publishers: usize,
+    /// None where no torque of a compensation is listened to.
+    pub compensation: Option<CompensationHealth>,
+}
+
+/// The topic on which the controller tells its torque.
+#[derive(Clone, Copy)]
+pub(crate) struct CompensationHealth {
+    pub publishers: usize,
+    /// Whether a torque has come.
+    pub has_come: bool,
 }
 
 impl Health<'_> {
@@ -31,8 +42,10 @@ impl Health<'_> {
         let rate = |count: u64| format!("{:.1}", count as f64 / self.seconds.max(1e-3));
         let (level, message) = match self.fault {
             _ if grew(|c| c.received) == 0 => (Level::Stale, format!("no message on {}", self.joint_states)),
+            _ if self.compensation.is_some_and(|compensation| !compensation.has_come) => {
+                (Level::Error, "no torque of the compensation has come".to_owned())
+            }
             _ if used == 0 => (Level::Error, format!("no message on {} can be used", self.joint_states)),
-            _ if self.compensation_missing => (Level::Error, "no torque of the compensation has come".to_owned()),
             Some(fault) => (Level::Error, fault.to_string()),
             None if published == 0 => (Level::Warn, "the estimator settles".to_owned()),
             None if grew(|c| c.unsent) > 0 => (Level::Warn, "the network did not take every wrench".to_owned()),
@@ -48,7 +61,12 @@ impl Health<'_> {
             ("estimator", self.estimator.to_owned()),
             ("joint states [Hz]", rate(used)),
             ("wrenches [Hz]", rate(published)),
+            ("publishers of joint states", self.publishers.to_string()),
         ];
+        if let Some(compensation) = self.compensation {
+            values.push(("publishers of the compensation", compensation.publishers.to_string()));
+            values.push(("compensation", if compensation.has_come { "has come" } else { "missing" }.to_owned()));
+        }
         for (name, count) in [
             ("received", self.now.received),
             ("used", self.now.used),
@@ -88,6 +106,15 @@ mod tests {
     use super::*;
 
     fn level(now: Counts, fault: Option<EstimateFault>, refused: Option<&str>) -> Level {
+        status(now, fault, refused, None).level
+    }
+
+    fn status(
+        now: Counts,
+        fault: Option<EstimateFault>,
+        refused: Option<&str>,
+        compensation: Option<CompensationHealth>,
+    ) -> Status {
         let before = Counts::default();
         Health {
             estimator: "ekf",
@@ -99,10 +126,19 @@ mod tests {
             ages: None,
             fault,
             refused,
-            compensation_missing: false,
+            publishers: 1,
+            compensation,
         }
         .status()
-        .level
+    }
+
+    #[test]
+    fn a_compensation_that_is_missing_is_the_reason() {
+        // Nothing can be used for that reason, so the reason is what is said.
+        let unused = Counts { received: 1000, unusable: 1000, ..Counts::default() };
+        let missing = CompensationHealth { publishers: 1, has_come: false };
+        let missing = status(unused, None, None, Some(missing));
+        assert_eq!((missing.level, &*missing.message), (Level::Error, "no torque of the compensation has come"));
     }
 
     #[test]

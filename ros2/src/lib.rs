@@ -44,6 +44,7 @@ mod raw;
 mod recording;
 mod sloped_velocity;
 mod stamps;
+mod topic_reader;
 mod unusable;
 mod wrench_stream;
 

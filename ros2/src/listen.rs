@@ -7,14 +7,14 @@ use std::time::{Duration, Instant};
 
 use nalgebra::SVector;
 use rustdds::mio1::{Events, Interest, Poll, Token};
-use rustdds::no_key::{DataWriter, SimpleDataReader};
+use rustdds::no_key::DataWriter;
 use tribo_logs::{JointState, JointStateReader};
 use tribo_robot::WrenchEstimator;
 use tribo_runtime::MeasuredWrench;
 
 use crate::ages::{Ages, now_ns};
 use crate::arm_joints::picked;
-use crate::health::Health;
+use crate::health::{CompensationHealth, Health};
 use crate::message::{covariance_array, diagnostic_array, wrench_stamped};
 use crate::raw::{Raw, RawAdapter};
 use crate::recording::Recording;
@@ -59,6 +59,8 @@ pub enum Update<const N: usize, E> {
 pub enum Heard {
     /// Nothing has come for five seconds; joint states are on these topics.
     Silence(Vec<String>),
+    /// Joint states have come for five seconds, but no torque on the topic of the compensation: without it none of them can be used.
+    NoCompensation,
     /// The first message that is used; names of the joints, base to tool, where it has names.
     Begun(Vec<String>),
     /// The stamps have a gap, or jumped back: the estimator has begun anew. Said once a second at most.
@@ -157,10 +159,10 @@ impl<const N: usize, E: WrenchEstimator<N>> Listener<'_, N, E> {
         let domain = self.node.settings.domain;
         let network = |error: std::io::Error| ListenError::Network { domain, why: error.to_string() };
         let mut poll = Poll::new().map_err(network)?;
-        let registered = poll.registry().register(&mut self.node.joint_states, Token(0), Interest::READABLE);
+        let registered = poll.registry().register(self.node.joint_states.source(), Token(0), Interest::READABLE);
         registered.map_err(network)?;
         let mut events = Events::with_capacity(16);
-        let (begun, mut told_of_silence) = (Instant::now(), false);
+        let (begun, mut told_of_silence, mut told_of_compensation) = (Instant::now(), false, false);
         loop {
             let stopped = stop.load(Ordering::Relaxed);
             if stopped || self.settings.duration.is_some_and(|duration| begun.elapsed() >= duration) {
@@ -189,8 +191,8 @@ impl<const N: usize, E: WrenchEstimator<N>> Listener<'_, N, E> {
             self.hear_compensation();
 
             // The samples.
-            self.node.joint_states.drain_read_notifications();
-            while let Some(Raw(message)) = taken(&self.node.joint_states) {
+            self.node.joint_states.begin_taking();
+            while let Some(message) = self.node.joint_states.take() {
                 self.one(&message)?;
             }
 
@@ -201,6 +203,12 @@ impl<const N: usize, E: WrenchEstimator<N>> Listener<'_, N, E> {
             if !told_of_silence && self.stream.counts().received == 0 && begun.elapsed() >= SILENCE {
                 told_of_silence = true;
                 (self.hear)(Heard::Silence(self.node.joint_state_topics()));
+            }
+            if !told_of_compensation && begun.elapsed() >= SILENCE && self.stream.counts().received > 0 {
+                told_of_compensation = true;
+                if self.told.as_ref().is_some_and(|told| told.torque.is_none()) {
+                    (self.hear)(Heard::NoCompensation);
+                }
             }
         }
     }
@@ -302,9 +310,9 @@ impl<const N: usize, E: WrenchEstimator<N>> Listener<'_, N, E> {
 
     /// The newest torque of the compensation.
     fn hear_compensation(&mut self) {
-        let (Some(told), Some(topic)) = (&mut self.told, &self.node.compensation) else { return };
-        topic.drain_read_notifications();
-        while let Some(Raw(message)) = taken(topic) {
+        let (Some(told), Some(topic)) = (&mut self.told, &mut self.node.compensation) else { return };
+        topic.begin_taking();
+        while let Some(message) = topic.take() {
             let torque = self.reader.read(&message).map_err(Unusable::Broken).and_then(|state| {
                 // A message for the torque alone has no positions.
                 let entries = told.joints.entries(&state)?;
@@ -328,24 +336,17 @@ impl<const N: usize, E: WrenchEstimator<N>> Listener<'_, N, E> {
             ages: self.second.ages.as_ref(),
             fault: self.stream.fault(),
             refused: self.refused.as_deref(),
-            compensation_missing: self.told.as_ref().is_some_and(|told| told.torque.is_none()),
+            publishers: self.node.joint_states.publishers(),
+            compensation: match (&self.told, &mut self.node.compensation) {
+                (Some(told), Some(topic)) => {
+                    Some(CompensationHealth { publishers: topic.publishers(), has_come: told.torque.is_some() })
+                }
+                _ => None,
+            },
         };
         // A monitor that misses one sees the next.
         let _ = sent(&self.node.diagnostics, diagnostic_array(now_ns(), &health.status()));
         self.second = Second::after(now);
-    }
-}
-
-/// The next message, if one is there.
-fn taken(reader: &SimpleDataReader<Raw, RawAdapter>) -> Option<Raw> {
-    loop {
-        match reader.try_take_one() {
-            Ok(Some(change)) => return Some(change.into_value()),
-            Ok(None) => return None,
-            // A message of another encoding; those behind it may be well.
-            Err(rustdds::dds::ReadError::Deserialization { .. } | rustdds::dds::ReadError::UnknownKey { .. }) => {}
-            Err(_) => return None,
-        }
     }
 }
 

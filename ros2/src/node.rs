@@ -4,7 +4,7 @@ use std::net::IpAddr;
 use std::time::Duration;
 
 use rustdds::dds::CreateResult;
-use rustdds::no_key::{DataWriter, SimpleDataReader};
+use rustdds::no_key::DataWriter;
 use rustdds::policy::{Durability, History, Reliability};
 use rustdds::{
     DomainParticipant, DomainParticipantBuilder, Publisher, QosPolicies, QosPolicyBuilder, Subscriber, TopicKind,
@@ -13,6 +13,7 @@ use rustdds::{
 use crate::ListenError;
 use crate::message::{COVARIANCE_TYPE, DIAGNOSTIC_TYPE, WRENCH_TYPE};
 use crate::raw::{Raw, RawAdapter};
+use crate::topic_reader::TopicReader;
 
 /// Name of `sensor_msgs/msg/JointState` in DDS.
 const JOINT_STATE_TYPE: &str = "sensor_msgs::msg::dds_::JointState_";
@@ -48,8 +49,8 @@ pub struct NodeSettings {
 /// A participant with its readers and writers: sensor data is read as best effort, which any publisher offers; what is written is reliable, which
 /// any subscriber takes; both are volatile.
 pub struct Node {
-    pub(crate) joint_states: SimpleDataReader<Raw, RawAdapter>,
-    pub(crate) compensation: Option<SimpleDataReader<Raw, RawAdapter>>,
+    pub(crate) joint_states: TopicReader,
+    pub(crate) compensation: Option<TopicReader>,
     pub(crate) wrench: DataWriter<Raw, RawAdapter>,
     pub(crate) covariance: DataWriter<Raw, RawAdapter>,
     pub(crate) diagnostics: DataWriter<Raw, RawAdapter>,
@@ -129,10 +130,10 @@ struct Ends<'p> {
 }
 
 impl Ends<'_> {
-    fn reader(&self, topic: &str) -> CreateResult<SimpleDataReader<Raw, RawAdapter>> {
+    fn reader(&self, topic: &str) -> CreateResult<TopicReader> {
         let (name, kind) = (format!("{ROS_TOPIC}{topic}"), JOINT_STATE_TYPE.to_owned());
         let topic = self.participant.create_topic(name, kind, &self.sensor_data, TopicKind::NoKey)?;
-        self.subscriber.create_simple_datareader_no_key(&topic, Some(self.sensor_data.clone()))
+        self.subscriber.create_simple_datareader_no_key(&topic, Some(self.sensor_data.clone())).map(TopicReader::new)
     }
 
     fn writer(&self, topic: &str, kind: &str) -> CreateResult<DataWriter<Raw, RawAdapter>> {

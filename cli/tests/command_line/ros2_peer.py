@@ -127,16 +127,26 @@ def publish(question):
         return ([0.02] if extra else []) + [row[f"{column}_{j}"] for j in order]
 
     participant = DomainParticipant(int(os.environ.get("ROS_DOMAIN_ID", "0")))
+    monitor = DataReader(participant, Topic(participant, "rt/diagnostics", DiagnosticArray_), qos=RELIABLE)
+    seen = {}
+
+    # A writer may know of its reader before the reader knows of it, and what is written until then is lost.
+    def listener_says(key, expected):
+        for message in monitor.take(N=1000):
+            for status in message.status:
+                seen.update({pair.key: pair.value for pair in status.values})
+        return seen.get(key) == expected
+
     writer = DataWriter(participant, Topic(participant, "rt/joint_states", JointState_), qos=RELIABLE)
-    until(lambda: writer.get_matched_subscriptions(), "a subscriber of /joint_states")
+    until(lambda: listener_says("publishers of joint states", "1"), "a subscriber of /joint_states")
     if question["ready"]:
         until(lambda: os.path.exists(question["ready"]), "a hearer of /wrench")
     added_nm = question.get("added_nm", 0.0)
     if question.get("told"):
         compensation = DataWriter(participant, Topic(participant, "rt/tau_friction", JointState_), qos=RELIABLE)
-        until(lambda: compensation.get_matched_subscriptions(), "a subscriber of /tau_friction")
+        until(lambda: listener_says("publishers of the compensation", "1"), "a subscriber of /tau_friction")
         compensation.write(JointState_(Header_(Time_(0, 0), ""), names, [], [], [added_nm] * len(names)))
-        time.sleep(0.5)
+        until(lambda: listener_says("compensation", "has come"), "a compensation that is heard")
     period_ns = round(NS / question["rate_hz"])
     start_ns = time.time_ns() + NS // 10
     late_ns = 0
@@ -187,8 +197,9 @@ def hear(question):
     participant = DomainParticipant(int(os.environ.get("ROS_DOMAIN_ID", "0")))
     topics = [("rt/wrench", WrenchStamped_, wrench), ("rt/wrench/covariance", Float64MultiArray_, covariance),
               ("rt/diagnostics", DiagnosticArray_, diagnostics)]
-    readers = [DataReader(participant, Topic(participant, name, kind), qos=RELIABLE, listener=Ear(keep)) for name, kind, keep in topics]
-    until(lambda: all(reader.get_matched_publications() for reader in readers), "a publisher of /wrench")
+    _readers = [DataReader(participant, Topic(participant, name, kind), qos=RELIABLE, listener=Ear(keep)) for name, kind, keep in topics]
+    # The last reader hears, so the listener knows of those before it.
+    until(lambda: heard["diagnostics"], "diagnostics")
     open(question["ready"], "w").close()
     # Diagnostics go on for as long as somebody listens; wrenches end with the joint states.
     until(lambda: heard["wrench"], "a wrench")

@@ -217,6 +217,9 @@ fn tell(heard: &Heard, topic: &str) {
         }
         Heard::Begun(names) if names.is_empty() => message!("tribo: joint states come, without names"),
         Heard::Begun(names) => message!("tribo: joint states come: {}", names.join(", ")),
+        Heard::NoCompensation => message!(
+            "tribo: joint states come, but no torque on the topic of --compensation: nothing is estimated until one does"
+        ),
         Heard::BegunAnew => message!("tribo: the stamps on {topic} have a gap; the estimator begins anew"),
     }
 }
