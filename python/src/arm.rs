@@ -60,19 +60,19 @@ impl PyArm {
         Ok(Self { arm: AnyArm::of(&model.model), model })
     }
 
-    fn rows(&self, value: &Bound<'_, PyAny>, name: &str, like: Option<&Rows>) -> PyResult<Rows> {
+    fn rows<'py>(&self, value: &Bound<'py, PyAny>, name: &str, like: Option<&Rows<'py>>) -> PyResult<Rows<'py>> {
         Rows::of_arm(value, name, self.joints(), like)
     }
 
     /// q, qd and a third array of the same shape; those left out are zero.
-    fn three(
+    fn three<'py>(
         &self,
-        q: &Bound<'_, PyAny>,
-        qd: Option<&Bound<'_, PyAny>>,
-        third: (Option<&Bound<'_, PyAny>>, &str),
-    ) -> PyResult<[Rows; 3]> {
+        q: &Bound<'py, PyAny>,
+        qd: Option<&Bound<'py, PyAny>>,
+        third: (Option<&Bound<'py, PyAny>>, &str),
+    ) -> PyResult<[Rows<'py>; 3]> {
         let q = self.rows(q, "q", None)?;
-        let other = |value: Option<&Bound<'_, PyAny>>, name: &str| {
+        let other = |value: Option<&Bound<'py, PyAny>>, name: &str| {
             value.map_or_else(|| Ok(q.zeros_like()), |value| self.rows(value, name, Some(&q)))
         };
         let (qd, third) = (other(qd, "qd")?, other(third.0, third.1)?);
