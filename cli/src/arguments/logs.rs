@@ -52,9 +52,9 @@ pub struct Estimate {
     /// Side of the gears on which tau_J was measured, if no --model is given.
     #[arg(long, default_value = "motor", value_parser = PossibleValuesParser::new(["motor", "link"]), conflicts_with = "model")]
     pub torque_side: String,
-    /// Which estimators to run; torque is the torque residual alone.
-    #[arg(long, default_value = "all", value_parser = PossibleValuesParser::new(["all", "ekf", "momentum", "qp", "thermal", "double_encoder", "torque"]))]
-    pub residual: String,
+    /// Which estimators to run, one or several with commas; torque is the torque residual alone.
+    #[arg(long, default_value = "all", value_delimiter = ',', value_parser = PossibleValuesParser::new(["all", "ekf", "momentum", "qp", "thermal", "double_encoder", "torque"]))]
+    pub residual: Vec<String>,
     /// A log of the same robot in contact-free motion, from which friction band, noise and tare of the estimators are identified
     /// [default: the band of the model's friction, the noise of a Panda, no tare].
     #[arg(long, value_name = "LOG")]

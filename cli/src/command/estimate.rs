@@ -51,7 +51,7 @@ pub fn run(arguments: &Estimate, common: &Common) -> anyhow::Result<()> {
         _ => arguments.log.as_ref().ok_or_else(|| BadInput("no log is given".to_owned()))?,
     };
     let (log, summary) = read_log(path, &options, common)?;
-    let everything = arguments.residual == "all";
+    let everything = wants_everything(arguments);
     // Tables show the warnings of the log themselves.
     let (wanted, refused) = judgement(arguments);
     believe(path, &recognise::recognise(&log), wanted, refused, common.quiet || !common.json)?;
@@ -87,8 +87,12 @@ pub fn run(arguments: &Estimate, common: &Common) -> anyhow::Result<()> {
 
 /// What the log is wanted for, and what is done with one that cannot be right. The torque residual alone does without dq.
 fn judgement(arguments: &Estimate) -> (Use, Refused) {
-    let wanted = if arguments.residual == "torque" { Use::Diagnosis } else { Use::Wrench };
+    let wanted = if arguments.residual.iter().all(|name| name == "torque") { Use::Diagnosis } else { Use::Wrench };
     (wanted, Refused::unless(arguments.anyway))
+}
+
+fn wants_everything(arguments: &Estimate) -> bool {
+    arguments.residual.iter().any(|name| name == "all")
 }
 
 /// A log, and what it says of its gears without a model.
@@ -116,7 +120,7 @@ where
         return Err(BadInput(message).into());
     }
     // Two encoders see the gears, behind the friction of the motors.
-    let feels_friction = !matches!(arguments.residual.as_str(), "torque" | "double_encoder");
+    let feels_friction = arguments.residual.iter().any(|name| !matches!(name.as_str(), "torque" | "double_encoder"));
     let has_friction = model
         .effects
         .iter()
@@ -126,8 +130,8 @@ where
             "tribo: no friction is believed, so that of the arm counts as wrench, outside of the intervals too; --model says what it has"
         );
     }
-    let everything = arguments.residual == "all";
-    let wants = |name: &str| everything || arguments.residual == name;
+    let everything = wants_everything(arguments);
+    let wants = |name: &str| everything || arguments.residual.iter().any(|wanted| wanted == name);
     let torque = wants("torque").then(|| torque_residual(arguments, path, log, model)).transpose()?;
     let free = free_log(arguments, model, common)?;
     let one_encoder = wants(EstimatorName::DoubleEncoder.as_str())

@@ -380,6 +380,9 @@ fn only_motors_feel_the_friction() {
     let simulated = run(at.path(), "simulate --log x.csv.gz --torque-side link --seed 43 --json").ok().json();
     assert_eq!(keys(&simulated), ["schema", "seed", "cost", "cost_parts", "penalty", "reason", "aborted_at_s", "log"]);
     assert!((number(&simulated["cost"]) - 24.2).abs() < 0.5, "{simulated}");
+    // Those that are asked for, and no others.
+    let two = run(at.path(), "estimate x.csv.gz --torque-side link --residual momentum,ekf --json").ok().json();
+    assert_eq!((keys(&two["estimators"]), &two["torque_residual"]), (vec!["ekf", "momentum"], &Value::Null));
     let document = run(at.path(), "estimate x.csv.gz --torque-side link --json").ok().json();
     assert_eq!(keys(&document), ["schema", "log", "estimators", "torque_residual"]);
     assert_eq!(document["schema"], "tribo.estimate/1");
