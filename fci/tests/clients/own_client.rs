@@ -24,15 +24,6 @@ fn a_motion_begins_where_the_last_one_left_the_arm() {
         let mut robot = connection.torque_plant(&arm, &never).unwrap();
         for tick in 0..500 {
             let frame = robot.sense().unwrap();
-            if std::env::var("DBG").is_ok() && tick % 20 == 0 {
-                println!(
-                    "{round} {tick} {} q3 {:.4} qd3 {:.3} tau {:.2}",
-                    frame.time_s,
-                    frame.q[3] - start[3],
-                    frame.qd[3],
-                    frame.tau[3]
-                );
-            }
             assert!(frame.qd.amax() < 0.5, "round {round}, tick {tick}: {} rad/s", frame.qd.amax());
             let hold = (start - frame.q).map(|error| 1000.0 * error) - frame.qd * 60.0;
             robot.actuate(&(hold + gravity_torque(&arm, &frame.q)));
