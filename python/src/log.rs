@@ -100,6 +100,7 @@ impl PyLog {
         more: Option<BTreeMap<String, Bound<'_, PyAny>>>,
     ) -> PyResult<Self> {
         let mut columns = LogColumns { time_s: column(time, "time")?, ..LogColumns::default() };
+        let samples = columns.time_s.len();
         let mut given: BTreeMap<String, Bound<'_, PyAny>> = more.unwrap_or_default();
         given.insert("q".to_owned(), q.clone());
         given.insert("tau".to_owned(), tau.clone());
@@ -113,7 +114,15 @@ impl PyLog {
             };
             let values = match quantity {
                 Quantity::TemperatureAmbient => vec![column(value, name)?],
-                _ => Rows::of(value, name)?.columns(),
+                _ => {
+                    let rows = Rows::of(value, name)?;
+                    if rows.leading != [samples] {
+                        let shape = rows.shape();
+                        let message = format!("{name} has shape {shape:?}; allowed: ({samples}, columns), a row for each of time");
+                        return Err(bad(message));
+                    }
+                    rows.columns()
+                }
             };
             columns.set(quantity, values);
         }

@@ -74,7 +74,8 @@ impl<'py> Rows<'py> {
         Self { numbers: zeros, leading: self.leading.clone(), joints: self.joints }
     }
 
-    fn shape(&self) -> Vec<usize> {
+    /// As Python has it.
+    pub(crate) fn shape(&self) -> Vec<usize> {
         self.leading.iter().copied().chain([self.joints]).collect()
     }
 

@@ -91,8 +91,10 @@ def test_wrong_logs_are_told(tmp_path):
         tribo.Log.from_arrays(time, broken, tau, dq)
     with pytest.raises(ValueError, match="row 1"):
         tribo.Log.from_arrays(0 * time, q, tau, dq)
-    with pytest.raises(ValueError, match="expected 400"):
+    with pytest.raises(ValueError, match="q has shape .*; allowed: .400, columns"):
         tribo.Log.from_arrays(time, q[:-1], tau[:-1])
+    with pytest.raises(ValueError, match=r"q has shape \[2800\]; allowed: \(400, columns\), a row for each of time"):
+        tribo.Log.from_arrays(time, q.ravel(), tau, dq)
     with pytest.raises(ValueError, match="speed is no quantity of a log; allowed: time, q"):
         tribo.Log.from_arrays(time, q, tau, speed=q)
     with pytest.raises(FileNotFoundError, match="no_such.csv"):
