@@ -20,6 +20,7 @@ def test_a_payload_is_named_written_and_then_nothing_is_missing(model, loaded_lo
     diagnosis.report(tmp_path / "report.html")
     assert (tmp_path / "report.html").read_text(encoding="utf-8").startswith("<!doctype html>")
     assert "a body that the model lacks" in str(diagnosis) and "<table>" in diagnosis._repr_html_()
+    assert "<th>panda_joint4 (3)</th>" in diagnosis._repr_html_()
     before, after = (sum(diagnosis.rms_nm[key]) for key in ["held_out_before", "held_out_after"])
     assert after < 0.1 * before
 

@@ -89,24 +89,24 @@ class Diagnosis:
         return "\n".join([self.sentence, *(f"- {finding}" for finding in self.findings)])
 
     def _repr_html_(self) -> str:
-        text = html.escape
+        text, joints = html.escape, self._raw.joints()
         rows = "".join(
             "<tr>"
-            f"<td>{text(finding.label.replace('_', ' '))}</td><td>{text(_place(finding))}</td>"
+            f"<td>{text(finding.label.replace('_', ' '))}</td><td>{text(_place(finding.joint, finding.link, joints))}</td>"
             f"<td style='text-align:left'>{'<br>'.join(_values(finding))}</td>"
             f"<td>{_percent(finding.held_out_gain)}</td>"
-            f"<td>{text(', '.join(_rival(rival) for rival in finding.alternatives))}</td>"
+            f"<td>{text(', '.join(_rival(rival, joints) for rival in finding.alternatives))}</td>"
             "</tr>"
             for finding in self.findings
         )
         heads = ["cause", "where", "parameters [95 %]", "gain on unseen", "not told from"]
         table = f"<table><tr>{''.join(f'<th>{head}</th>' for head in heads)}</tr>{rows}</table>" if rows else ""
-        joints = "".join(f"<th>{joint}</th>" for joint in range(len(self.rms_nm["before"])))
+        columns = "".join(f"<th>{text(joint)}</th>" for joint in joints)
         figures = "".join(
             f"<tr><th>{name}</th>{''.join(f'<td>{_number(value)}</td>' for value in self.rms_nm[key])}</tr>"
             for name, key in [("before", "held_out_before"), ("after", "held_out_after")]
         )
-        unseen = f"<table><tr><th>RMS on unseen [Nm], joint</th>{joints}</tr>{figures}</table>"
+        unseen = f"<table><tr><th>RMS on unseen [Nm], joint</th>{columns}</tr>{figures}</table>"
         return f"<p><b>{text(self.sentence)}</b></p>{table}{unseen}"
 
 
@@ -118,16 +118,15 @@ def _percent(value: float | None) -> str:
     return "" if value is None else f"{100 * value:.0f} %"
 
 
-def _place(finding: Finding) -> str:
-    if finding.joint is not None:
-        return f"joint {finding.joint}"
-    return f"link {finding.link}" if finding.link is not None else "arm"
+def _place(joint: int | None, link: int | None, joints: list[str]) -> str:
+    if joint is not None:
+        return joints[joint]
+    return f"link {link}" if link is not None else "arm"
 
 
-def _rival(rival: dict[str, Any]) -> str:
-    place = "" if rival["joint"] is None else f" of joint {rival['joint']}"
-    place = place if rival["link"] is None else f" of link {rival['link']}"
-    return str(rival["label"]).replace("_", " ") + place
+def _rival(rival: dict[str, Any], joints: list[str]) -> str:
+    place = _place(rival["joint"], rival["link"], joints)
+    return str(rival["label"]).replace("_", " ") + ("" if place == "arm" else f" at {place}")
 
 
 def _values(finding: Finding) -> list[str]:

@@ -154,7 +154,7 @@ fn ask<const N: usize>(mut campaign: UserCampaign<N>, arguments: &Ask, common: &
             message!("tribo: {change}");
         }
         for beyond in campaign.beyond_box() {
-            message!("tribo: {beyond}");
+            message!("tribo: {}", beyond.sentence(&campaign.tune().trial.model.joint_names));
         }
         let chosen = asked.origin;
         message!(

@@ -11,6 +11,7 @@ use tribo_friction::{FrictionModel, JointFriction};
 use tribo_logs::recognise::{self, Use};
 use tribo_logs::{LogSummary, RobotLog, Table, write_table};
 use tribo_model::{AnyModel, Believed, Model, ModelChoice, SIGN_SMOOTHING_RAD_S};
+use tribo_robot::JointNames;
 use tribo_sim::{Effect, TorqueSide, panda_gaz_joints};
 
 use super::believe::{Refused, believe};
@@ -110,7 +111,7 @@ where
 {
     let (wanted, refused) = judgement(arguments);
     believe(path, &tribo_diagnose::recognise::recognise(log, &model.to_nominal()), wanted, refused, common.quiet)?;
-    warn_not_cancelled(&Believed::on_log(model).not_cancelled, common);
+    warn_not_cancelled(&Believed::on_log(model).not_cancelled, &model.robot.arm.joint_names, common);
     if !(arguments.block_s > 0.0 && arguments.block_s.is_finite()) {
         let message = format!("--block-s is {}; allowed: greater than 0", arguments.block_s);
         return Err(BadInput(message).into());
@@ -168,11 +169,12 @@ where
     } else if !common.quiet {
         print(summary);
         if let Some(gears) = gears {
-            transmission::show(gears);
+            transmission::show(gears, &model.robot.arm.joint_names);
         }
         if let Some(report) = &torque {
             let rigid = if model.effects.is_empty() { "rigid model" } else { "rigid model and effects" };
-            show_torque(report, rigid, if arguments.model.is_some() { "model friction" } else { "Gaz 2019 friction" });
+            let friction = if arguments.model.is_some() { "model friction" } else { "Gaz 2019 friction" };
+            show_torque(report, &model.robot.arm.joint_names, rigid, friction);
         }
         if !wrenches.is_empty() {
             show_wrenches(&wrenches, arguments.out.as_deref());
@@ -224,7 +226,7 @@ fn torque_residual<const N: usize>(
         .map_err(|error| BadInput(format!("{}: {error}", path.display())).into())
 }
 
-fn show_torque(report: &FrictionReport, rigid: &str, model_label: &str) {
+fn show_torque(report: &FrictionReport, names: &JointNames, rigid: &str, model_label: &str) {
     print(format_args!("\nTorque residual: measured less {rigid} [Nm], {}", report.chain));
     match &report.blocks {
         Ok(blocks) => print(format_args!("friction fitted to {blocks}")),
@@ -254,7 +256,7 @@ fn show_torque(report: &FrictionReport, rigid: &str, model_label: &str) {
                 _ => "-".to_owned(),
             };
         rows.add_row([
-            joint.joint.to_string(),
+            names.of(joint.joint).to_string(),
             significant(joint.rms_rigid_nm, 3),
             significant(joint.sd_rigid_nm, 3),
             joint.rms_with_model_nm.map_or("-".to_owned(), |rms| significant(rms, 3)),
@@ -269,7 +271,7 @@ fn show_torque(report: &FrictionReport, rigid: &str, model_label: &str) {
     print(rows);
     for joint in &report.joints {
         if let Err(error) = &joint.fit {
-            print(format_args!("joint {}: {error}", joint.joint));
+            print(format_args!("{}: {error}", names.of(joint.joint)));
         }
     }
 }

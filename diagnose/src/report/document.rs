@@ -160,6 +160,8 @@ fn next_experiment(next: &NextExperiment) -> Value {
 
 #[cfg(test)]
 mod tests {
+    use tribo_robot::JointNames;
+
     use super::*;
     use crate::{CrossJointPattern, Parameter, Validation, Verdict};
 
@@ -205,6 +207,7 @@ mod tests {
         Diagnosis {
             verdict: Verdict::Unknown,
             findings: vec![payload, unknown],
+            joint_names: JointNames::default(),
             joints: vec![JointMisfit {
                 rms_nm: 0.5,
                 bias_nm: -0.1,

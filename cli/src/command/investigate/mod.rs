@@ -195,7 +195,7 @@ impl Steps<'_> {
             return Ok(());
         }
         for finding in &diagnosis.findings {
-            print(format_args!("- {}.", finding_sentence(finding)));
+            print(format_args!("- {}.", finding_sentence(finding, &diagnosis.joint_names)));
         }
         for unseen in &diagnosis.validation {
             print(format_args!("{}", worth(unseen)));

@@ -70,7 +70,7 @@ fn on<const N: usize>(
     let name: EstimatorName = named(&arguments.residual)?;
     let names = parameters.joint_names::<N>(&arguments.joints)?;
     let (first, not_cancelled) = measured(model, name)?;
-    warn_not_cancelled(&not_cancelled, common);
+    warn_not_cancelled(&not_cancelled, &model.robot.arm.joint_names, common);
     if model.friction == FrictionModel::none() && model.effects.is_empty() && !common.quiet {
         message!(
             "tribo: no friction is believed, so that of the arm counts as wrench; --model or --compensator says what it has"
