@@ -18,8 +18,8 @@ from tribo._tribo import Model
 class Finding:
     """One cause that the model lacks."""
 
-    label: str
-    """Kind of the cause: ``payload``, ``coulomb``, ``torque_offset`` …"""
+    cause: str
+    """Kind of the cause: ``payload``, ``coulomb``, ``torque_offset`` …, as in model files."""
     joint: int | None
     """Joint at which it acts, from 0; none of a cause of a link or of the whole arm."""
     link: int | None
@@ -40,6 +40,11 @@ class Finding:
     """The finding in words."""
     raw: dict[str, Any] = field(repr=False)
     """The finding as in ``tribo diagnose --json``."""
+
+    @property
+    def label(self) -> str:
+        """The older name of ``cause``."""
+        return self.cause
 
     def __str__(self) -> str:
         return self.sentence
@@ -92,7 +97,7 @@ class Diagnosis:
         text, joints = html.escape, self._raw.joints()
         rows = "".join(
             "<tr>"
-            f"<td>{text(finding.label.replace('_', ' '))}</td><td>{text(_place(finding.joint, finding.link, joints))}</td>"
+            f"<td>{text(finding.cause.replace('_', ' '))}</td><td>{text(_place(finding.joint, finding.link, joints))}</td>"
             f"<td style='text-align:left'>{'<br>'.join(_values(finding))}</td>"
             f"<td>{_percent(finding.held_out_gain)}</td>"
             f"<td>{text(', '.join(_rival(rival, joints) for rival in finding.alternatives))}</td>"
@@ -126,7 +131,7 @@ def _place(joint: int | None, link: int | None, joints: list[str]) -> str:
 
 def _rival(rival: dict[str, Any], joints: list[str]) -> str:
     place = _place(rival["joint"], rival["link"], joints)
-    return str(rival["label"]).replace("_", " ") + ("" if place == "arm" else f" at {place}")
+    return str(rival["cause"]).replace("_", " ") + ("" if place == "arm" else f" at {place}")
 
 
 def _values(finding: Finding) -> list[str]:
@@ -173,7 +178,7 @@ def diagnose(
     document: dict[str, Any] = json.loads(raw.document())
     findings = [
         Finding(
-            label=entry["label"],
+            cause=entry["cause"],
             joint=entry["joint"],
             link=entry["link"],
             params=entry["params"],

@@ -56,7 +56,7 @@ fn a_flaw_is_reported_in_every_form() {
     assert_eq!(document["schema"], "tribo.diagnosis/1");
     let findings = document["findings"].as_array().unwrap();
     assert!(!findings.is_empty());
-    assert_eq!(keys(&findings[0])[..3], ["label", "joint", "link"]);
+    assert_eq!(keys(&findings[0])[..4], ["label", "cause", "joint", "link"]);
     let rms = &document["rms_nm"];
     assert_eq!(keys(rms), ["before", "after", "held_out_before", "held_out_after"]);
     let of_joint_3 = |key: &str| rms[key][3].as_f64().unwrap();

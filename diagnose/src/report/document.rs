@@ -67,14 +67,15 @@ pub fn document(diagnosis: &Diagnosis, extras: &Extras) -> Value {
     })
 }
 
-/// An object that begins with `label`, `joint` and `link`.
+/// An object that begins with `label`, `cause` (the same word under the name that model files have for it), `joint` and `link`.
 fn located(label: CauseLabel, location: Location) -> Map<String, Value> {
     let (joint, link) = match location {
         Location::Joint(joint) => (Some(joint), None),
         Location::Link(link) => (None, Some(link)),
         Location::Arm => (None, None),
     };
-    let entries = [("label", json!(label.name())), ("joint", json!(joint)), ("link", json!(link))];
+    let name = json!(label.name());
+    let entries = [("label", name.clone()), ("cause", name), ("joint", json!(joint)), ("link", json!(link))];
     entries.into_iter().map(|(key, value)| (key.to_owned(), value)).collect()
 }
 
