@@ -289,6 +289,22 @@ pub struct Finding {
 }
 
 impl Finding {
+    /// Parameters as people read them. Of a push that is the wrench by the robot on the environment, as estimators give it; `parameters` and
+    /// model files hold the push itself, which is the opposite.
+    pub fn said(&self) -> Vec<Parameter> {
+        let opposite = |name, of: &Parameter| Parameter {
+            name,
+            value: of.value.iter().map(|x| -x).collect(),
+            ci95: of.ci95.iter().map(|[low, high]| [-high, -low]).collect(),
+        };
+        let said = |parameter: &Parameter| match (self.label, parameter.name) {
+            (CauseLabel::ExternalContact, "force_n") => opposite("force_by_robot_n", parameter),
+            (CauseLabel::ExternalContact, "moment_nm") => opposite("moment_by_robot_nm", parameter),
+            _ => parameter.clone(),
+        };
+        self.parameters.iter().map(said).collect()
+    }
+
     /// The joints or links that it covers, one by one.
     pub fn places(&self) -> Vec<Location> {
         match self.links.is_empty() {

@@ -136,7 +136,13 @@ def _rival(rival: dict[str, Any], joints: list[str]) -> str:
 
 def _values(finding: Finding) -> list[str]:
     lines = []
-    for name, value in finding.params.items():
+    params: dict[str, Any] = dict(finding.params)
+    if "wrench_by_robot" in finding.raw:
+        # Of a push people read the wrench that estimators give; params hold the push itself.
+        wrench = finding.raw["wrench_by_robot"]
+        params |= {"force_by_robot_n": wrench["force_n"], "moment_by_robot_nm": wrench["moment_nm"]}
+        params = {name: value for name, value in params.items() if name not in ("force_n", "moment_nm")}
+    for name, value in params.items():
         interval = finding.params_ci95.get(name)
         if isinstance(value, float) and isinstance(interval, list) and len(interval) == 2:
             shown = f"{value:.4g} [{interval[0]:.4g}, {interval[1]:.4g}]"

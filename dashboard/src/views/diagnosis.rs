@@ -152,7 +152,7 @@ impl DiagnosisView {
 
 fn facts(ui: &mut Ui, finding: &Finding, names: &JointNames) {
     Grid::new("parameters").num_columns(2).spacing([16.0, 4.0]).show(ui, |ui| {
-        for parameter in &finding.parameters {
+        for parameter in &finding.said() {
             let (quantity, unit) = quantity_and_unit(parameter.name);
             for (k, value) in parameter.value.iter().enumerate() {
                 let axis = if parameter.value.len() == 3 { format!(" {}", ["x", "y", "z"][k]) } else { String::new() };

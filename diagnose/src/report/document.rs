@@ -101,7 +101,7 @@ fn finding(finding: &Finding) -> Value {
     if let Some(signature) = &finding.signature {
         params.insert("signature".to_owned(), json!(signature));
     }
-    let more = json!({
+    let mut more = json!({
         "joints": finding.joints,
         "links": finding.links,
         "params": params,
@@ -113,6 +113,12 @@ fn finding(finding: &Finding) -> Value {
         "evidence": finding.evidence,
         "alternatives": finding.alternatives.iter().map(alternative).collect::<Vec<_>>(),
     });
+    if finding.label == CauseLabel::ExternalContact {
+        let said = finding.said();
+        let value = |name: &str| said.iter().find(|parameter| parameter.name == name).map(|parameter| &parameter.value);
+        more["wrench_by_robot"] =
+            json!({"force_n": value("force_by_robot_n"), "moment_nm": value("moment_by_robot_nm")});
+    }
     with(located(finding.label, finding.location), more)
 }
 

@@ -25,7 +25,7 @@ pub fn findings(diagnosis: &Diagnosis) -> String {
 }
 
 fn article(finding: &Finding, names: &JointNames) -> String {
-    let rows = finding.parameters.iter().map(|parameter| {
+    let rows = finding.said().into_iter().map(|parameter| {
         let (quantity, unit) = quantity_and_unit(parameter.name);
         let ends = |k: usize| parameter.ci95.get(k).copied().unwrap_or([f64::NAN; 2]);
         // Of several joints or links each has its own value.

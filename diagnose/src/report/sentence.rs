@@ -84,7 +84,8 @@ pub fn description(finding: &Finding, names: &JointNames) -> String {
     }
     let place = finding.location.among(names);
     let at = if begins_with_a_name(finding, names) { place.clone() } else { capital(&place) };
-    let p = Parameters(&finding.parameters);
+    let said = finding.said();
+    let p = Parameters(&said);
     match finding.label {
         L::Coulomb => {
             format!(
@@ -171,11 +172,11 @@ pub fn description(finding: &Finding, names: &JointNames) -> String {
             format!("Torques are stamped {way} by {}", with_interval(size, [low, high], "ms"))
         }
         L::ExternalContact => format!(
-            "Something pushed the arm from {} to {}: {} N and {} Nm at the flange (base axes)",
+            "Something pushed the arm from {} to {}; by the robot on the environment: {} N and {} Nm at the flange, base axes",
             p.rough("start_s", "s"),
             p.rough("end_s", "s"),
-            p.vector("force_n"),
-            p.vector("moment_nm")
+            p.vector("force_by_robot_n"),
+            p.vector("moment_by_robot_nm")
         ),
         L::PositionSpring => format!(
             "{at} pulls like a spring: {}, slack at {}",
@@ -366,6 +367,20 @@ impl Parameters<'_> {
 mod tests {
     use super::*;
     use crate::report::sample::diagnosis;
+
+    /// The sign of `tribo estimate`: a hand that presses down gets a force upwards from the robot, and vice versa.
+    #[test]
+    fn a_push_is_said_as_the_wrench_of_the_robot() {
+        let mut push = diagnosis().findings.remove(0);
+        (push.label, push.location) = (CauseLabel::ExternalContact, Location::Arm);
+        let ci95 = vec![[-1.0, 1.0], [3.0, 5.0], [-21.0, -19.0]];
+        push.parameters = vec![Parameter { name: "force_n", value: vec![0.0, 4.0, -20.0], ci95 }];
+        let said = push.said();
+        assert_eq!((said[0].name, said[0].value[1], said[0].value[2]), ("force_by_robot_n", -4.0, 20.0));
+        assert_eq!(said[0].ci95, [[-1.0, 1.0], [-5.0, -3.0], [19.0, 21.0]]);
+        let sentence = description(&push, &JointNames::default());
+        assert!(sentence.contains("by the robot on the environment: (") && sentence.contains(", 20"), "{sentence}");
+    }
 
     #[test]
     fn sentences_say_what_where_how_much_and_what_for() {

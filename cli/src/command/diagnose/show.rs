@@ -105,7 +105,7 @@ fn place(finding: &Finding, names: &JointNames) -> String {
 /// One row per component; a finding without parameters has one row all the same.
 fn parameter_rows(finding: &Finding, names: &JointNames) -> Vec<(String, String)> {
     let mut rows = Vec::new();
-    for parameter in &finding.parameters {
+    for parameter in &finding.said() {
         let unit = quantity_and_unit(parameter.name).1;
         for (k, value) in parameter.value.iter().enumerate() {
             let places = finding.places();
