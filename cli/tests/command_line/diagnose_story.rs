@@ -86,7 +86,8 @@ fn a_flaw_is_reported_in_every_form() {
 #[test]
 fn a_push_has_the_sign_of_estimate() {
     let at = scratch();
-    let push = "effects:\n  - {cause: external_contact, force_n: [0, 0, 20], moment_nm: [0, 0, 0], start_s: 8, end_s: 24}\n";
+    let push =
+        "effects:\n  - {cause: external_contact, force_n: [0, 0, 20], moment_nm: [0, 0, 0], start_s: 8, end_s: 24}\n";
     std::fs::write(at.path().join("m.yaml"), model("")).unwrap();
     std::fs::write(at.path().join("t.yaml"), model(push)).unwrap();
     std::fs::write(at.path().join("move.yaml"), motion()).unwrap();

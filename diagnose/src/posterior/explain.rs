@@ -170,8 +170,10 @@ pub(crate) fn explain<const N: usize>(
     extension.extend(written::effects(&scene, &problem, &all.state));
     let before_scene = in_band(given.logs, nominal)?;
     // Two encoders show springs and gaps without any torque model.
-    let seen: Vec<Finding> =
-        deflections(&before_scene).iter().map(|found| deflection_finding(found, settings.seed)).collect();
+    let seen: Vec<Finding> = deflections(&before_scene)
+        .iter()
+        .map(|found| deflection_finding(found, &before_scene.nominal.arm.joint_names, settings.seed))
+        .collect();
     extension.extend(seen.iter().filter_map(|finding| finding.effect.clone()));
     let extended = with(nominal, &extension, true);
     let without_payload = with(nominal, &extension, false);
