@@ -1,7 +1,5 @@
 //! What a controller makes of a model that it believes in.
 
-use std::fmt;
-
 use tribo_friction::{BristlePart, Curve, FrictionModel, JointEffects, Ripple};
 use tribo_robot::presets::joint_stiffness_nm_per_rad;
 use tribo_robot::{Arm, JointNames};
@@ -246,7 +244,7 @@ mod tests {
     fn one_reason_is_one_sentence() {
         let gain = |joint| Effect::TorqueGain { joint, gain_error: 0.1 };
         let (_, left) = joint_effects::<7>(&[gain(0), gain(3), Effect::TimeDelay { delay_s: 1e-3 }, gain(5)]);
-        let sentences = not_cancelled_sentences(&left);
+        let sentences = not_cancelled_sentences(&left, &JointNames::default());
         assert_eq!(sentences.len(), 2);
         assert!(sentences[0].starts_with("torque_gain of joints 0, 3 and 5 is not cancelled: "), "{}", sentences[0]);
     }
