@@ -10,7 +10,7 @@ use tribo_diagnose::{BlockSettings, Diagnosable, FrictionReport, FrictionSetting
 use tribo_friction::{FrictionModel, JointFriction};
 use tribo_logs::recognise::{self, Use};
 use tribo_logs::{LogSummary, RobotLog, Table, write_table};
-use tribo_model::{AnyModel, Believed, Model, ModelChoice, SIGN_SMOOTHING_RAD_S};
+use tribo_model::{AnyModel, Believed, Model, SIGN_SMOOTHING_RAD_S};
 use tribo_robot::JointNames;
 use tribo_sim::{Effect, TorqueSide, panda_gaz_joints};
 
@@ -18,7 +18,7 @@ use super::believe::{Refused, believe};
 use super::columns::joint_names;
 use super::convert::{target_of, write_log};
 use super::live::watched;
-use super::{check_joints, named, read_log, show_robot, transmission, warn_not_cancelled};
+use super::{check_joints, read_log, show_robot, transmission, warn_not_cancelled};
 use crate::arguments::{Common, Estimate};
 use crate::failure::BadInput;
 use crate::output::{fixed, log_json, print, print_json, significant, table};
@@ -31,13 +31,7 @@ const OVERCONFIDENT_NIS: f64 = 8.0;
 
 /// Runs the estimators over a log and prints what they say.
 pub fn run(arguments: &Estimate, common: &Common) -> anyhow::Result<()> {
-    let mut choice = ModelChoice {
-        model: arguments.model.clone(),
-        robot: arguments.robot.clone(),
-        base_link: arguments.ends.base_link.clone(),
-        tip_link: arguments.ends.tip_link.clone(),
-        torque_side: named(&arguments.torque_side)?,
-    };
+    let mut choice = arguments.of.choice()?;
     let given = choice.given()?;
     let options = arguments.columns.options(joint_names(&choice, given.as_ref().map(|(file, _)| file)))?;
     let path = match (&arguments.live, &arguments.record) {
@@ -173,7 +167,7 @@ where
         }
         if let Some(report) = &torque {
             let rigid = if model.effects.is_empty() { "rigid model" } else { "rigid model and effects" };
-            let friction = if arguments.model.is_some() { "model friction" } else { "Gaz 2019 friction" };
+            let friction = if arguments.of.model.is_some() { "model friction" } else { "Gaz 2019 friction" };
             show_torque(report, &model.robot.arm.joint_names, rigid, friction);
         }
         if !wrenches.is_empty() {
@@ -205,7 +199,7 @@ where
 fn comparison<const N: usize>(arguments: &Estimate, model: &Model<N>) -> FrictionModel<N> {
     let published: [JointFriction; 7] = panda_gaz_joints().map(Into::into);
     let joints = published.as_slice().try_into().ok();
-    let published = joints.filter(|_| arguments.model.is_none() && model.robot.arm.name == "panda");
+    let published = joints.filter(|_| arguments.of.model.is_none() && model.robot.arm.name == "panda");
     published.map_or(model.friction, |joints| FrictionModel { joints })
 }
 
@@ -221,7 +215,7 @@ fn torque_residual<const N: usize>(
         blocks: BlockSettings { length_s: arguments.block_s, ..BlockSettings::default() },
     };
     let friction = comparison(arguments, model);
-    let judged = (arguments.model.is_some() || friction != FrictionModel::none()).then_some(&friction);
+    let judged = (arguments.of.model.is_some() || friction != FrictionModel::none()).then_some(&friction);
     FrictionReport::of_model(log, &model.to_nominal(), judged, arguments.band_hz, &settings)
         .map_err(|error| BadInput(format!("{}: {error}", path.display())).into())
 }

@@ -15,6 +15,7 @@ pub mod listen;
 mod live;
 pub mod report;
 pub mod reproduce;
+mod robot_model;
 pub mod serve;
 pub mod shell;
 pub mod simulate;

@@ -44,6 +44,11 @@ impl SerialChain {
         &self.base_link
     }
 
+    /// Names of the joints, from the base.
+    pub fn joint_names(&self) -> Vec<String> {
+        self.joints.iter().map(|joint| joint.name.clone()).collect()
+    }
+
     /// Number of joints.
     pub fn joints(&self) -> usize {
         self.joints.len()

@@ -162,7 +162,7 @@ fn watch<const N: usize>(
     updates: &Sender<Update<N, AnyEstimator<N>>>,
     over: &AtomicBool,
 ) {
-    let files = [&arguments.model, &arguments.compensator].into_iter().flatten();
+    let files = [&arguments.of.model, &arguments.compensator].into_iter().flatten();
     let mut watch = FileWatch::of(files.map(Path::new));
     while !over.load(Ordering::Relaxed) {
         std::thread::sleep(LOOK);
