@@ -1,5 +1,7 @@
 //! What can be done with a campaign of any robot.
 
+use tribo_robot::JointNames;
+
 use crate::{AnyTune, EstimatorError, ParameterSpace, References, TuneConfig, TunedLaw, references};
 
 impl AnyTune {
@@ -24,6 +26,14 @@ impl AnyTune {
         match self {
             Self::Six(tune) => &tune.trial.model.name,
             Self::Seven(tune) => &tune.trial.model.name,
+        }
+    }
+
+    /// Names of the arm's joints.
+    pub fn joint_names(&self) -> &JointNames {
+        match self {
+            Self::Six(tune) => &tune.trial.model.joint_names,
+            Self::Seven(tune) => &tune.trial.model.joint_names,
         }
     }
 

@@ -70,7 +70,7 @@ pub fn closed_loop_gain<const N: usize>(nominal: &Model<N>, extended: &Model<N>,
         tracking_rms_mrad_after: runs[1].rms_mrad,
         aborted_before: runs[0].outcome.aborted,
         aborted_after: runs[1].outcome.aborted,
-        not_cancelled: not_cancelled_sentences(&after.not_cancelled),
+        not_cancelled: not_cancelled_sentences(&after.not_cancelled, &after.arm.joint_names),
     }
 }
 

@@ -1,10 +1,11 @@
 //! What the trials of a campaign amount to.
 
 use serde::{Deserialize, Serialize};
+use tribo_robot::JointNames;
 
 use crate::chooser::Chooser;
 use crate::strategy::{
-    BestTrial, BeyondBox, FinishedTrial, LawCheck, LogSource, Standing, Standings, StrategyError, StrategyName,
+    BestTrial, BeyondBox, FinishedTrial, LawCheck, LogSource, Standing, StrategyError, StrategyName, standing_sentence,
 };
 use crate::{TunedLaw, ValidTune};
 
@@ -55,9 +56,9 @@ impl Conclusion {
 
     /// What there is to say of the arm beside the best trial: friction beyond the box, joints that stand, and a friction law that does not
     /// explain it.
-    pub fn remarks(&self) -> Vec<String> {
-        let beyond = self.beyond_box.iter().map(ToString::to_string);
-        let standing = (!self.standing.is_empty()).then(|| Standings(&self.standing).to_string());
+    pub fn remarks(&self, names: &JointNames) -> Vec<String> {
+        let beyond = self.beyond_box.iter().map(|beyond| beyond.sentence(names));
+        let standing = (!self.standing.is_empty()).then(|| standing_sentence(&self.standing, names));
         let law = self.law_check.filter(|check| !check.passed()).map(|check| check.to_string());
         beyond.chain(standing).chain(law).collect()
     }

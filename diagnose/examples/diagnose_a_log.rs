@@ -32,15 +32,16 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     };
     let go_on = |_stage: &str, _share: f64| true;
     let diagnosis = diagnose(&[log], &nominal, &[], &DiagnoseSettings::default(), &go_on)?;
+    let names = &diagnosis.joint_names;
     println!("verdict: {}", diagnosis.verdict.name());
     for finding in &diagnosis.findings {
-        println!("{} at {}", finding.label, finding.location);
+        println!("{} at {}", finding.label, finding.location.among(names));
         for parameter in &finding.parameters {
             println!("  {} = {:.4?} in {:.4?}", parameter.name, parameter.value, parameter.ci95);
         }
         println!("  removes {:.0} % of the residual on unseen blocks", finding.held_out_gain * 100.0);
         for rival in &finding.alternatives {
-            println!("  could also be {} at {}", rival.label, rival.location);
+            println!("  could also be {} at {}", rival.label, rival.location.among(names));
         }
     }
     Ok(())

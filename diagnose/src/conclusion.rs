@@ -107,7 +107,7 @@ pub(crate) fn conclude<const N: usize>(
     }
     let torque_findings = findings.len();
     for deflection in evaluated.deflections {
-        findings.push(deflection_finding(deflection, evaluated.seed));
+        findings.push(deflection_finding(deflection, &scene.nominal.arm.joint_names, evaluated.seed));
     }
     if torque_findings == 0
         && let Some(largest) = evaluated.deflections.iter().max_by(|a, b| a.evidence.total_cmp(&b.evidence))
@@ -155,8 +155,10 @@ pub(crate) fn conclude<const N: usize>(
     };
     if let Some(worst) = worst {
         notes.push(format!(
-            "joint {worst}: {:.3} Nm are left where the sensors' own noise is {:.3} Nm, and no cause considered goes with them",
-            joints[worst].rms_after_nm, joints[worst].noise_floor_nm
+            "{}: {:.3} Nm are left where the sensors' own noise is {:.3} Nm, and no cause considered goes with them",
+            scene.nominal.arm.joint_names.of(worst),
+            joints[worst].rms_after_nm,
+            joints[worst].noise_floor_nm
         ));
     }
 
@@ -175,6 +177,7 @@ pub(crate) fn conclude<const N: usize>(
     Ok(Diagnosis {
         verdict,
         findings,
+        joint_names: scene.nominal.arm.joint_names.clone(),
         joints,
         pattern,
         gain_heldout,

@@ -2,6 +2,7 @@
 
 use std::fmt;
 
+use tribo_robot::{JointNames, NamedJoint};
 use tribo_sim::Effect;
 
 use crate::next_experiment::NextExperiment;
@@ -151,6 +152,14 @@ pub enum Location {
 }
 
 impl Location {
+    /// The place as people read it, with the name of the joint: `panda_joint4 (3)`, `link 6`, `arm`.
+    pub fn among(self, names: &JointNames) -> String {
+        match self {
+            Self::Joint(joint) => names.of(joint).to_string(),
+            place => place.to_string(),
+        }
+    }
+
     /// The joints and links of a place.
     pub(crate) fn places(self) -> (Vec<usize>, Vec<usize>) {
         match self {
@@ -164,7 +173,7 @@ impl Location {
 impl fmt::Display for Location {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Self::Joint(joint) => write!(f, "joint {joint}"),
+            Self::Joint(joint) => NamedJoint { name: None, joint: *joint }.fmt(f),
             Self::Link(link) => write!(f, "link {link}"),
             Self::Arm => f.write_str("arm"),
         }
@@ -279,6 +288,32 @@ pub struct Finding {
     pub plots: Vec<Plot>,
 }
 
+impl Finding {
+    /// Parameters as people read them. Of a push that is the wrench by the robot on the environment, as estimators give it; `parameters` and
+    /// model files hold the push itself, which is the opposite.
+    pub fn said(&self) -> Vec<Parameter> {
+        let opposite = |name, of: &Parameter| Parameter {
+            name,
+            value: of.value.iter().map(|x| -x).collect(),
+            ci95: of.ci95.iter().map(|[low, high]| [-high, -low]).collect(),
+        };
+        let said = |parameter: &Parameter| match (self.label, parameter.name) {
+            (CauseLabel::ExternalContact, "force_n") => opposite("force_by_robot_n", parameter),
+            (CauseLabel::ExternalContact, "moment_nm") => opposite("moment_by_robot_nm", parameter),
+            _ => parameter.clone(),
+        };
+        self.parameters.iter().map(said).collect()
+    }
+
+    /// The joints or links that it covers, one by one.
+    pub fn places(&self) -> Vec<Location> {
+        match self.links.is_empty() {
+            true => self.joints.iter().copied().map(Location::Joint).collect(),
+            false => self.links.iter().copied().map(Location::Link).collect(),
+        }
+    }
+}
+
 /// A candidate that was considered and not reported.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Rejected {
@@ -384,6 +419,8 @@ pub struct Diagnosis {
     pub verdict: Verdict,
     /// What was found, strongest first.
     pub findings: Vec<Finding>,
+    /// Names of the joints of the arm that the log was held against.
+    pub joint_names: JointNames,
     /// The misfit of each joint.
     pub joints: Vec<JointMisfit>,
     /// Whether the residual looks like a push, a tilt or a mass.

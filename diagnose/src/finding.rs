@@ -1,5 +1,7 @@
 //! Findings with their parameters, intervals, gains and plots.
 
+use tribo_robot::JointNames;
+
 use crate::DiagnoseError;
 use crate::conclusion::Evaluated;
 use crate::deflection::DeflectionFinding;
@@ -205,7 +207,7 @@ pub(crate) fn squares(rms: &[[f64; 2]]) -> Vec<[f64; 2]> {
     rms.iter().map(|pair| [pair[0] * pair[0], pair[1] * pair[1]]).collect()
 }
 
-pub(crate) fn deflection_finding(found: &DeflectionFinding, seed: u64) -> Finding {
+pub(crate) fn deflection_finding(found: &DeflectionFinding, names: &JointNames, seed: u64) -> Finding {
     let (held_out_gain, held_out_gain_ci95) = gain_of_pairs(&squares(&found.blocks), seed);
     let parameters = parameters_of(&found.effect)
         .into_iter()
@@ -231,6 +233,6 @@ pub(crate) fn deflection_finding(found: &DeflectionFinding, seed: u64) -> Findin
         explained_rms_nm: 0.0,
         evidence: found.evidence,
         alternatives: Vec::new(),
-        plots: plots::of_deflection(found),
+        plots: plots::of_deflection(found, names),
     }
 }

@@ -1,7 +1,7 @@
 //! The evidence in pictures and shares: what the residual goes with.
 
 use nalgebra::{DMatrix, DVector};
-use tribo_robot::{Arm, gravity_torque, inverse_dynamics_regressor};
+use tribo_robot::{Arm, JointNames, gravity_torque, inverse_dynamics_regressor};
 
 use crate::cause::Candidate;
 use crate::deflection::DeflectionFinding;
@@ -78,9 +78,10 @@ pub(crate) fn of_member<const N: usize>(
     } else {
         vec![mean_curve("mean", &x, &partial), mean_curve("fit", &x, &fit)]
     };
-    let what = cause_at(candidate.label(), candidate.location());
+    let names = &scene.nominal.arm.joint_names;
+    let what = cause_at(candidate.label(), candidate.location(), names);
     vec![Plot {
-        title: format!("{}: torque of joint {joint} against {name}", capital(&what)),
+        title: format!("{}: torque of {} against {name}", capital(&what), names.of(joint)),
         x_label: x_label.to_owned(),
         y_label: y_label.to_owned(),
         series: [vec![measured], curves].concat(),
@@ -152,7 +153,11 @@ pub(crate) fn of_ripple<const N: usize>(scene: &Scene<N>, line: &RippleLine) -> 
     y.iter_mut().for_each(|y| *y -= mean_nm);
     let fit: Vec<f64> = x.iter().map(|x| line.sine_nm * x.sin() + line.cosine_nm * x.cos()).collect();
     vec![Plot {
-        title: format!("Torque ripple (joint {j}): {:.1} cycles per revolution, folded", line.cycles_per_rev),
+        title: format!(
+            "Torque ripple at {}: {:.1} cycles per revolution, folded",
+            scene.nominal.arm.joint_names.of(j),
+            line.cycles_per_rev
+        ),
         x_label: "phase of the cycle [rad]".to_owned(),
         y_label: "measured − model, less its mean [Nm]".to_owned(),
         series: vec![mean_curve("mean", &x, &y), mean_curve("fit", &x, &fit)],
@@ -160,11 +165,14 @@ pub(crate) fn of_ripple<const N: usize>(scene: &Scene<N>, line: &RippleLine) -> 
 }
 
 /// The deflection between two encoders against the load.
-pub(crate) fn of_deflection(found: &DeflectionFinding) -> Vec<Plot> {
+pub(crate) fn of_deflection(found: &DeflectionFinding, names: &JointNames) -> Vec<Plot> {
     let [load, deflection, fit] = &found.cloud;
     let milli = |x: &[f64]| x.iter().map(|x| 1e3 * x).collect::<Vec<f64>>();
     vec![Plot {
-        title: format!("{}: theta − q against the load", capital(&cause_at(found.label, Location::Joint(found.joint)))),
+        title: format!(
+            "{}: theta − q against the load",
+            capital(&cause_at(found.label, Location::Joint(found.joint), names))
+        ),
         x_label: "link torque [Nm]".to_owned(),
         y_label: "theta − q [mrad]".to_owned(),
         series: vec![cloud("measured", load, &milli(deflection)), mean_curve("fit", load, &milli(fit))],
@@ -180,7 +188,7 @@ pub(crate) fn overview<const N: usize>(scene: &Scene<N>, residual: &[Vec<f64>; N
         {
             let x = natural_abscissa(scene, name, j);
             plots.push(Plot {
-                title: format!("Joint {j}: residual against {name}"),
+                title: format!("Residual against {name}, {}", scene.nominal.arm.joint_names.of(j)),
                 x_label: x_label.to_owned(),
                 y_label: "measured − model [Nm]".to_owned(),
                 series: vec![cloud("residual", &x, &residual[j]), mean_curve("mean", &x, &residual[j])],
@@ -213,7 +221,7 @@ fn spectrum<const N: usize>(scene: &Scene<N>, residual: &[f64], joint: usize) ->
         amplitude.push(2.0 * re.hypot(im) / n.max(1.0));
     }
     Plot {
-        title: format!("Joint {joint}: spectrum of the residual"),
+        title: format!("Spectrum of the residual, {}", scene.nominal.arm.joint_names.of(joint)),
         x_label: "frequency [Hz]".to_owned(),
         y_label: "amplitude [Nm]".to_owned(),
         series: vec![Series { name: "residual".to_owned(), x: frequency, y: amplitude, joined: true }],

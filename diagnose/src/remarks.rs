@@ -54,14 +54,13 @@ pub(crate) fn misfits<const N: usize>(
 pub(crate) fn notes_of<const N: usize>(scene: &Scene<N>) -> Vec<String> {
     let mut notes = Vec::new();
     for j in 0..N {
+        let joint = scene.nominal.arm.joint_names.of(j);
         if !scene.moves(j) {
-            notes.push(format!("joint {j} hardly moves: nothing but an offset can be said about its friction"));
+            notes.push(format!("{joint} hardly moves: nothing but an offset can be said about its friction"));
             continue;
         }
         if scene.moves_one_way(j) {
-            notes.push(format!(
-                "joint {j} moves in one direction only: Coulomb friction and offset cannot be separated"
-            ));
+            notes.push(format!("{joint} moves in one direction only: Coulomb friction and offset cannot be separated"));
         }
     }
     if scene.skipped_bursts > 0 {

@@ -9,7 +9,7 @@ use tribo_diagnose::{
 };
 use tribo_friction::{FrictionModel, law::CoulombViscous};
 use tribo_logs::{LogColumns, RobotLog};
-use tribo_robot::{Arm, presets, rnea};
+use tribo_robot::{Arm, JointNames, presets, rnea};
 
 type Vector = SVector<f64, 7>;
 
@@ -189,6 +189,7 @@ fn each_way_to_fail_is_named_with_its_numbers() {
     let log = log_at(regular(3_000), &[]);
     let arm = Arm::<6> {
         name: "six".to_owned(),
+        joint_names: JointNames::default(),
         placements: std::array::from_fn(|j| panda.placements[j]),
         links: std::array::from_fn(|j| panda.links[j]),
         link_from_flange_rotation: panda.link_from_flange_rotation,

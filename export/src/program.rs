@@ -7,6 +7,10 @@ use super::loss::{believed_arm, not_cancelled};
 use super::terms::{Statement, Term, effect_terms, law_term, memory, sign, velocity};
 use super::{Loss, TunedCompensator};
 
+/// What goes in as the reference velocity.
+pub(super) const REFERENCE: &str = "The reference velocity is what the motion is meant to have: the desired velocity of the joint trajectory, of a Cartesian \
+     controller the pseudo-inverse of the Jacobian times the desired twist; 0 at rest, and never the measured one.";
+
 /// A compensator as a program: its terms, what they need, and the words at the head of the file.
 pub(super) struct Program<const N: usize> {
     /// What comes before them: `dq`, and `s` where a term uses it.
@@ -48,11 +52,11 @@ impl<const N: usize> Program<N> {
         remarks.push(match tuned.compensator.source {
             VelocitySource::Measured => "dq is the measured velocity.".to_owned(),
             VelocitySource::Reference => {
-                "dq is the reference velocity; the measured one is not looked at.".to_owned()
+                format!("dq is the reference velocity; the measured one is not looked at. {REFERENCE}")
             }
             VelocitySource::Hybrid => format!(
                 "dq is the measured velocity where that is above {} rad/s, else the reference velocity: also where the measured \
-                 one is not finite.",
+                 one is not finite. {REFERENCE}",
                 tuned.compensator.hybrid_threshold_rad_s
             ),
         });

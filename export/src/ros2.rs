@@ -1,11 +1,12 @@
 //! A parameter file for a controller of yours.
 
-use tribo_friction::{JointEffects, MAX_BRISTLES, MAX_CURVES, MAX_RIPPLES};
+use tribo_friction::{JointEffects, MAX_BRISTLES, MAX_CURVES, MAX_RIPPLES, VelocitySource};
 
 use super::columns::law_columns;
 use super::float::float;
 use super::loss::{believed_arm, not_cancelled};
 use super::parameter_file::ParameterFile;
+use super::program::REFERENCE;
 use super::text::yaml_string;
 use super::{ExportError, Exported, TunedCompensator};
 
@@ -38,6 +39,13 @@ pub(super) fn export<const N: usize>(tuned: &TunedCompensator<N>, name: Option<&
         format!("Friction compensation of {}.", tuned.robot),
         format!("{}.", tuned.origin),
         "One value per joint, from the base; SI units.".to_owned(),
+        match tuned.compensator.source {
+            VelocitySource::Measured => "The law is taken at the measured velocity.".to_owned(),
+            VelocitySource::Reference => format!("The law is taken at the reference velocity. {REFERENCE}"),
+            VelocitySource::Hybrid => format!(
+                "The law is taken at the measured velocity above hybrid_threshold_rad_s, else at the reference velocity. {REFERENCE}"
+            ),
+        },
     ];
     let mut file = ParameterFile::new(name.unwrap_or(NODE), &remarks, &losses)?;
     let (law, columns) = law_columns(&tuned.compensator.friction);

@@ -22,8 +22,10 @@ pub fn escape(text: &str) -> String {
 pub fn escape_sentence(text: &str) -> String {
     const BEFORE_DIGIT: [&str; 2] = ["joint ", "link "];
     let mut tied = escape(text).replace(" %", "\u{a0}%").replace(" Nm", "\u{a0}Nm");
-    for word in BEFORE_DIGIT {
-        for digit in '0'..='9' {
+    for digit in '0'..='9' {
+        // A joint with its name: `panda_joint4 (3)`.
+        tied = tied.replace(&format!(" ({digit})"), &format!("\u{a0}({digit})"));
+        for word in BEFORE_DIGIT {
             tied = tied.replace(&format!("{word}{digit}"), &format!("{}\u{a0}{digit}", word.trim_end()));
         }
     }
@@ -36,8 +38,8 @@ mod tests {
 
     #[test]
     fn numbers_stay_with_what_they_count() {
-        let tied = escape_sentence("joint 3 < joint x: 62 % of 4 Nm");
-        assert_eq!(tied, "joint\u{a0}3 &lt; joint x: 62\u{a0}% of 4\u{a0}Nm");
+        let tied = escape_sentence("joint 3 < joint x: 62 % of 4 Nm, elbow (2)");
+        assert_eq!(tied, "joint\u{a0}3 &lt; joint x: 62\u{a0}% of 4\u{a0}Nm, elbow\u{a0}(2)");
     }
 
     #[test]

@@ -36,7 +36,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
 
     let believed = Believed::by_controller(&model);
     println!("what a compensator cannot cancel:");
-    for sentence in not_cancelled_sentences(&believed.not_cancelled) {
+    for sentence in not_cancelled_sentences(&believed.not_cancelled, &believed.arm.joint_names) {
         println!("  {sentence}");
     }
 

@@ -1,11 +1,8 @@
 //! What a controller makes of a model that it believes in.
 
-use std::fmt;
-
 use tribo_friction::{BristlePart, Curve, FrictionModel, JointEffects, Ripple};
-use tribo_logs::recognise::joints_named;
-use tribo_robot::Arm;
 use tribo_robot::presets::joint_stiffness_nm_per_rad;
+use tribo_robot::{Arm, JointNames};
 use tribo_sim::{Effect, Truth};
 
 use crate::Model;
@@ -71,18 +68,19 @@ impl<const N: usize> Believed<N> {
     }
 }
 
-impl fmt::Display for NotCancelled {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+impl NotCancelled {
+    /// `backlash of panda_joint3 (2) is not cancelled: …`.
+    pub fn sentence(&self, names: &JointNames) -> String {
         let cause = self.effect.cause();
         match self.effect.joint() {
-            Some(joint) => write!(f, "{cause} of joint {joint} is not cancelled: {}", self.why),
-            None => write!(f, "{cause} is not cancelled: {}", self.why),
+            Some(joint) => format!("{cause} of {} is not cancelled: {}", names.of(joint), self.why),
+            None => format!("{cause} is not cancelled: {}", self.why),
         }
     }
 }
 
 /// What is not cancelled, one sentence per cause and reason: `torque_gain of joints 0, 1 and 2 is not cancelled: …`.
-pub fn not_cancelled_sentences(left: &[NotCancelled]) -> Vec<String> {
+pub fn not_cancelled_sentences(left: &[NotCancelled], names: &JointNames) -> Vec<String> {
     let mut groups: Vec<(&NotCancelled, Vec<usize>)> = Vec::new();
     for one in left {
         let same = |other: &NotCancelled| other.effect.cause() == one.effect.cause() && other.why == one.why;
@@ -94,8 +92,8 @@ pub fn not_cancelled_sentences(left: &[NotCancelled]) -> Vec<String> {
     groups
         .into_iter()
         .map(|(one, joints)| match &joints[..] {
-            [] | [_] => one.to_string(),
-            _ => format!("{} of {} is not cancelled: {}", one.effect.cause(), joints_named(&joints), one.why),
+            [] | [_] => one.sentence(names),
+            _ => format!("{} of {} is not cancelled: {}", one.effect.cause(), names.several(&joints), one.why),
         })
         .collect()
 }
@@ -230,7 +228,8 @@ mod tests {
                 place.extend(here.then(|| effect.cause()));
             }
             for left in &believed.not_cancelled {
-                assert!(left.to_string().starts_with(effect.cause()) && left.to_string().contains(": "), "{left}");
+                let said = left.sentence(&JointNames::default());
+                assert!(said.starts_with(effect.cause()) && said.contains(": "), "{said}");
             }
         }
         let [arm, joints, left] = places;
@@ -245,7 +244,7 @@ mod tests {
     fn one_reason_is_one_sentence() {
         let gain = |joint| Effect::TorqueGain { joint, gain_error: 0.1 };
         let (_, left) = joint_effects::<7>(&[gain(0), gain(3), Effect::TimeDelay { delay_s: 1e-3 }, gain(5)]);
-        let sentences = not_cancelled_sentences(&left);
+        let sentences = not_cancelled_sentences(&left, &JointNames::default());
         assert_eq!(sentences.len(), 2);
         assert!(sentences[0].starts_with("torque_gain of joints 0, 3 and 5 is not cancelled: "), "{}", sentences[0]);
     }

@@ -4,6 +4,7 @@
 
 mod believed;
 mod config_error;
+mod effect_entries;
 mod effects_section;
 mod error;
 mod field_error;

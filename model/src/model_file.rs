@@ -60,7 +60,7 @@ pub struct ModelFile {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub payload: Option<PayloadSection>,
     /// Causes on top of all that, as a diagnosis finds them.
-    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    #[serde(default, skip_serializing_if = "Vec::is_empty", deserialize_with = "crate::effect_entries::read")]
     pub effects: Vec<Effect>,
 }
 

@@ -13,7 +13,7 @@ pub fn not_cancelled_of<const N: usize>(diagnosis: &Diagnosis, nominal: &Model<N
         let cause = left.effect.cause();
         is_named(diagnosis, cause) || nominal.effects.iter().any(|effect| effect.cause() == cause)
     });
-    not_cancelled_sentences(&left)
+    not_cancelled_sentences(&left, &diagnosis.joint_names)
 }
 
 /// Whether the diagnosis names this cause, or no diagnosis could.

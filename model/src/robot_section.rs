@@ -106,6 +106,12 @@ impl ModelFile {
         Some(self.chain(text).ok()?.arm::<N>()?.joint_names)
     }
 
+    /// The same of any number of joints; none of a preset, whose joints logs and messages may call anything.
+    pub fn names_of_joints(&self) -> Vec<String> {
+        let chain = self.description().filter(|_| self.is_described()).and_then(|text| self.chain(text).ok());
+        chain.map_or_else(Vec::new, |chain| chain.joint_names())
+    }
+
     /// The frame in whose axes the arm's wrenches are: the base link of a robot description; of a preset the name that its maker's description gives
     /// it (of a Universal Robot `base`, whose `base_link` is turned by half a turn).
     pub fn base_frame(&self) -> Option<String> {

@@ -108,8 +108,8 @@ impl PyCompensator {
 
     /// Torque to add (Nm), `(joints,)`, at the measured velocity `dq` (rad/s).
     ///
-    /// `dq_reference` is the velocity that the motion is meant to have, which decides the sign near rest where the compensator was tuned
-    /// with `hybrid` or `reference` velocity; left out, the measured one stands in for it. `q` (rad) and `load` (Nm through the gears) count only for effects that
+    /// `dq_reference` is the velocity that the motion is meant to have (the desired velocity of its trajectory, 0 at rest), which decides the sign near rest where the compensator was tuned
+    /// with `hybrid` or `reference` velocity; left out, the measured one stands in for it, whose noise turns the sign at rest. `q` (rad) and `load` (Nm through the gears) count only for effects that
     /// depend on them.
     #[pyo3(signature = (dq, dq_reference = None, q = None, load = None, dt = 1e-3))]
     fn torque<'py>(

@@ -44,7 +44,13 @@ impl RawDiagnosis {
 
     /// A sentence for each finding.
     fn finding_sentences(&self) -> Vec<String> {
-        self.diagnosis.findings.iter().map(finding_sentence).collect()
+        let names = &self.diagnosis.joint_names;
+        self.diagnosis.findings.iter().map(|finding| finding_sentence(finding, names)).collect()
+    }
+
+    /// Each joint as people read it: `panda_joint4 (3)`, or `joint 3` where nobody knows a name.
+    fn joints(&self) -> Vec<String> {
+        (0..self.diagnosis.joints.len()).map(|joint| self.diagnosis.joint_names.of(joint).to_string()).collect()
     }
 
     /// The model with all that was found.

@@ -84,8 +84,9 @@ where
     believed(log, anyway)?;
     free.map(|free| believed(free, false)).transpose()?;
     let mut estimator = LogEstimator::new(model);
-    for left in &estimator.believed().not_cancelled {
-        warn(py, &left.to_string())?;
+    let believed = estimator.believed();
+    for left in &believed.not_cancelled {
+        warn(py, &left.sentence(&believed.arm.joint_names))?;
     }
     if let Some(touched) = touched {
         estimator = estimator.with_contact_prior(ContactPrior::rarely(touched).map_err(raised)?);

@@ -40,10 +40,7 @@ pub(crate) fn read_log(
     let map = match map {
         None => None,
         Some(text) if is_text => Some(ColumnMap::from_yaml(text, Path::new("map")).map_err(raised)?),
-        Some(entries) if entries.contains('=') && !Path::new(entries).is_file() => {
-            Some(entries.parse().map_err(|error| bad(format!("map: {error}")))?)
-        }
-        Some(path) => Some(ColumnMap::read(Path::new(path)).map_err(raised)?),
+        Some(given) => Some(ColumnMap::given(given).map_err(raised)?),
     };
     let options = ReadOptions { map, joints };
     let found = py.detach(|| match content {

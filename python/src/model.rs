@@ -130,11 +130,11 @@ impl PyModel {
     /// Names of the joints from the base: those of its robot description, or `joint_0` … of a preset.
     #[getter]
     fn joint_names(&self) -> Vec<String> {
-        let described = match self.model.joints() {
-            6 => self.file.joint_names::<6>().map(Vec::from),
-            _ => self.file.joint_names::<7>().map(Vec::from),
-        };
-        described.unwrap_or_else(|| (0..self.model.joints()).map(|joint| format!("joint_{joint}")).collect())
+        let described = self.file.names_of_joints();
+        match described.is_empty() {
+            true => (0..self.model.joints()).map(|joint| format!("joint_{joint}")).collect(),
+            false => described,
+        }
     }
 
     /// Side of the gears on which torques are meant: `motor` or `link`.

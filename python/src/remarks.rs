@@ -4,7 +4,7 @@ use std::ffi::CString;
 
 use pyo3::exceptions::PyUserWarning;
 use pyo3::prelude::*;
-use tribo_logs::recognise::{Remark, Use};
+use tribo_logs::recognise::{Remark, Use, refusal, said};
 
 use crate::failure::bad;
 
@@ -14,18 +14,10 @@ use crate::failure::bad;
 /// # Errors
 /// `ValueError` with one line per reason.
 pub(crate) fn believe(py: Python<'_>, name: &str, remarks: &[Remark], wanted: Use, anyway: bool) -> PyResult<()> {
-    let reasons: Vec<String> = remarks
-        .iter()
-        .filter(|remark| remark.refuses(wanted))
-        .map(|remark| format!("{name}: {}: {remark}", remark.fault.name()))
-        .collect();
-    if !reasons.is_empty() && !anyway {
-        return Err(bad(reasons.join("\n")));
+    if let Some(reasons) = refusal(name, remarks, wanted).filter(|_| !anyway) {
+        return Err(bad(reasons));
     }
-    for remark in remarks.iter().filter(|remark| remark.concerns(wanted)) {
-        warn(py, &format!("{name}: {remark}"))?;
-    }
-    Ok(())
+    said(name, remarks, wanted).try_for_each(|line| warn(py, &line))
 }
 
 /// A `UserWarning` about the caller's line.

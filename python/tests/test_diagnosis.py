@@ -11,7 +11,8 @@ import tribo
 def test_a_payload_is_named_written_and_then_nothing_is_missing(model, loaded_log, tmp_path):
     heard = []
     diagnosis = tribo.diagnose(loaded_log, model, progress=lambda stage, part: heard.append((stage, part)))
-    assert (diagnosis.verdict, diagnosis.findings[0].label) == ("named", "payload")
+    assert (diagnosis.verdict, diagnosis.findings[0].cause) == ("named", "payload")
+    assert diagnosis.findings[0].label == diagnosis.findings[0].raw["label"] == "payload"
     assert diagnosis.findings[0].params["mass_kg"] == pytest.approx(0.8, abs=0.02)
     assert all(0 <= part <= 1 for _, part in heard) and heard
     extended = diagnosis.extend(tmp_path / "extended.yaml")
@@ -20,6 +21,7 @@ def test_a_payload_is_named_written_and_then_nothing_is_missing(model, loaded_lo
     diagnosis.report(tmp_path / "report.html")
     assert (tmp_path / "report.html").read_text(encoding="utf-8").startswith("<!doctype html>")
     assert "a body that the model lacks" in str(diagnosis) and "<table>" in diagnosis._repr_html_()
+    assert "<th>panda_joint4 (3)</th>" in diagnosis._repr_html_()
     before, after = (sum(diagnosis.rms_nm[key]) for key in ["held_out_before", "held_out_after"])
     assert after < 0.1 * before
 

@@ -18,8 +18,8 @@ from tribo._tribo import Model
 class Finding:
     """One cause that the model lacks."""
 
-    label: str
-    """Kind of the cause: ``payload``, ``coulomb``, ``torque_offset`` …"""
+    cause: str
+    """Kind of the cause: ``payload``, ``coulomb``, ``torque_offset`` …, as in model files."""
     joint: int | None
     """Joint at which it acts, from 0; none of a cause of a link or of the whole arm."""
     link: int | None
@@ -40,6 +40,11 @@ class Finding:
     """The finding in words."""
     raw: dict[str, Any] = field(repr=False)
     """The finding as in ``tribo diagnose --json``."""
+
+    @property
+    def label(self) -> str:
+        """The older name of ``cause``."""
+        return self.cause
 
     def __str__(self) -> str:
         return self.sentence
@@ -89,24 +94,24 @@ class Diagnosis:
         return "\n".join([self.sentence, *(f"- {finding}" for finding in self.findings)])
 
     def _repr_html_(self) -> str:
-        text = html.escape
+        text, joints = html.escape, self._raw.joints()
         rows = "".join(
             "<tr>"
-            f"<td>{text(finding.label.replace('_', ' '))}</td><td>{text(_place(finding))}</td>"
+            f"<td>{text(finding.cause.replace('_', ' '))}</td><td>{text(_place(finding.joint, finding.link, joints))}</td>"
             f"<td style='text-align:left'>{'<br>'.join(_values(finding))}</td>"
             f"<td>{_percent(finding.held_out_gain)}</td>"
-            f"<td>{text(', '.join(_rival(rival) for rival in finding.alternatives))}</td>"
+            f"<td>{text(', '.join(_rival(rival, joints) for rival in finding.alternatives))}</td>"
             "</tr>"
             for finding in self.findings
         )
         heads = ["cause", "where", "parameters [95 %]", "gain on unseen", "not told from"]
         table = f"<table><tr>{''.join(f'<th>{head}</th>' for head in heads)}</tr>{rows}</table>" if rows else ""
-        joints = "".join(f"<th>{joint}</th>" for joint in range(len(self.rms_nm["before"])))
+        columns = "".join(f"<th>{text(joint)}</th>" for joint in joints)
         figures = "".join(
             f"<tr><th>{name}</th>{''.join(f'<td>{_number(value)}</td>' for value in self.rms_nm[key])}</tr>"
             for name, key in [("before", "held_out_before"), ("after", "held_out_after")]
         )
-        unseen = f"<table><tr><th>RMS on unseen [Nm], joint</th>{joints}</tr>{figures}</table>"
+        unseen = f"<table><tr><th>RMS on unseen [Nm], joint</th>{columns}</tr>{figures}</table>"
         return f"<p><b>{text(self.sentence)}</b></p>{table}{unseen}"
 
 
@@ -118,21 +123,26 @@ def _percent(value: float | None) -> str:
     return "" if value is None else f"{100 * value:.0f} %"
 
 
-def _place(finding: Finding) -> str:
-    if finding.joint is not None:
-        return f"joint {finding.joint}"
-    return f"link {finding.link}" if finding.link is not None else "arm"
+def _place(joint: int | None, link: int | None, joints: list[str]) -> str:
+    if joint is not None:
+        return joints[joint]
+    return f"link {link}" if link is not None else "arm"
 
 
-def _rival(rival: dict[str, Any]) -> str:
-    place = "" if rival["joint"] is None else f" of joint {rival['joint']}"
-    place = place if rival["link"] is None else f" of link {rival['link']}"
-    return str(rival["label"]).replace("_", " ") + place
+def _rival(rival: dict[str, Any], joints: list[str]) -> str:
+    place = _place(rival["joint"], rival["link"], joints)
+    return str(rival["cause"]).replace("_", " ") + ("" if place == "arm" else f" at {place}")
 
 
 def _values(finding: Finding) -> list[str]:
     lines = []
-    for name, value in finding.params.items():
+    params: dict[str, Any] = dict(finding.params)
+    if "wrench_by_robot" in finding.raw:
+        # Of a push people read the wrench that estimators give; params hold the push itself.
+        wrench = finding.raw["wrench_by_robot"]
+        params |= {"force_by_robot_n": wrench["force_n"], "moment_by_robot_nm": wrench["moment_nm"]}
+        params = {name: value for name, value in params.items() if name not in ("force_n", "moment_nm")}
+    for name, value in params.items():
         interval = finding.params_ci95.get(name)
         if isinstance(value, float) and isinstance(interval, list) and len(interval) == 2:
             shown = f"{value:.4g} [{interval[0]:.4g}, {interval[1]:.4g}]"
@@ -174,7 +184,7 @@ def diagnose(
     document: dict[str, Any] = json.loads(raw.document())
     findings = [
         Finding(
-            label=entry["label"],
+            cause=entry["cause"],
             joint=entry["joint"],
             link=entry["link"],
             params=entry["params"],

@@ -2,7 +2,7 @@
 
 use nalgebra::{Matrix3, SVector, Vector3};
 
-use crate::{LinkInertia, Payload};
+use crate::{JointNames, LinkInertia, Payload};
 
 /// One row of a modified Denavit–Hartenberg table (craig1989).
 ///
@@ -99,6 +99,8 @@ pub struct Limits<const N: usize> {
 pub struct Arm<const N: usize> {
     /// Name of the preset or file, for messages.
     pub name: String,
+    /// What people call its joints; of a preset, what its maker's description does.
+    pub joint_names: JointNames,
     /// Placement of each joint on its parent link.
     pub placements: [JointPlacement; N],
     /// Inertia of each link in its own frame, payload included in the last.

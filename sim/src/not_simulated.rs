@@ -1,12 +1,12 @@
 //! What the plant leaves out of its effects, and what only its torque sensor shows.
 
-use tribo_logs::recognise::joints_named;
+use tribo_robot::JointNames;
 
 use crate::Effect;
 
 /// One sentence, without a full stop, for every cause of a truth that [`BoxFrictionPlant`](crate::BoxFrictionPlant) does not have, or
-/// not where one might look for it; joints from 0.
-pub fn not_simulated(effects: &[Effect]) -> Vec<String> {
+/// not where one might look for it.
+pub fn not_simulated(effects: &[Effect], names: &JointNames) -> Vec<String> {
     let mut causes: Vec<(&'static str, &'static str, Vec<usize>)> = Vec::new();
     for effect in effects {
         let Some(what) = limit_of(effect) else { continue };
@@ -18,7 +18,7 @@ pub fn not_simulated(effects: &[Effect]) -> Vec<String> {
     }
     let sentence = |(cause, what, joints): (&str, &str, Vec<usize>)| match joints.is_empty() {
         true => format!("{cause} {what}"),
-        false => format!("{cause} of {} {what}", joints_named(&joints)),
+        false => format!("{cause} of {} {what}", names.several(&joints)),
     };
     causes.into_iter().map(sentence).collect()
 }
@@ -60,7 +60,7 @@ mod tests {
             Effect::Backlash { joint: 3, half_gap_rad: 1e-4 },
             Effect::TorqueGain { joint: 5, gain_error: 0.0 },
         ];
-        let told = not_simulated(&effects);
+        let told = not_simulated(&effects, &JointNames::default());
         assert_eq!(told.len(), 3, "{told:?}");
         assert!(
             told[0].starts_with("torque_gain of joints 1, 2 and 4 is simulated in tau_J of the log alone"),

@@ -28,7 +28,10 @@ const EXAMPLES: &[(&str, &[&str])] = &[
     ("arm_with_friction", &["0.40          0.40        0.0000", "at rest: true"]),
     ("ten_seconds_of_ticks", &["no compensation         4.", "all of the friction     0.2"]),
     // 0.5 kg and 0.4 Nm are hidden in the log.
-    ("diagnose_a_log", &["payload at arm", "mass_kg = [0.4998]", "coulomb at joint 2", "delta_coulomb_nm = [0.400"]),
+    (
+        "diagnose_a_log",
+        &["payload at arm", "mass_kg = [0.4998]", "coulomb at panda_joint3 (2)", "delta_coulomb_nm = [0.400"],
+    ),
     ("model_file", &["time_delay is not cancelled", "refused: model.yaml:3: field `payload.mass_kg` is -0.5"]),
     ("export_everywhere", &["rust: ", "loses Stribeck curve", "my_arm_compensate("]),
     // Without compensation J is that of `closed_loop_cost.rs`.

@@ -102,7 +102,7 @@ pub fn parameters(campaign: &CampaignSnapshot) -> Vec<Figure> {
 pub fn parameters_of_joint(campaign: &CampaignSnapshot, joint: usize) -> Vec<Figure> {
     let mut figures = parameters_of(campaign, joint..joint + 1);
     for figure in &mut figures {
-        figure.title = format!("{}, joint {joint}", figure.title);
+        figure.title = format!("{}, {}", figure.title, campaign.tune.joint_names().of(joint));
         for layer in figure.layers.iter_mut().filter(|layer| layer.name != "bounds") {
             layer.ink = 0;
             if let Mark::Line { dashed, .. } = &mut layer.mark {
@@ -135,7 +135,7 @@ fn parameters_of(campaign: &CampaignSnapshot, joints: Range<usize>) -> Vec<Figur
         }
         for j in joints.clone() {
             let values = campaign.trials.iter().map(|watched| watched.trial.theta[j * per_joint + k]).collect();
-            let name = format!("joint {j}");
+            let name = campaign.tune.joint_names().of(j).to_string();
             figure.layers.push(match j {
                 0..4 => Layer::line(&name, j, x.clone(), values),
                 _ => Layer::dashed(&name, j, x.clone(), values),

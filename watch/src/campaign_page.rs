@@ -215,7 +215,7 @@ fn parameter_table(campaign: &CampaignSnapshot, best: &WatchedTrial) -> String {
             let of_truth = truth.as_ref().map(|truth| significant(truth[joint * space.parameters_per_joint() + k], 4));
             std::iter::once(significant(*value, 4)).chain(of_truth)
         });
-        std::iter::once(joint.to_string()).chain(cells).collect::<Vec<_>>()
+        std::iter::once(campaign.tune.joint_names().of(joint).to_string()).chain(cells).collect::<Vec<_>>()
     });
     table(&header, &[0], rows)
 }
@@ -253,10 +253,10 @@ fn search(campaign: &CampaignSnapshot, surrogate: Option<&Surrogate>) -> String 
     if let Some(surrogate) = surrogate {
         let mut order: Vec<usize> = (0..surrogate.names.len()).collect();
         order.sort_by(|a, b| surrogate.lengthscales[*a].total_cmp(&surrogate.lengthscales[*b]));
-        let mut drawn: Vec<Figure> = vec![surrogate_figures::relevance(surrogate, campaign.tune.space().joints())];
+        let mut drawn: Vec<Figure> = vec![surrogate_figures::relevance(surrogate, campaign)];
         for k in order.into_iter().take(SLICES) {
             drawn.extend(surrogate_figures::slice(surrogate, campaign, k));
-            drawn.extend(surrogate_figures::acquisition(surrogate, k));
+            drawn.extend(surrogate_figures::acquisition(surrogate, campaign, k));
         }
         body += &format!(
             "<h3>What the trials say about the rest of the space</h3>\n<p class=\"hint\">Gaussian process on {} trials: {}. \

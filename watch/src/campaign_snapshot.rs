@@ -130,7 +130,7 @@ impl CampaignSnapshot {
         let mut remarks = Vec::new();
         remarks.extend(self.references.and_then(|references| references.remark()));
         remarks.extend(self.law_change.map(|change| change.to_string()));
-        remarks.extend(self.conclusion.iter().flat_map(Conclusion::remarks));
+        remarks.extend(self.conclusion.iter().flat_map(|conclusion| conclusion.remarks(self.tune.joint_names())));
         remarks.extend(self.early_stop.map(|stop| format!("nothing left to gain: {stop}")));
         remarks
     }

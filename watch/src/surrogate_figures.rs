@@ -2,20 +2,21 @@
 
 use tribo_figure::number::quantity_and_unit;
 use tribo_figure::{Figure, Layer, Scale, Symbol};
+use tribo_robot::JointNames;
 
 use super::campaign_figures::cost_axis;
 use super::{CampaignSnapshot, Surrogate};
 
-/// `joint_3.coulomb_nm` → `joint 3, coulomb` and its unit.
-pub fn parameter_name(name: &str) -> (String, &'static str) {
+/// `joint_3.coulomb_nm` → `panda_joint4 (3), coulomb` and its unit.
+pub fn parameter_name(name: &str, joints: &JointNames) -> (String, &'static str) {
     let (joint, parameter) = name.split_once('.').unwrap_or(("", name));
     let (quantity, unit) = quantity_and_unit(parameter);
-    let joint = joint.replace('_', " ");
-    (if joint.is_empty() { quantity } else { format!("{joint}, {quantity}") }, unit)
+    let joint = joint.strip_prefix("joint_").and_then(|number| number.parse().ok());
+    (joint.map_or(quantity.clone(), |joint| format!("{}, {quantity}", joints.of(joint))), unit)
 }
 
-fn axis_of(name: &str) -> Scale {
-    let (quantity, unit) = parameter_name(name);
+fn axis_of(name: &str, joints: &JointNames) -> Scale {
+    let (quantity, unit) = parameter_name(name, joints);
     Scale::of(&if unit.is_empty() { quantity } else { format!("{quantity} [{unit}]") })
 }
 
@@ -31,10 +32,10 @@ pub fn slice(surrogate: &Surrogate, campaign: &CampaignSnapshot, parameter: usiz
     let cut = |values: Vec<f64>| -> Vec<f64> { values.into_iter().map(|cost| cost.min(most)).collect() };
     let [low, high]: [Vec<f64>; 2] = [0, 1].map(|end| cut(slice.band95.iter().map(|band| band[end]).collect()));
     let cost = |number: usize| campaign.trial(number).map(|watched| watched.trial.cost.total());
-    let title = format!("Belief along {}", parameter_name(name).0);
+    let title = format!("Belief along {}", parameter_name(name, campaign.tune.joint_names()).0);
     let abscissae = complete.iter().map(|watched| watched.trial.theta[parameter]).collect();
     let notes = complete.iter().map(|watched| format!("trial {}", watched.trial.number)).collect();
-    let figure = Figure::new(title, axis_of(name), cost_axis(campaign.cost_name()))
+    let figure = Figure::new(title, axis_of(name, campaign.tune.joint_names()), cost_axis(campaign.cost_name()))
         .with(Layer::band("95 % of the mean cost", 0, slice.at.clone(), low, high))
         .with(Layer::line("median", 0, slice.at.clone(), cut(slice.median.clone())))
         .with(Layer::symbols("trials, seen from the side", 6, Symbol::Dot, abscissae, costs, notes));
@@ -45,18 +46,19 @@ pub fn slice(surrogate: &Surrogate, campaign: &CampaignSnapshot, parameter: usiz
 }
 
 /// What a new trial would be worth along one parameter through the incumbent.
-pub fn acquisition(surrogate: &Surrogate, parameter: usize) -> Option<Figure> {
+pub fn acquisition(surrogate: &Surrogate, campaign: &CampaignSnapshot, parameter: usize) -> Option<Figure> {
     let (slice, name) = (surrogate.slices.get(parameter)?, surrogate.names.get(parameter)?);
     let label = if surrogate.log_acquisition { "ln expected improvement [-]" } else { "expected improvement [sd]" };
-    let title = format!("Worth of a new trial along {}", parameter_name(name).0);
+    let title = format!("Worth of a new trial along {}", parameter_name(name, campaign.tune.joint_names()).0);
     let line = Layer::line("", 2, slice.at.clone(), slice.acquisition.clone());
-    Some(Figure::new(title, axis_of(name), Scale::of(label)).with(line))
+    Some(Figure::new(title, axis_of(name, campaign.tune.joint_names()), Scale::of(label)).with(line))
 }
 
 /// Inverse length-scale of every parameter, one group per joint.
-pub fn relevance(surrogate: &Surrogate, joints: usize) -> Figure {
+pub fn relevance(surrogate: &Surrogate, campaign: &CampaignSnapshot) -> Figure {
+    let joints = campaign.tune.space().joints();
     let per_joint = (surrogate.names.len() / joints.max(1)).max(1);
-    let names = (0..joints).map(|j| format!("joint {j}")).collect();
+    let names = (0..joints).map(|j| campaign.tune.joint_names().of(j).to_string()).collect();
     let mut figure = Figure::new(
         "Relevance of the parameters",
         Scale::categories("", names),

@@ -93,8 +93,9 @@ pub fn torque_terms(trial: &TrialSnapshot, joint: usize) -> Figure {
         ("null space", 4, &log.tau_nullspace),
         ("friction", 1, &log.tau_friction),
     ];
-    let label = format!("motor torque, joint {joint} [Nm]");
-    let mut figure = Figure::new(format!("Torque by term, joint {joint}"), time_axis(), Scale::of(&label));
+    let named = trial.tune.joint_names().of(joint);
+    let label = format!("motor torque, {named} [Nm]");
+    let mut figure = Figure::new(format!("Torque by term, {named}"), time_axis(), Scale::of(&label));
     for (name, ink, rows) in terms {
         figure.layers.push(Layer::line(name, ink, log.time_s.clone(), rows[joint].clone()));
     }
@@ -105,14 +106,15 @@ pub fn torque_terms(trial: &TrialSnapshot, joint: usize) -> Figure {
 pub fn friction(trial: &TrialSnapshot, joint: usize) -> Figure {
     /// Points of the curve.
     const POINTS: usize = 201;
+    let named = trial.tune.joint_names().of(joint);
     let (qd, seen) = (trial.log.qd[joint].clone(), trial.log.friction_torque[joint].clone());
     let fastest = qd.iter().fold(1e-3_f64, |most, v| most.max(v.abs()));
     let v: Vec<f64> = (0..POINTS).map(|k| fastest * (2.0 * k as f64 / (POINTS - 1) as f64 - 1.0)).collect();
     let law = v.iter().map(|v| trial.friction[joint].torque(*v, 1e-3)).collect();
     Figure::new(
-        format!("Friction, joint {joint}"),
-        Scale::of(&format!("velocity of joint {joint} [rad/s]")),
-        Scale::of(&format!("friction torque, joint {joint} [Nm]")),
+        format!("Friction, {named}"),
+        Scale::of(&format!("velocity of {named} [rad/s]")),
+        Scale::of(&format!("friction torque, {named} [Nm]")),
     )
     .with(Layer::cloud("command − rigid-body model", GREY, qd, seen))
     .with(Layer::line("compensator's law", 1, v, law))

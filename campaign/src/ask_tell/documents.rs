@@ -47,7 +47,7 @@ impl<const N: usize> UserCampaign<N> {
             "law_check": told.conclusion.law_check.map(LawCheck::summary),
             "standing": told.conclusion.standing,
             "beyond_box": told.conclusion.beyond_box,
-            "remarks": told.conclusion.remarks(),
+            "remarks": told.conclusion.remarks(&self.tune().trial.model.joint_names),
             "early_stop": told.early_stop,
             "finished": told.finished,
             "trials": self.tune().config.trials,

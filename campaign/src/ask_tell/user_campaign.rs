@@ -267,6 +267,27 @@ impl<const N: usize> UserCampaign<N> {
     /// # Errors
     /// All trials are told or running; nothing is left to gain; a strategy without an answer; a journal that cannot be written.
     pub fn ask(&mut self, anyway: bool) -> Result<Asked, CampaignError> {
+        self.ask_as(anyway, |_| Ok(())).map(|(asked, ())| asked)
+    }
+
+    /// [`Self::ask`] with what is made of the parameters, before anything says that their trial runs: where `form` cannot take them, it does not (a change of
+    /// the friction law that was due is kept).
+    ///
+    /// # Errors
+    /// Those of [`Self::ask`] and of `form`.
+    pub fn ask_as<T, E: From<CampaignError>>(
+        &mut self,
+        anyway: bool,
+        form: impl FnOnce(&Asked) -> Result<T, E>,
+    ) -> Result<(Asked, T), E> {
+        let asked = self.proposed(anyway)?;
+        let formed = form(&asked)?;
+        self.begin(&asked)?;
+        Ok((asked, formed))
+    }
+
+    /// The next parameters; no trial of theirs is in the journal.
+    fn proposed(&mut self, anyway: bool) -> Result<Asked, CampaignError> {
         let total = self.tune.config.trials;
         let (told, in_flight) = (self.finished().count(), self.in_flight().count());
         if told + in_flight >= total {
@@ -290,17 +311,23 @@ impl<const N: usize> UserCampaign<N> {
             None => limit.proposal(strategy.as_ref(), number, past, &logs),
         };
         let Proposal { theta, origin } = proposal.map_err(fail)?;
+        Ok(Asked { number, file: trial_compensator(&self.tune, number, &theta), theta, origin })
+    }
+
+    /// Marks the trial of these parameters as running.
+    fn begin(&mut self, Asked { number, theta, origin, .. }: &Asked) -> Result<(), CampaignError> {
+        let (number, origin) = (*number, *origin);
         if number == self.trials.len() {
             self.journal.create_trial()?;
         }
         // Parameters last: a trial is running once all of them are there.
         self.journal.set_attribute(number, "origin", &json!(origin))?;
         let (names, entries) = (self.tune.space.names(), self.tune.space.entries());
-        let params = names.iter().zip(&theta).zip(&entries);
+        let params = names.iter().zip(theta).zip(&entries);
         self.journal
             .set_params(number, params.map(|((name, value), (_, low, high))| (name.as_str(), *value, *low, *high)))?;
         self.set(number, Entry::Running(RunningTrial { number, theta: theta.clone() }, origin));
-        Ok(Asked { number, file: trial_compensator(&self.tune, number, &theta), theta, origin })
+        Ok(())
     }
 
     /// The parameters of a running trial once more.

@@ -1,9 +1,8 @@
 //! Friction that the box of a campaign cuts off.
 
-use std::fmt;
-
 use serde::{Deserialize, Serialize};
 use tribo_friction::identify::GlsFit;
+use tribo_robot::JointNames;
 
 use super::basis_column;
 use crate::ParameterSpace;
@@ -35,12 +34,13 @@ impl BeyondBox {
     }
 }
 
-impl fmt::Display for BeyondBox {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+impl BeyondBox {
+    /// What there is to say of it.
+    pub fn sentence(&self, names: &JointNames) -> String {
         let Self { joint, parameter, bound, found } = self;
-        write!(
-            f,
-            "joint {joint}: {parameter} is at its bound of {bound:.3}, and the last logs speak for {found:.3}: the rest stays uncompensated \
+        let joint = names.of(*joint);
+        format!(
+            "{joint}: {parameter} is at its bound of {bound:.3}, and the last logs speak for {found:.3}: the rest stays uncompensated \
              (--bounds of a new campaign: torque_limits goes with the arm)"
         )
     }

@@ -30,7 +30,7 @@ pub(crate) use identification::basis_column;
 pub use identification::{Identification, identification_samples};
 pub use law_change::LawChange;
 pub use law_check::LawCheck;
-pub use standing::{Standing, Standings};
+pub use standing::{Standing, standing_sentence};
 
 pub use crate::strategy_name::StrategyName;
 

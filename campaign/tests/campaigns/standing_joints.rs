@@ -6,6 +6,7 @@ use tribo_campaign::scenario::TruthName;
 use tribo_campaign::{Campaign, InMemory, Phases, TuneConfig, run_in_memory};
 use tribo_control::GuardSettings;
 use tribo_friction::JointFriction;
+use tribo_robot::presets;
 
 /// A Panda whose wrist has so much dry friction (Nm) in its last two joints.
 fn truth(at: &Path, wrist_nm: [f64; 2]) -> TruthName {
@@ -38,8 +39,8 @@ fn joints_that_stand_are_told() {
     assert_eq!(standing.iter().map(|it| it.joint).collect::<Vec<_>>(), [6], "{standing:?}");
     assert!((1.0..8.0).contains(&standing[0].held_nm), "{standing:?}");
     assert!(result.trials.iter().all(|trial| trial.aborted.is_none()), "{:?}", result.trials);
-    let remarks = result.conclusion.remarks();
-    assert!(remarks[0].starts_with("joint 6 stood still in the last logs"), "{remarks:?}");
+    let remarks = result.conclusion.remarks(&presets::panda().joint_names);
+    assert!(remarks[0].starts_with("panda_joint7 (6) stood still in the last logs"), "{remarks:?}");
 
     // Who watches the campaign is told too.
     let snapshot = tribo_watch::CampaignWatch::open(&campaign).unwrap().poll().unwrap().unwrap();

@@ -6,24 +6,18 @@ use std::path::PathBuf;
 use clap::Args;
 use clap::builder::PossibleValuesParser;
 
-use super::ends::Ends;
+use super::RobotModel;
 
 /// Arguments of `listen`.
 #[derive(Debug, Args)]
+#[command(mut_arg("model", |arg| arg.help("Model of the robot (YAML, schema tribo.model/1), read again when it changes [default: the bare robot without friction]")))]
+#[command(mut_arg("robot", |arg| arg.help("The robot, if no --model is given: a preset or the path of a URDF or MJCF [default: that of --compensator]")))]
+#[command(mut_arg("torque_side", |arg| arg.help("Side of the gears on which the effort is measured, if no --model is given")))]
 #[command(group = clap::ArgGroup::new("arm").required(true).multiple(true).args(["model", "robot", "compensator"]))]
 pub struct Listen {
-    /// Model of the robot (YAML, schema tribo.model/1), read again when it changes [default: the bare robot without friction].
-    #[arg(long, value_name = "FILE")]
-    pub model: Option<PathBuf>,
-    /// The robot, if no --model is given: a preset or the path of a URDF or MJCF [default: that of --compensator].
-    #[arg(long, value_name = "NAME|FILE", conflicts_with = "model")]
-    pub robot: Option<String>,
-    /// Ends of the arm in that file.
+    /// The robot.
     #[command(flatten)]
-    pub ends: Ends,
-    /// Side of the gears on which the effort is measured, if no --model is given.
-    #[arg(long, default_value = "motor", value_parser = PossibleValuesParser::new(["motor", "link"]), conflicts_with = "model")]
-    pub torque_side: String,
+    pub of: RobotModel,
     /// The tuned compensator that the controller runs (tuned.yaml), read again when it changes: its law, at the measured velocity, is the
     /// friction that is cancelled by a part of the effort [default: the friction of the model].
     #[arg(long, value_name = "FILE")]

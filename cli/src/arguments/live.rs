@@ -5,10 +5,13 @@ use std::path::PathBuf;
 use clap::Args;
 use clap::builder::PossibleValuesParser;
 
-use super::Ends;
+use super::RobotModel;
 
 /// Arguments of `investigate`.
 #[derive(Debug, Args)]
+#[command(mut_arg("robot", |arg| arg.conflicts_with("live").help("The robot of --robot-command, when no --model says it: a preset or the path of a URDF or MJCF with seven joints")))]
+#[command(mut_arg("torque_side", |arg| arg.help("Side of the gears of the torque, when no --model says it: of a live robot what its motors were sent (motor), or its sensors \
+     (link); of a command what it logs as tau_J")))]
 #[command(group = clap::ArgGroup::new("robot_that_moves").required(true).args(["live", "robot_command"]))]
 pub struct Investigate {
     /// A Panda or FR3 at this address; tribo serve imitates one. The arm moves.
@@ -21,19 +24,9 @@ pub struct Investigate {
     /// Ending of the logs that the command writes: csv, parquet, mcap.
     #[arg(long, default_value = "csv", value_name = "ENDING", value_parser = PossibleValuesParser::new(["csv", "parquet", "mcap"]))]
     pub log_format: String,
-    /// Model that the robot is held against (YAML, schema tribo.model/1) [default: the bare robot without friction].
-    #[arg(long, value_name = "FILE")]
-    pub model: Option<PathBuf>,
-    /// The robot of --robot-command, when no --model says it: a preset or the path of a URDF or MJCF with seven joints.
-    #[arg(long, value_name = "NAME|FILE", conflicts_with_all = ["model", "live"])]
-    pub robot: Option<String>,
-    /// Ends of the arm in that file.
+    /// The robot.
     #[command(flatten)]
-    pub ends: Ends,
-    /// Side of the gears of the torque, when no --model says it: of a live robot what its motors were sent (motor), or its sensors (link);
-    /// of a command what it logs as tau_J.
-    #[arg(long, default_value = "motor", value_parser = PossibleValuesParser::new(["motor", "link"]), conflicts_with = "model")]
-    pub torque_side: String,
+    pub of: RobotModel,
     /// Most motions to learn from; one more is made at the end, to check the answer.
     #[arg(long, default_value_t = 3, value_parser = clap::value_parser!(u8).range(1..=20))]
     pub budget: u8,

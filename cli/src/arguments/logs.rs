@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use clap::Args;
 use clap::builder::PossibleValuesParser;
 
-use super::ends::Ends;
+use super::RobotModel;
 
 /// How the columns of a log are read.
 #[derive(Debug, Clone, Default, Args)]
@@ -40,18 +40,9 @@ pub struct Estimate {
     /// Use a log even if it is refused; the reasons against it are printed.
     #[arg(long)]
     pub anyway: bool,
-    /// Model of the robot (YAML, schema tribo.model/1) [default: the bare robot without friction].
-    #[arg(long, value_name = "FILE")]
-    pub model: Option<PathBuf>,
-    /// The robot, if no --model is given: a preset or the path of a URDF or MJCF [default: panda, if the log has 7 joints].
-    #[arg(long, value_name = "NAME|FILE", conflicts_with = "model")]
-    pub robot: Option<String>,
-    /// Ends of the arm in that file.
+    /// The robot.
     #[command(flatten)]
-    pub ends: Ends,
-    /// Side of the gears on which tau_J was measured, if no --model is given.
-    #[arg(long, default_value = "motor", value_parser = PossibleValuesParser::new(["motor", "link"]), conflicts_with = "model")]
-    pub torque_side: String,
+    pub of: RobotModel,
     /// Which estimators to run, one or several with commas; torque is the torque residual alone.
     #[arg(long, default_value = "all", value_delimiter = ',', value_parser = PossibleValuesParser::new(["all", "ekf", "momentum", "qp", "thermal", "double_encoder", "torque"]))]
     pub residual: Vec<String>,
@@ -76,6 +67,8 @@ pub struct Estimate {
 
 /// Arguments of `diagnose`.
 #[derive(Debug, Args)]
+#[command(mut_arg("model", |arg| arg.help("Model that the logs are held against (YAML, schema tribo.model/1) [default: the bare robot without friction; rotors \
+     without inertia where link-side torque was logged too]")))]
 pub struct Diagnose {
     /// The logs of one session, in any format that convert reads.
     #[arg(required = true, value_name = "LOG")]
@@ -86,19 +79,9 @@ pub struct Diagnose {
     /// Use a log even if it is refused; the reasons against it are printed.
     #[arg(long)]
     pub anyway: bool,
-    /// Model that the logs are held against (YAML, schema tribo.model/1) [default: the bare robot without friction; rotors
-    /// without inertia where link-side torque was logged too].
-    #[arg(long, value_name = "FILE")]
-    pub model: Option<PathBuf>,
-    /// The robot, if no --model is given: a preset or the path of a URDF or MJCF [default: panda, if the logs have 7 joints].
-    #[arg(long, value_name = "NAME|FILE", conflicts_with = "model")]
-    pub robot: Option<String>,
-    /// Ends of the arm in that file.
+    /// The robot.
     #[command(flatten)]
-    pub ends: Ends,
-    /// Side of the gears on which tau_J was measured, if no --model is given.
-    #[arg(long, default_value = "motor", value_parser = PossibleValuesParser::new(["motor", "link"]), conflicts_with = "model")]
-    pub torque_side: String,
+    pub of: RobotModel,
     /// Write the model with the findings added (YAML); tune, simulate and estimate read it.
     #[arg(long, value_name = "FILE")]
     pub extend: Option<PathBuf>,

@@ -7,12 +7,14 @@ mod export;
 mod listen;
 mod live;
 mod logs;
+mod robot_model;
 
 pub use ends::Ends;
 pub use export::Export;
 pub use listen::Listen;
 pub use live::{Investigate, LiveDrive, Serve};
 pub use logs::{Columns, Convert, Diagnose, Estimate};
+pub use robot_model::RobotModel;
 
 use clap::builder::PossibleValuesParser;
 use clap::{Args, Parser, Subcommand};
@@ -434,18 +436,9 @@ pub struct Dashboard {
     /// Second campaign directory, of the view `compare`.
     #[arg(long, value_name = "DIR")]
     pub compare: Option<PathBuf>,
-    /// Model that a log is held against (YAML, schema tribo.model/1) [default: the bare robot without friction].
-    #[arg(long, value_name = "FILE")]
-    pub model: Option<PathBuf>,
-    /// The robot, if no --model is given: a preset or the path of a URDF or MJCF [default: panda, if the log has 7 joints].
-    #[arg(long, value_name = "NAME|FILE", conflicts_with = "model")]
-    pub robot: Option<String>,
-    /// Ends of the arm in that file.
+    /// The robot.
     #[command(flatten)]
-    pub ends: Ends,
-    /// Side of the gears on which tau_J was measured, if no --model is given.
-    #[arg(long, default_value = "motor", value_parser = PossibleValuesParser::new(["motor", "link"]), conflicts_with = "model")]
-    pub torque_side: String,
+    pub of: RobotModel,
     /// Write the view as a PNG picture and exit; needs no display.
     #[arg(long, value_name = "FILE")]
     pub screenshot: Option<PathBuf>,

@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use serde_json::json;
-use tribo_campaign::{AnyTune, CampaignError, TuneConfig, UserCampaign, UserTrials, first_difference};
+use tribo_campaign::{AnyTune, Asked, CampaignError, TuneConfig, UserCampaign, UserTrials, first_difference};
 use tribo_export::{Exported, export};
 use tribo_logs::write_atomic;
 
@@ -116,9 +116,9 @@ fn reopened<const N: usize>(mut campaign: UserCampaign<N>, arguments: &Ask) -> a
 }
 
 /// A campaign that has nothing left to gain, with what to do next.
-fn how_to_go_on(error: CampaignError, directory: &Path) -> anyhow::Error {
-    if !matches!(error, CampaignError::NothingToGain { .. }) {
-        return error.into();
+fn how_to_go_on(error: anyhow::Error, directory: &Path) -> anyhow::Error {
+    if !matches!(error.downcast_ref(), Some(CampaignError::NothingToGain { .. })) {
+        return error;
     }
     let shown = directory.display();
     BadInput(format!(
@@ -129,24 +129,30 @@ fn how_to_go_on(error: CampaignError, directory: &Path) -> anyhow::Error {
 
 fn ask<const N: usize>(mut campaign: UserCampaign<N>, arguments: &Ask, common: &Common) -> anyhow::Result<()> {
     let directory = &arguments.campaign;
-    let asked = match arguments.trial {
-        Some(number) => campaign.asked(number)?,
+    let (out, format) = (arguments.out.as_deref(), named(&arguments.format)?);
+    // With --json alone nobody reads a text.
+    let is_read = out.is_some() || !common.json;
+    let text_of = |asked: &Asked| Ok(is_read.then(|| export(&asked.file, format, None)).transpose()?);
+    let (asked, exported): (Asked, Option<Exported>) = match arguments.trial {
+        Some(number) => {
+            let asked = campaign.asked(number)?;
+            let exported = text_of(&asked)?;
+            (asked, exported)
+        }
         None => threads::pool(common)?
-            .install(|| campaign.ask(arguments.anyway))
+            .install(|| campaign.ask_as(arguments.anyway, text_of))
             .map_err(|error| how_to_go_on(error, directory))?,
     };
-    let out = arguments.out.as_deref();
-    let Exported { text, losses } = export(&asked.file, named(&arguments.format)?, None)?;
-    if let Some(out) = out {
-        write_atomic(out, |file| file.write_all(text.as_bytes()))?;
+    if let (Some(out), Some(exported)) = (out, &exported) {
+        write_atomic(out, |file| file.write_all(exported.text.as_bytes()))?;
     }
-    if common.json {
-        print_json(&campaign.ask_document(&asked));
-    } else if out.is_none() {
-        print(text.trim_end());
+    match &exported {
+        _ if common.json => print_json(&campaign.ask_document(&asked)),
+        Some(exported) if out.is_none() => print(exported.text.trim_end()),
+        _ => {}
     }
     if !common.quiet {
-        for loss in &losses {
+        for loss in exported.iter().flat_map(|exported| &exported.losses) {
             message!("tribo: not in the {} text: {loss}", arguments.format);
         }
         let directory = arguments.campaign.display();
@@ -154,7 +160,7 @@ fn ask<const N: usize>(mut campaign: UserCampaign<N>, arguments: &Ask, common: &
             message!("tribo: {change}");
         }
         for beyond in campaign.beyond_box() {
-            message!("tribo: {beyond}");
+            message!("tribo: {}", beyond.sentence(&campaign.tune().trial.model.joint_names));
         }
         let chosen = asked.origin;
         message!(

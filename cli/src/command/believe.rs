@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use serde_json::{Value, json};
-use tribo_logs::recognise::{Remark, Severity, Use};
+use tribo_logs::recognise::{Remark, Severity, Use, refusal, said};
 
 use crate::failure::BadInput;
 
@@ -43,17 +43,12 @@ impl Refused {
 /// # Errors
 /// [`BadInput`], one line per reason.
 pub fn believe(path: &Path, remarks: &[Remark], wanted: Use, refused: Refused, quiet: bool) -> anyhow::Result<()> {
-    let name = path.display();
-    let reasons: Vec<String> = remarks
-        .iter()
-        .filter(|remark| remark.refuses(wanted))
-        .map(|remark| format!("{name}: {}: {remark}", remark.fault.name()))
-        .collect();
-    if !reasons.is_empty() && refused == Refused::IsAnError {
-        return Err(BadInput(reasons.join("\n")).into());
+    let name = path.display().to_string();
+    if let Some(reasons) = refusal(&name, remarks, wanted).filter(|_| refused == Refused::IsAnError) {
+        return Err(BadInput(reasons).into());
     }
-    for remark in remarks.iter().filter(|remark| remark.concerns(wanted) && !quiet) {
-        message!("tribo: {name}: {remark}");
+    if !quiet {
+        said(&name, remarks, wanted).for_each(|line| message!("tribo: {line}"));
     }
     Ok(())
 }

@@ -16,12 +16,7 @@ impl Columns {
     pub fn options(&self, joints: Vec<String>) -> anyhow::Result<ReadOptions> {
         let mut map: Option<ColumnMap> = None;
         for given in &self.map {
-            let path = Path::new(given);
-            let next = if given.contains('=') && !path.is_file() {
-                given.parse().map_err(|error| BadInput(format!("--map: {error}")))?
-            } else {
-                ColumnMap::read(path)?
-            };
+            let next = ColumnMap::given(given).map_err(|error| BadInput(format!("--map: {error}")))?;
             map = Some(match map {
                 Some(map) => map.and(next)?,
                 None => next,
@@ -33,12 +28,8 @@ impl Columns {
 
 /// Names of the joints of the robot that a log is held against, base to tool; none of a preset, whose names nobody knows.
 pub fn joint_names(choice: &ModelChoice, given: Option<&ModelFile>) -> Vec<String> {
-    let of = |file: &ModelFile| -> Vec<String> {
-        let seven = file.joint_names::<7>().map(Vec::from);
-        seven.or_else(|| file.joint_names::<6>().map(Vec::from)).unwrap_or_default()
-    };
     match (given, &choice.robot) {
-        (Some(file), _) => of(file),
+        (Some(file), _) => file.names_of_joints(),
         (None, Some(robot)) => {
             let mut file = ModelFile {
                 base_link: choice.base_link.clone(),
@@ -46,7 +37,7 @@ pub fn joint_names(choice: &ModelChoice, given: Option<&ModelFile>) -> Vec<Strin
                 ..ModelFile::bare(robot, choice.torque_side, &[])
             };
             // What is wrong with the robot is said where it is used.
-            file.resolve(Path::new("")).map_or_else(|_| Vec::new(), |_| of(&file))
+            file.resolve(Path::new("")).map_or_else(|_| Vec::new(), |_| file.names_of_joints())
         }
         (None, None) => Vec::new(),
     }

@@ -3,7 +3,6 @@
 use std::path::{Path, PathBuf};
 
 use tribo_dashboard::{LogSource, Options, screenshot};
-use tribo_model::ModelChoice;
 
 use super::{CAMPAIGNS, named, now};
 use crate::arguments::Dashboard;
@@ -11,13 +10,7 @@ use crate::failure::BadInput;
 
 /// Opens the window, or draws it.
 pub fn run(arguments: &Dashboard) -> anyhow::Result<()> {
-    let model = ModelChoice {
-        model: arguments.model.clone(),
-        robot: arguments.robot.clone(),
-        base_link: arguments.ends.base_link.clone(),
-        tip_link: arguments.ends.tip_link.clone(),
-        torque_side: named(&arguments.torque_side)?,
-    };
+    let model = arguments.of.choice()?;
     let read = arguments.columns.options(Vec::new())?;
     let open = arguments.open.as_ref().map(|path| LogSource { path: path.clone(), read, model });
     if let Some(path) = arguments.open.as_ref().filter(|path| !path.exists()) {

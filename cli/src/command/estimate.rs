@@ -10,14 +10,15 @@ use tribo_diagnose::{BlockSettings, Diagnosable, FrictionReport, FrictionSetting
 use tribo_friction::{FrictionModel, JointFriction};
 use tribo_logs::recognise::{self, Use};
 use tribo_logs::{LogSummary, RobotLog, Table, write_table};
-use tribo_model::{AnyModel, Believed, Model, ModelChoice, SIGN_SMOOTHING_RAD_S};
+use tribo_model::{AnyModel, Believed, Model, SIGN_SMOOTHING_RAD_S};
+use tribo_robot::JointNames;
 use tribo_sim::{Effect, TorqueSide, panda_gaz_joints};
 
 use super::believe::{Refused, believe};
 use super::columns::joint_names;
 use super::convert::{target_of, write_log};
 use super::live::watched;
-use super::{check_joints, named, read_log, show_robot, transmission, warn_not_cancelled};
+use super::{check_joints, read_log, show_robot, transmission, warn_not_cancelled};
 use crate::arguments::{Common, Estimate};
 use crate::failure::BadInput;
 use crate::output::{fixed, log_json, print, print_json, significant, table};
@@ -30,13 +31,7 @@ const OVERCONFIDENT_NIS: f64 = 8.0;
 
 /// Runs the estimators over a log and prints what they say.
 pub fn run(arguments: &Estimate, common: &Common) -> anyhow::Result<()> {
-    let mut choice = ModelChoice {
-        model: arguments.model.clone(),
-        robot: arguments.robot.clone(),
-        base_link: arguments.ends.base_link.clone(),
-        tip_link: arguments.ends.tip_link.clone(),
-        torque_side: named(&arguments.torque_side)?,
-    };
+    let mut choice = arguments.of.choice()?;
     let given = choice.given()?;
     let options = arguments.columns.options(joint_names(&choice, given.as_ref().map(|(file, _)| file)))?;
     let path = match (&arguments.live, &arguments.record) {
@@ -114,7 +109,7 @@ where
 {
     let (wanted, refused) = judgement(arguments);
     believe(path, &tribo_diagnose::recognise::recognise(log, &model.to_nominal()), wanted, refused, common.quiet)?;
-    warn_not_cancelled(&Believed::on_log(model).not_cancelled, common);
+    warn_not_cancelled(&Believed::on_log(model).not_cancelled, &model.robot.arm.joint_names, common);
     if !(arguments.block_s > 0.0 && arguments.block_s.is_finite()) {
         let message = format!("--block-s is {}; allowed: greater than 0", arguments.block_s);
         return Err(BadInput(message).into());
@@ -172,11 +167,12 @@ where
     } else if !common.quiet {
         print(summary);
         if let Some(gears) = gears {
-            transmission::show(gears);
+            transmission::show(gears, &model.robot.arm.joint_names);
         }
         if let Some(report) = &torque {
             let rigid = if model.effects.is_empty() { "rigid model" } else { "rigid model and effects" };
-            show_torque(report, rigid, if arguments.model.is_some() { "model friction" } else { "Gaz 2019 friction" });
+            let friction = if arguments.of.model.is_some() { "model friction" } else { "Gaz 2019 friction" };
+            show_torque(report, &model.robot.arm.joint_names, rigid, friction);
         }
         if !wrenches.is_empty() {
             show_wrenches(&wrenches, arguments.out.as_deref());
@@ -207,7 +203,7 @@ where
 fn comparison<const N: usize>(arguments: &Estimate, model: &Model<N>) -> FrictionModel<N> {
     let published: [JointFriction; 7] = panda_gaz_joints().map(Into::into);
     let joints = published.as_slice().try_into().ok();
-    let published = joints.filter(|_| arguments.model.is_none() && model.robot.arm.name == "panda");
+    let published = joints.filter(|_| arguments.of.model.is_none() && model.robot.arm.name == "panda");
     published.map_or(model.friction, |joints| FrictionModel { joints })
 }
 
@@ -223,12 +219,12 @@ fn torque_residual<const N: usize>(
         blocks: BlockSettings { length_s: arguments.block_s, ..BlockSettings::default() },
     };
     let friction = comparison(arguments, model);
-    let judged = (arguments.model.is_some() || friction != FrictionModel::none()).then_some(&friction);
+    let judged = (arguments.of.model.is_some() || friction != FrictionModel::none()).then_some(&friction);
     FrictionReport::of_model(log, &model.to_nominal(), judged, arguments.band_hz, &settings)
         .map_err(|error| BadInput(format!("{}: {error}", path.display())).into())
 }
 
-fn show_torque(report: &FrictionReport, rigid: &str, model_label: &str) {
+fn show_torque(report: &FrictionReport, names: &JointNames, rigid: &str, model_label: &str) {
     print(format_args!("\nTorque residual: measured less {rigid} [Nm], {}", report.chain));
     match &report.blocks {
         Ok(blocks) => print(format_args!("friction fitted to {blocks}")),
@@ -258,7 +254,7 @@ fn show_torque(report: &FrictionReport, rigid: &str, model_label: &str) {
                 _ => "-".to_owned(),
             };
         rows.add_row([
-            joint.joint.to_string(),
+            names.of(joint.joint).to_string(),
             significant(joint.rms_rigid_nm, 3),
             significant(joint.sd_rigid_nm, 3),
             joint.rms_with_model_nm.map_or("-".to_owned(), |rms| significant(rms, 3)),
@@ -273,7 +269,7 @@ fn show_torque(report: &FrictionReport, rigid: &str, model_label: &str) {
     print(rows);
     for joint in &report.joints {
         if let Err(error) = &joint.fit {
-            print(format_args!("joint {}: {error}", joint.joint));
+            print(format_args!("{}: {error}", names.of(joint.joint)));
         }
     }
 }

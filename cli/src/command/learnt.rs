@@ -1,11 +1,12 @@
 //! What a campaign has learnt about the friction of its robot.
 
 use tribo_campaign::Learnt;
+use tribo_robot::JointNames;
 
 use crate::output::{print, significant, table};
 
 /// Shows each parameter with its standard deviation, and which of them are still unsure.
-pub fn show(learnt: &[Learnt]) {
+pub fn show(learnt: &[Learnt], joints: &JointNames) {
     if learnt.is_empty() {
         return;
     }
@@ -23,10 +24,10 @@ pub fn show(learnt: &[Learnt]) {
                 format!("{} ± {}", significant(parameter.value, 3), significant(parameter.sd, 2))
             })
         });
-        rows.add_row(of_joint.first().map(|first| first.joint.to_string()).into_iter().chain(cells));
+        rows.add_row(of_joint.first().map(|first| joints.of(first.joint).to_string()).into_iter().chain(cells));
     }
     print(rows);
-    let unsure: Vec<String> = names.iter().filter_map(|name| unsure(learnt, name)).collect();
+    let unsure: Vec<String> = names.iter().filter_map(|name| unsure(learnt, name, joints)).collect();
     if unsure.is_empty() {
         print(format_args!("every parameter is known to better than {:.0} %", 100.0 * Learnt::UNSURE));
     } else {
@@ -34,9 +35,9 @@ pub fn show(learnt: &[Learnt]) {
     }
 }
 
-/// `coulomb_nm of joint 3, 5`; none where all joints are sure.
-fn unsure(learnt: &[Learnt], name: &str) -> Option<String> {
+/// `coulomb_nm of joints 3 and 5`; none where all joints are sure.
+fn unsure(learnt: &[Learnt], name: &str, names: &JointNames) -> Option<String> {
     let unsure = learnt.iter().filter(|parameter| parameter.name == name && parameter.is_unsure());
-    let joints: Vec<String> = unsure.map(|parameter| parameter.joint.to_string()).collect();
-    (!joints.is_empty()).then(|| format!("{name} of joint {}", joints.join(", ")))
+    let joints: Vec<usize> = unsure.map(|parameter| parameter.joint).collect();
+    (!joints.is_empty()).then(|| format!("{name} of {}", names.several(&joints)))
 }

@@ -15,6 +15,7 @@ pub mod listen;
 mod live;
 pub mod report;
 pub mod reproduce;
+mod robot_model;
 pub mod serve;
 pub mod shell;
 pub mod simulate;
@@ -31,6 +32,7 @@ use tribo_campaign::strategy::BestTrial;
 use tribo_campaign::{AnyTune, CampaignError, Conclusion, TuneConfig, UserCampaign};
 use tribo_logs::{LogError, LogSummary, ReadOptions, RobotLog, read_watched};
 use tribo_model::{AnyModel, ConfigError, ModelFile, NotCancelled, YamlDocument};
+use tribo_robot::JointNames;
 use tribo_watch::refresh_report;
 
 use crate::arguments::{CampaignSettings, Common, Scenario};
@@ -145,8 +147,8 @@ fn expected(best: &BestTrial) -> String {
 }
 
 /// Says that joints stand, and that the friction law does not explain the robot, with the way to find out what else is at work.
-fn show_remarks(conclusion: &Conclusion, find_out: &str) {
-    for remark in conclusion.remarks() {
+fn show_remarks(conclusion: &Conclusion, names: &JointNames, find_out: &str) {
+    for remark in conclusion.remarks(names) {
         print(format_args!("\n{remark}"));
     }
     if conclusion.law_check.is_some_and(|check| !check.passed()) {
@@ -155,10 +157,10 @@ fn show_remarks(conclusion: &Conclusion, find_out: &str) {
 }
 
 /// Says what a believed model holds that its controller cannot act on.
-fn warn_not_cancelled(left: &[NotCancelled], common: &Common) {
+fn warn_not_cancelled(left: &[NotCancelled], names: &JointNames, common: &Common) {
     if !common.quiet {
         for effect in left {
-            message!("tribo: {effect}");
+            message!("tribo: {}", effect.sentence(names));
         }
     }
 }

@@ -29,7 +29,7 @@ pub fn run(arguments: &Serve, common: &Common) -> anyhow::Result<()> {
     let arm = tune.trial.model.clone();
     let pushes = arguments.pushes.as_deref().map(PushesFile::read).transpose()?.unwrap_or_default();
     if !common.quiet {
-        for limit in not_simulated(&tune.trial.truth.effects) {
+        for limit in not_simulated(&tune.trial.truth.effects, &tune.trial.model.joint_names) {
             message!("tribo: {limit}");
         }
     }

@@ -56,14 +56,15 @@ fn simulate<const N: usize>(arguments: &Simulate, common: &Common, mut tune: Val
     }
     let (friction, left) = belief(arguments, &mut tune)?;
     let friction = friction.scaled(arguments.scale);
-    warn_not_cancelled(&left, common);
-    let limits = not_simulated(&tune.trial.truth.effects);
+    warn_not_cancelled(&left, &tune.trial.model.joint_names, common);
+    let limits = not_simulated(&tune.trial.truth.effects, &tune.trial.model.joint_names);
     if !common.quiet {
         for limit in &limits {
             message!("tribo: {limit}");
         }
     }
-    let left = Left { not_cancelled: left, not_simulated: limits };
+    let not_cancelled = left.iter().map(|effect| effect.sentence(&tune.trial.model.joint_names)).collect();
+    let left = Left { not_cancelled, not_simulated: limits };
     match &arguments.trajectory {
         Some(path) => run_trajectory(path, arguments, common, &tune, &friction, &left),
         None => run_trial(arguments, common, &tune, &friction, &left),
@@ -127,7 +128,7 @@ fn is_model(path: &Path) -> anyhow::Result<bool> {
 
 /// What the controller does not cancel, and what the plant does not have.
 struct Left {
-    not_cancelled: Vec<NotCancelled>,
+    not_cancelled: Vec<String>,
     not_simulated: Vec<String>,
 }
 
@@ -135,7 +136,7 @@ struct Left {
 fn finish_document(mut document: Value, log: Option<&PathBuf>, left: &Left) -> Value {
     document["log"] = json!(log);
     if !left.not_cancelled.is_empty() {
-        document["not_cancelled"] = left.not_cancelled.iter().map(|effect| json!(effect.to_string())).collect();
+        document["not_cancelled"] = json!(left.not_cancelled);
     }
     if !left.not_simulated.is_empty() {
         document["not_simulated"] = json!(left.not_simulated);
@@ -204,7 +205,7 @@ fn play(arguments: &Simulate, host: &str, common: &Common) -> anyhow::Result<()>
     })?;
     let mut tune = of_seven_joints(tune)?;
     let (friction, left) = belief(arguments, &mut tune)?;
-    warn_not_cancelled(&left, common);
+    warn_not_cancelled(&left, &tune.trial.model.joint_names, common);
     let motion = TrajectoryFile::read(path, &tune.trial.model)?.path();
     stop_on_signal();
     let (friction, side) = (friction.scaled(arguments.scale), named(&arguments.torque_side)?);
@@ -250,7 +251,11 @@ fn run_trajectory<const N: usize>(
         let mut rows = table(&["joint", "rms error [mrad]", "largest [mrad]"]);
         for j in 0..N {
             let mrad = |value: f64| significant(1e3 * value, 3);
-            rows.add_row([j.to_string(), mrad(followed.rms_error_rad[j]), mrad(followed.max_error_rad[j])]);
+            rows.add_row([
+                tune.trial.model.joint_names.of(j).to_string(),
+                mrad(followed.rms_error_rad[j]),
+                mrad(followed.max_error_rad[j]),
+            ]);
         }
         print(rows);
         if followed.saturated_ticks > 0 {

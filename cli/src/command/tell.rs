@@ -73,7 +73,7 @@ where
         print_json(&campaign.tell_document(&told, judged.as_ref(), failed)?);
     } else if !common.quiet {
         show(&campaign, &told, judged.as_ref());
-        learnt::show(&campaign.learnt()?);
+        learnt::show(&campaign.learnt()?, &campaign.tune().trial.model.joint_names);
         what_next(&campaign, &told, arguments);
     }
     Ok(())
@@ -159,7 +159,7 @@ fn show<const N: usize>(campaign: &UserCampaign<N>, told: &Told, judged: Option<
 fn what_next<const N: usize>(campaign: &UserCampaign<N>, told: &Told, arguments: &Tell) {
     let (directory, total) = (arguments.campaign.display(), campaign.tune().config.trials);
     let find_out = "find out what: tribo diagnose LOG, with a log of a motion that takes every joint both ways";
-    show_remarks(&told.conclusion, find_out);
+    show_remarks(&told.conclusion, &campaign.tune().trial.model.joint_names, find_out);
     if let Some(stop) = &told.early_stop {
         print(format_args!("nothing left to gain: {stop}"));
     }

@@ -3,6 +3,7 @@
 use serde_json::{Value, json};
 use tribo_campaign::TransmissionFriction;
 use tribo_logs::LogSummary;
+use tribo_robot::JointNames;
 
 use crate::arguments::Common;
 use crate::output::{log_json, print, print_json, significant, table};
@@ -19,13 +20,13 @@ pub fn show_alone(gears: &TransmissionFriction, summary: &LogSummary, common: &C
         }));
     } else if !common.quiet {
         print(summary);
-        show(gears);
+        show(gears, &JointNames::default());
         print("No --model: what the arm takes and the wrench at the tool are left out.");
     }
 }
 
 /// What the gears take, before and after the fit.
-pub fn show(gears: &TransmissionFriction) {
+pub fn show(gears: &TransmissionFriction, names: &JointNames) {
     print(format_args!(
         "\nFriction of the gears: tau_J less tau_link [Nm], {} Hz band, {} samples",
         significant(gears.band_hz, 3),
@@ -33,7 +34,7 @@ pub fn show(gears: &TransmissionFriction) {
     ));
     let mut rows = table(&["joint", "rms", "rms after fit", "Fc [Nm]", "Fv [Nm s/rad]", "offset [Nm]"]);
     for (number, joint) in gears.joints.iter().enumerate() {
-        let mut row = vec![number.to_string(), significant(joint.rms_before_nm, 3)];
+        let mut row = vec![names.of(number).to_string(), significant(joint.rms_before_nm, 3)];
         match &joint.fit {
             Ok((fit, rms_after_nm)) => {
                 let apart = |value: f64| if joint.one_way() { "-".to_owned() } else { significant(value, 3) };
@@ -51,10 +52,11 @@ pub fn show(gears: &TransmissionFriction) {
     print(rows);
     for (number, joint) in gears.joints.iter().enumerate() {
         match &joint.fit {
-            Err(error) => print(format_args!("joint {number}: {error}")),
+            Err(error) => print(format_args!("{}: {error}", names.of(number))),
             Ok(_) if joint.one_way() => {
                 print(format_args!(
-                    "joint {number} turned one way only: its Coulomb friction and its offset are one number"
+                    "{} turned one way only: its Coulomb friction and its offset are one number",
+                    names.of(number)
                 ));
             }
             Ok(_) => {}

@@ -11,6 +11,7 @@ use tribo_campaign::{
     TuneConfig, against_ekf,
 };
 use tribo_model::FileError;
+use tribo_robot::JointNames;
 use tribo_sim::not_simulated;
 use tribo_watch::write_report;
 
@@ -54,14 +55,14 @@ fn finish<const N: usize>(
     if !common.quiet {
         message!("campaign {} ({} of {total} trials done)", directory.display(), finished);
     }
-    let not_simulated = not_simulated(&campaign.tune().trial.truth.effects);
+    let not_simulated = not_simulated(&campaign.tune().trial.truth.effects, &campaign.tune().trial.model.joint_names);
     if !common.quiet {
         for limit in &not_simulated {
             message!("tribo: {limit}");
         }
     }
     if let Some(believed) = &campaign.tune().believed {
-        warn_not_cancelled(&believed.not_cancelled, common);
+        warn_not_cancelled(&believed.not_cancelled, &believed.arm.joint_names, common);
     }
     stop_on_signal();
     let mut progress = TrialProgress::new(total, finished, common.quiet);
@@ -122,7 +123,7 @@ fn finish<const N: usize>(
         }
         print_json(&document);
     } else if !common.quiet {
-        show(&result, judged.as_ref(), directory, &report, wall_s);
+        show(&result, &tune.trial.model.joint_names, judged.as_ref(), directory, &report, wall_s);
     }
     match arguments.check {
         Some(limit) => check(&result, limit),
@@ -198,7 +199,7 @@ fn last_campaign() -> Option<(u32, PathBuf)> {
 }
 
 /// The tuned parameters joint by joint, each beside the true one where the simulated arm has such a parameter.
-pub(super) fn show_parameters(space: &ParameterSpace, theta: &[f64], truth: Option<&[f64]>) {
+pub(super) fn show_parameters(space: &ParameterSpace, names: &JointNames, theta: &[f64], truth: Option<&[f64]>) {
     let mut header = vec!["joint"];
     for name in space.names_of_joint() {
         header.push(name);
@@ -211,7 +212,7 @@ pub(super) fn show_parameters(space: &ParameterSpace, theta: &[f64], truth: Opti
             let of_truth = truth.map(|truth| significant(truth[joint * per_joint + k], 4));
             std::iter::once(significant(*value, 4)).chain(of_truth)
         });
-        parameters.add_row(std::iter::once(joint.to_string()).chain(cells));
+        parameters.add_row(std::iter::once(names.of(joint).to_string()).chain(cells));
     }
     print(format_args!("\n{parameters}"));
 }
@@ -224,7 +225,14 @@ fn check(result: &CampaignResult, limit: f64) -> anyhow::Result<()> {
     Err(CheckFailed(format!("best J is {ratio:.3} of the oracle's; allowed: {limit}")).into())
 }
 
-fn show(result: &CampaignResult, judged: Option<&AgainstEkf>, directory: &Path, report: &Path, wall_s: f64) {
+fn show(
+    result: &CampaignResult,
+    names: &JointNames,
+    judged: Option<&AgainstEkf>,
+    directory: &Path,
+    report: &Path,
+    wall_s: f64,
+) {
     let unit = format!("J [{}]", result.config.cost.unit());
     let peak = match result.config.cost {
         CostName::Paper => "max F+M",
@@ -258,14 +266,14 @@ fn show(result: &CampaignResult, judged: Option<&AgainstEkf>, directory: &Path, 
     summary.add_row(["no friction at all".to_owned(), significant(references.frictionless, 4)]);
     print(format_args!("\n{summary}"));
     if let Some(best) = best {
-        show_parameters(&result.space, &result.trials[best].theta, result.truth.as_deref());
+        show_parameters(&result.space, names, &result.trials[best].theta, result.truth.as_deref());
     }
     let find_out = format!(
         "find out what: tribo simulate {} --trial 0 --log free_motion.csv   (yours comes from your robot)\n\
          \x20              tribo diagnose free_motion.csv   (several causes may fit so small a motion: it names the one that tells)",
         directory.join("campaign.yaml").display(),
     );
-    show_remarks(&result.conclusion, &find_out);
+    show_remarks(&result.conclusion, names, &find_out);
     if let Some(judged) = judged {
         let name = result.config.residual.as_str();
         let verb = if judged.excess() > 0.0 { "costs" } else { "gains" };

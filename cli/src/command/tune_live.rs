@@ -221,7 +221,7 @@ impl Live<'_> {
         if let Some(best) = best {
             print(format_args!("\nbest: trial {}, expected J of another trial {}", best.trial, expected(&best)));
             if let Some(trial) = self.campaign.finished().find(|trial| trial.number == best.trial) {
-                show_parameters(&tune.space, &trial.theta, None);
+                show_parameters(&tune.space, &tune.trial.model.joint_names, &trial.theta, None);
             }
         }
         print(format_args!("\n{wall_s:.1} s; written {}", self.directory.join("tuned.yaml").display()));

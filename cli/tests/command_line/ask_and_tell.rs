@@ -9,7 +9,7 @@
 use std::path::Path;
 use std::process::{Command, Stdio};
 
-use crate::common::{journal, journal_lines, run, scratch, start};
+use crate::common::{journal, journal_lines, run, scratch, snapshot, start};
 use serde_json::Value;
 
 /// The fenced shell block of `docs/your_robot.md` that speaks of `tribo ask` in a loop.
@@ -32,6 +32,28 @@ fn ask_and_run(at: &Path, number: usize, flags: &str, name: &str) -> Value {
         format!("simulate mine/campaign.yaml --trial {number} --compensation {name}.yaml --log {name}.csv -q");
     run(at, &simulate).ok();
     asked
+}
+
+/// A model with less friction in a joint than the bare arm: that of a URDF would be below zero.
+#[test]
+fn a_format_that_cannot_hold_the_law_leaves_the_campaign_as_it_was() {
+    let at = scratch();
+    let model = "schema: tribo.model/1\nrobot: panda\neffects:\n- {cause: coulomb, joint: 2, delta_coulomb_nm: -0.3}\n";
+    std::fs::write(at.path().join("m.yaml"), model).unwrap();
+    run(at.path(), "ask mine --model m.yaml --trials 3 --format urdf --out never.urdf");
+    let before = snapshot(&at.path().join("mine"));
+    for form in ["--format urdf --out never.urdf", "--format mjcf", "--format urdf --out never.urdf --json"] {
+        let refused = run(at.path(), &format!("ask mine {form}"));
+        assert_eq!(refused.code, Some(2), "{refused:?}");
+        assert!(refused.stderr.contains("joint 2: Coulomb friction is -0.3"), "{refused:?}");
+        assert_eq!(snapshot(&at.path().join("mine")), before, "{form}");
+    }
+    assert!(!at.path().join("never.urdf").exists());
+    // With --json alone nobody reads a text: none is made, and none is refused.
+    let asked = run(at.path(), "ask mine --format urdf --json").ok();
+    assert_eq!(asked.json()["trial"], 0, "no trial was left running: {asked:?}");
+    assert!(!asked.stderr.contains("not in the urdf text"), "{asked:?}");
+    run(at.path(), "ask mine --trial 0 --format c").ok();
 }
 
 #[test]

@@ -73,7 +73,11 @@ fn simulate_says_what_it_leaves_out() {
     let (plain, gain, late, early) = (told("plain"), told("gain"), told("late"), told("early"));
     assert!(plain.0.is_empty() && plain.1.is_null(), "{plain:?}");
     let where_it_is = "is simulated in tau_J of the log alone";
-    assert!(gain.0.contains(&format!("tribo: torque_gain of joints 1 and 3 {where_it_is}")), "{}", gain.0);
+    assert!(
+        gain.0.contains(&format!("tribo: torque_gain of panda_joint2 (1) and panda_joint4 (3) {where_it_is}")),
+        "{}",
+        gain.0
+    );
     assert!(late.0.contains(&format!("tribo: time_delay {where_it_is}")), "{}", late.0);
     assert!(early.0.contains("tribo: time_delay below zero is not simulated"), "{}", early.0);
     let tuned = run(at, "tune --truth late.yaml --trials 1 --out tuned --json").ok();

@@ -532,7 +532,7 @@ fn a_parameter_at_its_bound_is_said() {
     );
     std::fs::write(at.path().join("strong.yaml"), model).unwrap();
     let literal = run(at.path(), "tune --truth strong.yaml --bounds literal --out literal").ok();
-    assert!(literal.stdout.contains("joint 1: coulomb_nm is at its bound of 2.500"), "{}", literal.stdout);
+    assert!(literal.stdout.contains("panda_joint2 (1): coulomb_nm is at its bound of 2.500"), "{}", literal.stdout);
     run(at.path(), "report literal -q").ok();
     assert!(
         literal.stdout.lines().any(|line| line.contains("2.500") && line.contains("4.000")),
@@ -543,7 +543,7 @@ fn a_parameter_at_its_bound_is_said() {
     assert!(report.contains("is at its bound of 2.500"), "the report says so too");
     run(at.path(), "ask mine --truth strong.yaml --bounds literal -q --out next.yaml").ok();
     run(at.path(), "simulate mine/campaign.yaml --trial 0 --compensation next.yaml --log trial.csv -q").ok();
-    let words = "joint 1: coulomb_nm is at its bound of 2.500, and the last logs speak for ";
+    let words = "panda_joint2 (1): coulomb_nm is at its bound of 2.500, and the last logs speak for ";
     let told = run(at.path(), "tell mine trial.csv").ok();
     assert!(told.stdout.contains(words), "{told:?}");
     let asked = run(at.path(), "ask mine --out next.yaml").ok();
@@ -554,7 +554,7 @@ fn a_parameter_at_its_bound_is_said() {
     assert!(number(&free["best"]["cost"]) < 1.2 * number(&free["oracle_cost"]), "{}", free["best"]);
     // Any strategy says it, whatever its best trial happened to be.
     let random = run(at.path(), "tune --truth strong.yaml --bounds literal --strategy bo --trials 8 --out random").ok();
-    assert!(random.stdout.contains("joint 1: coulomb_nm is at its bound of 2.500"), "{}", random.stdout);
+    assert!(random.stdout.contains("panda_joint2 (1): coulomb_nm is at its bound of 2.500"), "{}", random.stdout);
 }
 
 /// An arm without friction has none that a law could fail to explain; nobody knows the truth about a robot.

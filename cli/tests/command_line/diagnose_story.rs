@@ -56,7 +56,7 @@ fn a_flaw_is_reported_in_every_form() {
     assert_eq!(document["schema"], "tribo.diagnosis/1");
     let findings = document["findings"].as_array().unwrap();
     assert!(!findings.is_empty());
-    assert_eq!(keys(&findings[0])[..3], ["label", "joint", "link"]);
+    assert_eq!(keys(&findings[0])[..4], ["label", "cause", "joint", "link"]);
     let rms = &document["rms_nm"];
     assert_eq!(keys(rms), ["before", "after", "held_out_before", "held_out_after"]);
     let of_joint_3 = |key: &str| rms[key][3].as_f64().unwrap();
@@ -80,4 +80,31 @@ fn a_flaw_is_reported_in_every_form() {
     let quiet = run(at.path(), "diagnose a.parquet --model m.yaml --seed 1 --quiet").ok().stdout;
     let answer = quiet.split_whitespace().collect::<Vec<_>>().join(" ");
     assert!(!answer.is_empty() && unwrapped.starts_with(&answer), "{quiet}");
+}
+
+/// A hand lifts the flange with 20 N: by the robot on the environment that is −20 N along z, and both commands say so.
+#[test]
+fn a_push_has_the_sign_of_estimate() {
+    let at = scratch();
+    let push =
+        "effects:\n  - {cause: external_contact, force_n: [0, 0, 20], moment_nm: [0, 0, 0], start_s: 8, end_s: 24}\n";
+    std::fs::write(at.path().join("m.yaml"), model("")).unwrap();
+    std::fs::write(at.path().join("t.yaml"), model(push)).unwrap();
+    std::fs::write(at.path().join("move.yaml"), motion()).unwrap();
+    run(at.path(), "simulate --truth t.yaml --trajectory move.yaml --seed 61 --log a.parquet --quiet").ok();
+
+    let document = run(at.path(), "diagnose a.parquet --model m.yaml --json --seed 1").ok().json();
+    let mut findings = document["findings"].as_array().unwrap().iter();
+    let found = findings.find(|finding| finding["cause"] == "external_contact").unwrap();
+    let by_robot = found["wrench_by_robot"]["force_n"][2].as_f64().unwrap();
+    assert!((-25.0..-15.0).contains(&by_robot), "{found:#}");
+    assert_eq!(found["params"]["force_n"][2].as_f64().unwrap(), -by_robot, "params hold the push itself");
+
+    let estimated = run(at.path(), "estimate a.parquet --model m.yaml --residual momentum --json").ok().json();
+    let mean = estimated["estimators"]["momentum"]["mean"][2].as_f64().unwrap();
+    assert!((-15.0..-5.0).contains(&mean), "16 of 35 s at −20 N: {mean} N");
+
+    let said = run(at.path(), "diagnose a.parquet --model m.yaml --seed 1").ok().stdout;
+    assert!(said.contains("by the robot on the environment: (") && said.contains("force_by_robot_n[2]"), "{said}");
+    assert!(!said.contains(" force_n["), "{said}");
 }

@@ -84,7 +84,7 @@ fn what_cannot_be_cancelled_is_said() {
     let rest = "- {cause: time_delay, delay_s: 0.001}\n- {cause: backlash, joint: 2, half_gap_rad: 0.0001}\n";
     write(at.path(), "rest.yaml", &format!("{NOMINAL}{EFFECTS}{rest}"));
     let spoken = run(at.path(), "simulate --compensation rest.yaml --json").ok();
-    for words in ["time_delay is not cancelled: ", "backlash of joint 2 is not cancelled: "] {
+    for words in ["time_delay is not cancelled: ", "backlash of panda_joint3 (2) is not cancelled: "] {
         assert!(spoken.stderr.contains(words), "{spoken:?}");
     }
     assert_eq!(spoken.json()["not_cancelled"].as_array().map(Vec::len), Some(2));

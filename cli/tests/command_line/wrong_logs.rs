@@ -65,13 +65,13 @@ fn a_wrong_log_is_no_trial() {
     for joint in 0..7 {
         let column = format!("tau_J_d_{joint}");
         mutilated(at, "good.csv", "one.csv", |name, x| if name == column { -x } else { x });
-        refused(at, "tell mine one.csv", &["_sign", &format!("joint {joint}")]);
+        refused(at, "tell mine one.csv", &["_sign", &format!("panda_joint{} ({joint})", joint + 1)]);
         let columns = [format!("q_{joint}"), format!("dq_{joint}")];
         mutilated(at, "good.csv", "one.csv", |name, x| if columns.contains(&name.to_owned()) { -x } else { x });
-        refused(at, "tell mine one.csv", &["_sign", &format!("joint {joint}")]);
+        refused(at, "tell mine one.csv", &["_sign", &format!("panda_joint{} ({joint})", joint + 1)]);
     }
     mutilated(at, "good.csv", "one.csv", |name, x| if name == "tau_J_d_3" { 4.0 * x } else { x });
-    refused(at, "tell mine one.csv", &["torque_unit", "the torque of joint 3 is 3.99"]);
+    refused(at, "tell mine one.csv", &["torque_unit", "the torque of panda_joint4 (3) is 3.99"]);
     mutilated(at, "good.csv", "one.csv", |name, x| if matches!(name, "q_5" | "dq_5") { x * DEGREES } else { x });
     refused(at, "tell mine one.csv", &["impossible_samples", "q_5 is ", "is it in degrees?"]);
     let swapped = first.replace("tau_J_d_5", "?").replace("tau_J_d_6", "tau_J_d_5").replace('?', "tau_J_d_6");
@@ -116,7 +116,11 @@ fn a_wrong_log_is_neither_diagnosed_nor_estimated_and_is_converted_with_a_warnin
     mutilated(at, "good.csv", "ms.csv", |name, x| if name == "time" { x * 1e3 } else { x });
     mutilated(at, "good.csv", "speeds.csv", |name, x| if name.starts_with("dq") { 1.05 * x } else { x });
     for command in ["diagnose", "estimate --residual torque", "estimate --residual ekf"] {
-        refused(at, &format!("{command} turned.csv"), &["the torque of joint 1", "multiply column tau_J_1 by -1"]);
+        refused(
+            at,
+            &format!("{command} turned.csv"),
+            &["the torque of panda_joint2 (1)", "multiply column tau_J_1 by -1"],
+        );
         refused(at, &format!("{command} ms.csv"), &["milliseconds"]);
     }
     // Somebody may know better.

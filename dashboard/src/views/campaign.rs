@@ -128,7 +128,9 @@ impl CampaignView {
             ui.add_space(12.0);
             let chosen = self.parameter.unwrap_or_else(|| surrogate_figures::most_relevant(surrogate));
             let name = |k: usize| {
-                surrogate.names.get(k).map_or(String::new(), |name| surrogate_figures::parameter_name(name).0)
+                surrogate.names.get(k).map_or(String::new(), |name| {
+                    surrogate_figures::parameter_name(name, campaign.tune.joint_names()).0
+                })
             };
             let label = ui.label("along");
             let combo = ComboBox::from_id_salt("parameter of the slice").width(220.0).selected_text(name(chosen));
@@ -155,11 +157,10 @@ impl CampaignView {
         };
         let chosen = self.parameter.unwrap_or_else(|| surrogate_figures::most_relevant(&surrogate));
         let key = (vec![address(Some(&surrogate)), campaign.trials.len()], vec![chosen]);
-        let joints = campaign.tune.space().joints();
         let figures = self.belief.get(key, || {
             let mut figures: Vec<_> = surrogate_figures::slice(&surrogate, campaign, chosen).into_iter().collect();
-            figures.extend(surrogate_figures::acquisition(&surrogate, chosen));
-            figures.push(surrogate_figures::relevance(&surrogate, joints));
+            figures.extend(surrogate_figures::acquisition(&surrogate, campaign, chosen));
+            figures.push(surrogate_figures::relevance(&surrogate, campaign));
             figures
         });
         let look = Look { height: 200.0, group: Some("slice"), cursor: None };

@@ -120,7 +120,7 @@ fn parameters(ui: &mut Ui, names: &[String; 2], one: &CampaignSnapshot, two: &Ca
         }
         ui.end_row();
         for joint in 0..space.joints() {
-            ui.label(joint.to_string());
+            ui.label(one.tune.joint_names().of(joint).to_string());
             for k in 0..space.parameters_per_joint() {
                 for theta in [&a.trial.theta, &b.trial.theta] {
                     ui.label(significant(theta[joint * space.parameters_per_joint() + k], 4));

@@ -9,6 +9,7 @@ use tribo_diagnose::report::number::{
 use tribo_diagnose::report::{cause_at, finding_sentence, held_out_bars, verdict_sentence, via_points};
 use tribo_diagnose::{Diagnosis, Finding, Verdict};
 use tribo_figure::Figure;
+use tribo_robot::JointNames;
 
 use super::memo::{Memo, address};
 use crate::diagnosis_snapshot::DiagnosisSnapshot;
@@ -104,7 +105,11 @@ impl DiagnosisView {
         CollapsingHeader::new("The residual in pictures").show(ui, |ui| grid(ui, figures, look));
         CollapsingHeader::new(format!("Considered and rejected ({})", diagnosis.rejected.len())).show(ui, |ui| {
             for rejected in &diagnosis.rejected {
-                ui.label(format!("{}: {}", cause_at(rejected.label, rejected.location), rejected.reason));
+                ui.label(format!(
+                    "{}: {}",
+                    cause_at(rejected.label, rejected.location, &diagnosis.joint_names),
+                    rejected.reason
+                ));
             }
         });
         CollapsingHeader::new("Notes, and what this rests on").show(ui, |ui| {
@@ -124,16 +129,20 @@ impl DiagnosisView {
         self.finding = self.finding.min(diagnosis.findings.len() - 1);
         ui.horizontal_wrapped(|ui| {
             for (k, finding) in diagnosis.findings.iter().enumerate() {
-                ui.selectable_value(&mut self.finding, k, cause_at(finding.label, finding.location));
+                ui.selectable_value(
+                    &mut self.finding,
+                    k,
+                    cause_at(finding.label, finding.location, &diagnosis.joint_names),
+                );
             }
         });
         let finding = &diagnosis.findings[self.finding];
         let key = (vec![address(Some(snapshot))], vec![self.finding]);
         let figures = self.evidence.get(key, || finding.plots.iter().map(Figure::from).collect());
-        ui.label(RichText::new(finding_sentence(finding)).strong());
+        ui.label(RichText::new(finding_sentence(finding, &diagnosis.joint_names)).strong());
         let wide = ui.available_width() > 900.0;
         ui.columns(if wide { 2 } else { 1 }, |cells| {
-            facts(&mut cells[0], finding);
+            facts(&mut cells[0], finding, &diagnosis.joint_names);
             let last = &mut cells[usize::from(wide)];
             last.label(RichText::new("Why this verdict").strong());
             grid(last, figures, Look { height: 240.0, ..Look::default() });
@@ -141,9 +150,9 @@ impl DiagnosisView {
     }
 }
 
-fn facts(ui: &mut Ui, finding: &Finding) {
+fn facts(ui: &mut Ui, finding: &Finding, names: &JointNames) {
     Grid::new("parameters").num_columns(2).spacing([16.0, 4.0]).show(ui, |ui| {
-        for parameter in &finding.parameters {
+        for parameter in &finding.said() {
             let (quantity, unit) = quantity_and_unit(parameter.name);
             for (k, value) in parameter.value.iter().enumerate() {
                 let axis = if parameter.value.len() == 3 { format!(" {}", ["x", "y", "z"][k]) } else { String::new() };
@@ -171,7 +180,7 @@ fn facts(ui: &mut Ui, finding: &Finding) {
         for rival in &finding.alternatives {
             ui.label(format!(
                 "{} ({} behind in evidence): {}",
-                cause_at(rival.label, rival.location),
+                cause_at(rival.label, rival.location, names),
                 fixed(rival.evidence_gap, 1),
                 rival.why
             ));
@@ -183,12 +192,12 @@ fn next_experiment(ui: &mut Ui, diagnosis: &Diagnosis) {
     let Some(next) = &diagnosis.next_experiment else { return };
     ui.label(RichText::new("Next experiment").heading());
     ui.label(&next.instruction);
-    let [a, b] = next.separates.map(|(label, location)| cause_at(label, location));
+    let [a, b] = next.separates.map(|(label, location)| cause_at(label, location, &diagnosis.joint_names));
     ui.label(format!(
         "It separates {a} from {b}: expected evidence {}, against {} from a repetition of this log.",
         significant(next.expected_evidence, 3),
         significant(next.evidence_of_this_log, 3)
     ));
-    let figures: Vec<Figure> = via_points(next).into_iter().collect();
+    let figures: Vec<Figure> = via_points(next, &diagnosis.joint_names).into_iter().collect();
     grid(ui, &figures, Look { height: 220.0, ..Look::default() });
 }

@@ -1,5 +1,6 @@
 //! What to do, in one sentence.
 
+use tribo_robot::JointNames;
 use tribo_sim::excitation::ViaPoints;
 
 use super::motion::{Motion, PEAK_SPEED};
@@ -13,8 +14,14 @@ const DECISIVE: f64 = 10.0;
 const LEAST_RAD_S: f64 = 5e-3;
 
 /// The sentence for a motion.
-pub(super) fn of<const N: usize>(motion: Motion, pair: &Pair, points: &ViaPoints<N>, expected: f64) -> String {
-    let joints = pair.own_joint().map_or_else(|| "all joints".to_owned(), |joint| format!("joint {joint}"));
+pub(super) fn of<const N: usize>(
+    motion: Motion,
+    pair: &Pair,
+    points: &ViaPoints<N>,
+    expected: f64,
+    names: &JointNames,
+) -> String {
+    let joints = pair.own_joint().map_or_else(|| "all joints".to_owned(), |joint| names.of(joint).to_string());
     let kept = match pair.own_joint() {
         Some(_) => "all other joints at rest and the payload unchanged",
         None => "payload and base unchanged",

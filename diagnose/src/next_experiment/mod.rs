@@ -102,7 +102,7 @@ pub(crate) fn next_experiment<const N: usize>(
     };
     Some(NextExperiment {
         motion: motion.name(),
-        instruction: instruction::of(motion, &pair, &points, expected),
+        instruction: instruction::of(motion, &pair, &points, expected, &scene.nominal.arm.joint_names),
         separates: [pair.found, pair.rival],
         expected_evidence: expected,
         evidence_of_this_log,

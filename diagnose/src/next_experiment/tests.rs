@@ -129,7 +129,7 @@ fn one_way_motion_asks_for_both_ways() {
     let next = proposed(&one_way().path(), &effect, joint, (CauseLabel::TorqueOffset, joint));
     assert!(turns_and_holds(&next, 2).0 >= 5, "{next:?}");
     assert!(next.expected_evidence > 100.0 && next.expected_evidence > 20.0 * next.evidence_of_this_log, "{next:?}");
-    assert!(next.instruction.contains("joint 2"));
+    assert!(next.instruction.contains("panda_joint3 (2)"));
     for (_, q) in &next.via_points {
         assert_eq!(q[3], next.via_points[0].1[3], "the other joints rest");
     }

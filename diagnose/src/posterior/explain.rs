@@ -3,6 +3,7 @@
 use std::collections::BTreeSet;
 
 use tribo_logs::{RobotLog, median_period_s};
+use tribo_robot::JointNames;
 use tribo_sim::Effect;
 
 use super::band::Band;
@@ -169,8 +170,10 @@ pub(crate) fn explain<const N: usize>(
     extension.extend(written::effects(&scene, &problem, &all.state));
     let before_scene = in_band(given.logs, nominal)?;
     // Two encoders show springs and gaps without any torque model.
-    let seen: Vec<Finding> =
-        deflections(&before_scene).iter().map(|found| deflection_finding(found, settings.seed)).collect();
+    let seen: Vec<Finding> = deflections(&before_scene)
+        .iter()
+        .map(|found| deflection_finding(found, &before_scene.nominal.arm.joint_names, settings.seed))
+        .collect();
     extension.extend(seen.iter().filter_map(|finding| finding.effect.clone()));
     let extended = with(nominal, &extension, true);
     let without_payload = with(nominal, &extension, false);
@@ -244,7 +247,7 @@ pub(crate) fn explain<const N: usize>(
         })
         .collect();
     let mut notes = notes_of(&scene);
-    notes.extend(notes_on(&problem, &all, &report, cut, bare_scene.as_ref()));
+    notes.extend(notes_on(&problem, &all, &report, cut, bare_scene.as_ref(), &scene.nominal.arm.joint_names));
     let verdict = match () {
         () if findings.is_empty() => Verdict::NothingMissing,
         () if payload_unsure || findings.iter().any(|finding| !finding.alternatives.is_empty()) => Verdict::Ambiguous,
@@ -254,6 +257,7 @@ pub(crate) fn explain<const N: usize>(
         verdict,
         next_experiment: next_experiment(&findings, payload_unsure),
         findings,
+        joint_names: scene.nominal.arm.joint_names.clone(),
         joints,
         pattern: plots::cross_joint_pattern(&before_scene, &before_scene.residual_nm),
         gain_heldout,
@@ -393,6 +397,7 @@ fn notes_on<const N: usize>(
     report: &diagnosis::Unseen,
     cut: usize,
     bare: Option<&Scene<N>>,
+    names: &JointNames,
 ) -> Vec<String> {
     let mut notes = Vec::new();
     let (name, _) = report.better_baseline();
@@ -408,8 +413,8 @@ fn notes_on<const N: usize>(
         let mean = unknown.iter().sum::<f64>() / unknown.len().max(1) as f64;
         if mean.sqrt() > UNDETERMINED * all.variances[j].sqrt() {
             notes.push(format!(
-                "joint {j} is not determined by this motion: what the parameters leave open is {:.3} Nm, more than what the \
-                 fit leaves",
+                "{} is not determined by this motion: what the parameters leave open is {:.3} Nm, more than what the fit leaves",
+                names.of(j),
                 mean.sqrt()
             ));
         }

@@ -340,7 +340,7 @@ impl<const N: usize> Answer<'_, N> {
                         + (0..CURVE_WIDTHS.len()).map(curve).sum::<f64>()
                 };
                 let y = x.iter().map(|qd| torque(*qd)).collect();
-                Series { name: format!("joint {j}"), x, y, joined: true }
+                Series { name: self.scene.nominal.arm.joint_names.of(j).to_string(), x, y, joined: true }
             })
             .collect();
         Plot {

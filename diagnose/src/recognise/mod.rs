@@ -81,7 +81,7 @@ pub(crate) fn by_the_arm<const N: usize>(log: &RobotLog, nominal: &Nominal<N>) -
     for _ in 0..MOST_CHANGES {
         let Some(round) = Round::of(&samples, &believed, &nominal) else { break };
         let Some(found) = round.found() else { break };
-        remarks.push(words::remark(&found));
+        remarks.push(words::remark(&found, &nominal.arm.joint_names));
         believed = believed.with(&found.change, &nominal);
     }
     remarks

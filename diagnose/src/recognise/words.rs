@@ -1,13 +1,14 @@
 //! Findings about a log in words.
 
 use tribo_logs::recognise::{Fault, Remark};
+use tribo_robot::JointNames;
 use tribo_sim::TorqueSide;
 
 use super::hypothesis::Change;
 use super::{ARM_GAIN, Found};
 
 /// The remark on a finding.
-pub(super) fn remark<const N: usize>(found: &Found<N>) -> Remark {
+pub(super) fn remark<const N: usize>(found: &Found<N>, names: &JointNames) -> Remark {
     let left =
         |j: usize| format!("{:.2} Nm of it are left instead of {:.2} Nm", found.after.left[j], found.before.left[j]);
     let correlation = |j: usize, sign: f64| format!("correlation {:.2}", sign * found.after.correlation[j]);
@@ -23,14 +24,15 @@ pub(super) fn remark<const N: usize>(found: &Found<N>) -> Remark {
         Change::TorqueSign(j) | Change::PositionSign(j) if found.either_sign(*j) => refuse(
             Fault::TorqueOrPositionSign,
             vec![*j],
-            format!("torque or position of joint {j} has the opposite sign: {}", left(*j)),
+            format!("torque or position of {} has the opposite sign: {}", names.of(*j), left(*j)),
             format!("multiply column tau_J_{j}, or q_{j} and dq_{j}, by -1: this motion cannot tell which"),
         ),
         Change::TorqueSign(j) => refuse(
             Fault::TorqueSign,
             vec![*j],
             format!(
-                "the torque of joint {j} fits the model with the opposite sign: {}, {}",
+                "the torque of {} fits the model with the opposite sign: {}, {}",
+                names.of(*j),
                 correlation(*j, -1.0),
                 left(*j)
             ),
@@ -45,26 +47,31 @@ pub(super) fn remark<const N: usize>(found: &Found<N>) -> Remark {
         Change::PositionSign(j) => refuse(
             Fault::PositionSign,
             vec![*j],
-            format!("the torques fit the model with the opposite sign of the position of joint {j}: {}", in_all()),
+            format!(
+                "the torques fit the model with the opposite sign of the position of {}: {}",
+                names.of(*j),
+                in_all()
+            ),
             format!("multiply columns q_{j} and dq_{j} by -1"),
         ),
         Change::AxisSign(j) => refuse(
             Fault::AxisSign,
             vec![*j],
-            format!("the log fits the model with the axis of joint {j} pointing the other way: {}", in_all()),
+            format!("the log fits the model with the axis of {} pointing the other way: {}", names.of(*j), in_all()),
             format!("multiply columns q_{j}, dq_{j} and tau_J_{j} by -1, or turn the axis in the model"),
         ),
         Change::TorquesSwapped(a, b) => refuse(
             Fault::JointOrder,
             vec![*a, *b],
-            format!("the torques of joints {a} and {b} fit the model in each other's place: {}", in_all()),
+            format!("the torques of {} fit the model in each other's place: {}", names.several(&[*a, *b]), in_all()),
             format!("exchange columns tau_J_{a} and tau_J_{b}"),
         ),
         Change::PositionsSwapped(a, b) => refuse(
             Fault::JointOrder,
             vec![*a, *b],
             format!(
-                "the log fits the model with the positions of joints {a} and {b} in each other's place: {}",
+                "the log fits the model with the positions of {} in each other's place: {}",
+                names.several(&[*a, *b]),
                 in_all()
             ),
             format!("exchange columns q_{a} and q_{b}, and dq_{a} and dq_{b}"),
@@ -72,14 +79,14 @@ pub(super) fn remark<const N: usize>(found: &Found<N>) -> Remark {
         Change::JointsSwapped(a, b) => refuse(
             Fault::JointOrder,
             vec![*a, *b],
-            format!("the log fits the model with joints {a} and {b} in each other's place: {}", in_all()),
-            format!("exchange the columns of joints {a} and {b}"),
+            format!("the log fits the model with {} in each other's place: {}", names.several(&[*a, *b]), in_all()),
+            format!("exchange the columns of {}", names.several(&[*a, *b])),
         ),
         Change::JointsReversed => refuse(
             Fault::JointOrder,
             everything,
             format!("the log fits the model with the joints in the opposite order: {}", in_all()),
-            format!("joint 0 is the one at the base, joint {} the one at the tool", N - 1),
+            format!("{} is the one at the base, {} the one at the tool", names.of(0), names.of(N - 1)),
         ),
         Change::Degrees => refuse(
             Fault::Degrees,
@@ -90,7 +97,7 @@ pub(super) fn remark<const N: usize>(found: &Found<N>) -> Remark {
         Change::JointDegrees(j) => refuse(
             Fault::Degrees,
             vec![*j],
-            format!("the torques fit the model with the position of joint {j} in degrees: {}", in_all()),
+            format!("the torques fit the model with the position of {} in degrees: {}", names.of(*j), in_all()),
             format!("multiply columns q_{j} and dq_{j} by pi/180"),
         ),
         Change::TorqueFactor(factor) => refuse(
@@ -107,7 +114,7 @@ pub(super) fn remark<const N: usize>(found: &Found<N>) -> Remark {
         Change::JointTorqueFactor(j, factor) => refuse(
             Fault::TorqueUnit,
             vec![*j],
-            format!("the torque of joint {j} is {factor:.4} times that of the model: {}", left(*j)),
+            format!("the torque of {} is {factor:.4} times that of the model: {}", names.of(*j), left(*j)),
             format!("look at the unit of tau_J_{j}, at the gear ratio and the torque constant"),
         ),
         Change::NoGravity => of_gravity(

@@ -67,14 +67,15 @@ pub fn document(diagnosis: &Diagnosis, extras: &Extras) -> Value {
     })
 }
 
-/// An object that begins with `label`, `joint` and `link`.
+/// An object that begins with `label`, `cause` (the same word under the name that model files have for it), `joint` and `link`.
 fn located(label: CauseLabel, location: Location) -> Map<String, Value> {
     let (joint, link) = match location {
         Location::Joint(joint) => (Some(joint), None),
         Location::Link(link) => (None, Some(link)),
         Location::Arm => (None, None),
     };
-    let entries = [("label", json!(label.name())), ("joint", json!(joint)), ("link", json!(link))];
+    let name = json!(label.name());
+    let entries = [("label", name.clone()), ("cause", name), ("joint", json!(joint)), ("link", json!(link))];
     entries.into_iter().map(|(key, value)| (key.to_owned(), value)).collect()
 }
 
@@ -100,7 +101,7 @@ fn finding(finding: &Finding) -> Value {
     if let Some(signature) = &finding.signature {
         params.insert("signature".to_owned(), json!(signature));
     }
-    let more = json!({
+    let mut more = json!({
         "joints": finding.joints,
         "links": finding.links,
         "params": params,
@@ -112,6 +113,12 @@ fn finding(finding: &Finding) -> Value {
         "evidence": finding.evidence,
         "alternatives": finding.alternatives.iter().map(alternative).collect::<Vec<_>>(),
     });
+    if finding.label == CauseLabel::ExternalContact {
+        let said = finding.said();
+        let value = |name: &str| said.iter().find(|parameter| parameter.name == name).map(|parameter| &parameter.value);
+        more["wrench_by_robot"] =
+            json!({"force_n": value("force_by_robot_n"), "moment_nm": value("moment_by_robot_nm")});
+    }
     with(located(finding.label, finding.location), more)
 }
 
@@ -160,6 +167,8 @@ fn next_experiment(next: &NextExperiment) -> Value {
 
 #[cfg(test)]
 mod tests {
+    use tribo_robot::JointNames;
+
     use super::*;
     use crate::{CrossJointPattern, Parameter, Validation, Verdict};
 
@@ -205,6 +214,7 @@ mod tests {
         Diagnosis {
             verdict: Verdict::Unknown,
             findings: vec![payload, unknown],
+            joint_names: JointNames::default(),
             joints: vec![JointMisfit {
                 rms_nm: 0.5,
                 bias_nm: -0.1,

@@ -1,6 +1,7 @@
 //! The pictures of a diagnosis as figures.
 
 use tribo_figure::{Figure, Layer, Scale};
+use tribo_robot::JointNames;
 
 use crate::{Diagnosis, JointMisfit, NextExperiment, Plot};
 
@@ -34,7 +35,7 @@ impl From<&Plot> for Figure {
 pub fn held_out_bars(diagnosis: &Diagnosis) -> Figure {
     let joints = &diagnosis.joints;
     let column = |pick: fn(&JointMisfit) -> f64| joints.iter().map(pick).collect::<Vec<f64>>();
-    let names = (0..joints.len()).map(|joint| format!("joint {joint}")).collect();
+    let names = (0..joints.len()).map(|joint| diagnosis.joint_names.of(joint).to_string()).collect();
     let at = |shift: f64| (0..joints.len()).map(|joint| joint as f64 + shift).collect::<Vec<f64>>();
     let (noise_x, noise_y) = joints
         .iter()
@@ -55,7 +56,7 @@ pub fn held_out_bars(diagnosis: &Diagnosis) -> Figure {
 }
 
 /// The via points of the joints that move; none where none does.
-pub fn via_points(next: &NextExperiment) -> Option<Figure> {
+pub fn via_points(next: &NextExperiment, names: &JointNames) -> Option<Figure> {
     let joints = next.via_points.iter().map(|(_, q)| q.len()).min().unwrap_or(0);
     let angle = |j: usize| next.via_points.iter().map(move |(_, q)| q[j]);
     let moves =
@@ -67,7 +68,7 @@ pub fn via_points(next: &NextExperiment) -> Option<Figure> {
     );
     for j in (0..joints).filter(moves) {
         let time_s = next.via_points.iter().map(|(time_s, _)| *time_s).collect();
-        let (name, angles) = (format!("joint {j}"), angle(j).collect());
+        let (name, angles) = (names.of(j).to_string(), angle(j).collect());
         figure.layers.push(if j < 4 {
             Layer::line(&name, j, time_s, angles)
         } else {

@@ -1,5 +1,6 @@
 //! A made-up diagnosis with something of everything, for tests.
 
+use tribo_robot::JointNames;
 use tribo_sim::Effect;
 
 use crate::{
@@ -83,6 +84,7 @@ pub fn diagnosis() -> Diagnosis {
     Diagnosis {
         verdict: Verdict::Ambiguous,
         findings: vec![stribeck, payload, unknown],
+        joint_names: JointNames::default(),
         joints: (0..7).map(joint).collect(),
         pattern: CrossJointPattern { wrench: 0.41, gravity: 0.12, inertial: 0.77 },
         gain_heldout: 0.71,

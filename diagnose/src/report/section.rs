@@ -6,6 +6,7 @@ use tribo_figure::number::{
 };
 use tribo_figure::page::{raw_table, section, table};
 use tribo_figure::{Figure, page};
+use tribo_robot::JointNames;
 
 use super::closed_loop::ClosedLoop;
 use super::pictures::{held_out_bars, via_points};
@@ -17,17 +18,20 @@ pub fn findings(diagnosis: &Diagnosis) -> String {
     if diagnosis.findings.is_empty() {
         return String::new();
     }
-    section("What the model lacks", &diagnosis.findings.iter().map(article).collect::<String>())
+    section(
+        "What the model lacks",
+        &diagnosis.findings.iter().map(|finding| article(finding, &diagnosis.joint_names)).collect::<String>(),
+    )
 }
 
-fn article(finding: &Finding) -> String {
-    let rows = finding.parameters.iter().map(|parameter| {
+fn article(finding: &Finding, names: &JointNames) -> String {
+    let rows = finding.said().into_iter().map(|parameter| {
         let (quantity, unit) = quantity_and_unit(parameter.name);
         let ends = |k: usize| parameter.ci95.get(k).copied().unwrap_or([f64::NAN; 2]);
         // Of several joints or links each has its own value.
-        let places = if finding.links.is_empty() { ("joint", &finding.joints) } else { ("link", &finding.links) };
-        let named = parameter.value.len() > 1 && parameter.value.len() == places.1.len();
-        let of = |k: usize| if named { format!("{} {}: ", places.0, places.1[k]) } else { String::new() };
+        let places = finding.places();
+        let named = parameter.value.len() > 1 && parameter.value.len() == places.len();
+        let of = |k: usize| if named { format!("{}: ", places[k].among(names)) } else { String::new() };
         let values = parameter.value.iter().enumerate().map(|(k, value)| of(k) + &with_interval(*value, ends(k), ""));
         [quantity, values.collect::<Vec<_>>().join("; "), unit.to_owned()]
     });
@@ -43,7 +47,7 @@ fn article(finding: &Finding) -> String {
     let rivals = finding.alternatives.iter().map(|rival| {
         format!(
             "<li><b>{}</b>, {} behind in evidence: {}</li>\n",
-            escape(&cause_at(rival.label, rival.location)),
+            escape(&cause_at(rival.label, rival.location, names)),
             fixed(rival.evidence_gap, 1),
             escape(&rival.why)
         )
@@ -56,13 +60,13 @@ fn article(finding: &Finding) -> String {
         true => String::new(),
         false => format!("<h4>Why this verdict</h4>\n{}", figures(&finding.plots)),
     };
-    let heading = escape_sentence(&finding_sentence(finding));
+    let heading = escape_sentence(&finding_sentence(finding, names));
     format!("<article>\n<h3>{heading}</h3>\n{parameters}{facts}{rivals}{plots}</article>\n")
 }
 
 /// Before and after, per joint, on the log, on unseen blocks, on other logs and in a closed loop.
 pub fn worth(diagnosis: &Diagnosis, closed_loop: Option<ClosedLoop>) -> String {
-    let joints = &diagnosis.joints;
+    let (joints, names) = (&diagnosis.joints, &diagnosis.joint_names);
     let bars = page::figures([&held_out_bars(diagnosis)]);
     let header = [
         "joint",
@@ -78,13 +82,13 @@ pub fn worth(diagnosis: &Diagnosis, closed_loop: Option<ClosedLoop>) -> String {
         let torque = [joint.rms_nm, joint.rms_after_nm, joint.held_out_nm[0], joint.held_out_nm[1]];
         let rest = [joint.noise_floor_nm, joint.bias_nm].map(|value| significant(value, 3));
         let torque = torque.map(|value| significant(value, 3));
-        [vec![j.to_string()], torque.to_vec(), rest.to_vec(), vec![percent(joint.unexplained)]].concat()
+        [vec![names.of(j).to_string()], torque.to_vec(), rest.to_vec(), vec![percent(joint.unexplained)]].concat()
     });
     let mut body = bars + &table(&header, &[0], rows);
     if let Some(unseen) = &diagnosis.unseen {
         let rows = (0..unseen.extended_nm.len()).map(|j| {
             let values = [unseen.nominal_nm[j], unseen.extended_nm[j], unseen.plain_nm[j], unseen.full_nm[j]];
-            [vec![j.to_string()], values.map(|value| significant(value, 3)).to_vec()].concat()
+            [vec![names.of(j).to_string()], values.map(|value| significant(value, 3)).to_vec()].concat()
         });
         let header =
             ["joint", "model given [Nm]", "extended model [Nm]", "plain least squares [Nm]", "full refit [Nm]"];
@@ -125,7 +129,7 @@ pub fn worth(diagnosis: &Diagnosis, closed_loop: Option<ClosedLoop>) -> String {
 /// The experiment that would separate the closest rivals.
 pub fn next_experiment(diagnosis: &Diagnosis) -> String {
     let Some(next) = &diagnosis.next_experiment else { return String::new() };
-    let [a, b] = next.separates.map(|(label, location)| escape(&cause_at(label, location)));
+    let [a, b] = next.separates.map(|(label, location)| escape(&cause_at(label, location, &diagnosis.joint_names)));
     // What to record is known exactly only of a motion of Tribo's own.
     let worth = if next.via_points.is_empty() {
         String::new()
@@ -137,7 +141,7 @@ pub fn next_experiment(diagnosis: &Diagnosis) -> String {
     let body = format!(
         "<p>{}</p>\n<p>It separates <b>{a}</b> from <b>{b}</b>{worth}.</p>\n{}",
         escape(&next.instruction),
-        page::figures(&via_points(next))
+        page::figures(&via_points(next, &diagnosis.joint_names))
     );
     section("Next experiment", &body)
 }
@@ -148,7 +152,7 @@ pub fn pattern(diagnosis: &Diagnosis) -> String {
     let header: Vec<&str> = std::iter::once("joint").chain(first.goes_with.iter().map(|(name, _)| *name)).collect();
     let rows = diagnosis.joints.iter().enumerate().map(|(j, joint)| {
         let parts = joint.goes_with.iter().map(|(_, part)| part_cell(*part)).collect::<String>();
-        format!("<tr><td class=\"t\">{j}</td>{parts}</tr>\n")
+        format!("<tr><td class=\"t\">{}</td>{parts}</tr>\n", escape(&diagnosis.joint_names.of(j).to_string()))
     });
     let pattern = &diagnosis.pattern;
     let across = [
@@ -177,7 +181,7 @@ pub fn rejected(diagnosis: &Diagnosis) -> String {
         let evidence = rejected.evidence.map_or("not testable".to_owned(), |evidence| significant(evidence, 3));
         format!(
             "<tr><td class=\"t\">{}</td><td>{evidence}</td><td class=\"t w\">{}</td></tr>\n",
-            escape(&cause_at(rejected.label, rejected.location)),
+            escape(&cause_at(rejected.label, rejected.location, &diagnosis.joint_names)),
             escape(&rejected.reason)
         )
     });

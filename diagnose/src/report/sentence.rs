@@ -1,31 +1,33 @@
 //! The verdict and the findings in plain language.
 //!
 //! ```text
-//! Joint 3 lacks Stribeck friction: 0.41 Nm [0.38, 0.44] above Coulomb below 0.05 rad/s; removes 62 % [58, 66] of …
+//! panda_joint4 (3) lacks Stribeck friction: 0.41 Nm [0.38, 0.44] above Coulomb below 0.05 rad/s; removes 62 % [58, 66] of …
 //! ```
 //!
 //! Numbers in brackets are 95 % intervals. Joints and links count from 0.
 
 use tribo_figure::number::{fixed, percent_with_interval, significant, with_interval};
+use tribo_robot::JointNames;
 
 use crate::{CauseLabel, Diagnosis, Finding, Location, Parameter, Verdict};
 
 /// The answer in one or two sentences.
 pub fn verdict_sentence(diagnosis: &Diagnosis) -> String {
+    let names = &diagnosis.joint_names;
     let gain = gain_clause(diagnosis.findings.len() > 1, diagnosis.gain_heldout, diagnosis.gain_heldout_ci95);
     match (diagnosis.verdict, &diagnosis.findings[..]) {
         (Verdict::NothingMissing, _) => {
             "Nothing is missing: what the model leaves of this log, none of the candidate causes explains.".to_owned()
         }
-        (Verdict::Named, [finding]) => format!("{}.", finding_sentence(finding)),
+        (Verdict::Named, [finding]) => format!("{}.", finding_sentence(finding, names)),
         (Verdict::Named, findings) => {
-            let names = shortened(findings.iter().map(short_name));
+            let names = shortened(findings.iter().map(|finding| short_name(finding, names)));
             format!("{} causes are missing from the model: {names}; {gain}.", counted(findings.len()))
         }
         (Verdict::Ambiguous, findings) => {
             let doubtful = findings.iter().filter_map(|finding| Some((finding, finding.alternatives.first()?)));
             let pairs = doubtful.map(|(finding, rival)| {
-                format!("{} from {}", short_name(finding), cause_at(rival.label, rival.location))
+                format!("{} from {}", short_name(finding, names), cause_at(rival.label, rival.location, names))
             });
             let pairs: Vec<String> = pairs.collect();
             let cannot = if pairs.is_empty() {
@@ -35,15 +37,16 @@ pub fn verdict_sentence(diagnosis: &Diagnosis) -> String {
             };
             match findings {
                 [] => format!("{cannot}."),
-                [best] => format!("{cannot}. The best explanation: {}.", lower(&finding_sentence(best))),
+                [best] => format!("{cannot}. The best explanation: {}.", mid_sentence(best, names)),
                 _ => format!("{cannot}. The best explanation: {gain}."),
             }
         }
         (Verdict::Unknown, findings) => match findings.iter().find(|finding| finding.label == CauseLabel::Unknown) {
-            Some(unknown) if findings.len() == 1 => format!("{}.", finding_sentence(unknown)),
+            Some(unknown) if findings.len() == 1 => format!("{}.", finding_sentence(unknown, names)),
             Some(unknown) => {
-                let named = findings.iter().filter(|finding| finding.label != CauseLabel::Unknown).map(short_name);
-                format!("{}, beside {}; {gain}.", description(unknown), shortened(named))
+                let named = findings.iter().filter(|finding| finding.label != CauseLabel::Unknown);
+                let named = named.map(|finding| short_name(finding, names));
+                format!("{}, beside {}; {gain}.", description(unknown, names), shortened(named))
             }
             None => "Something is missing from the model that no named cause describes.".to_owned(),
         },
@@ -65,18 +68,24 @@ fn shortened(items: impl Iterator<Item = String>) -> String {
 const MOST_NAMED: usize = 5;
 
 /// One finding with its size and what it is worth on unseen data, without the full stop.
-pub fn finding_sentence(finding: &Finding) -> String {
-    format!("{}; {}", description(finding), gain_clause(false, finding.held_out_gain, finding.held_out_gain_ci95))
+pub fn finding_sentence(finding: &Finding, names: &JointNames) -> String {
+    format!(
+        "{}; {}",
+        description(finding, names),
+        gain_clause(false, finding.held_out_gain, finding.held_out_gain_ci95)
+    )
 }
 
 /// The finding with its size.
-pub fn description(finding: &Finding) -> String {
+pub fn description(finding: &Finding, names: &JointNames) -> String {
     use CauseLabel as L;
     if finding.joints.len() > 1 || finding.links.len() > 1 {
-        return description_of_many(finding);
+        return description_of_many(finding, names);
     }
-    let at = capital(&finding.location.to_string());
-    let p = Parameters(&finding.parameters);
+    let place = finding.location.among(names);
+    let at = if begins_with_a_name(finding, names) { place.clone() } else { capital(&place) };
+    let said = finding.said();
+    let p = Parameters(&said);
     match finding.label {
         L::Coulomb => {
             format!(
@@ -104,11 +113,7 @@ pub fn description(finding: &Finding) -> String {
             let sizes = if value < 0.0 { [-value, -high, -low] } else { [value, low, high] };
             let [size, low, high] = sizes.map(|part| 100.0 * part);
             let way = if value < 0.0 { "little" } else { "much" };
-            format!(
-                "The torque sensor of {} reads {} too {way}",
-                finding.location,
-                with_interval(size, [low, high], "%")
-            )
+            format!("The torque sensor of {} reads {} too {way}", place, with_interval(size, [low, high], "%"))
         }
         L::ThermalFriction => {
             let name = "drop_fraction";
@@ -119,11 +124,7 @@ pub fn description(finding: &Finding) -> String {
             )
         }
         L::LoadFriction => {
-            format!(
-                "Dry friction of {} grows with its load: {}",
-                finding.location,
-                p.text("load_coefficient", "Nm per Nm")
-            )
+            format!("Dry friction of {} grows with its load: {}", place, p.text("load_coefficient", "Nm per Nm"))
         }
         L::Payload => format!(
             "The flange carries a body that the model lacks: {}, centre of mass at {} m",
@@ -150,13 +151,13 @@ pub fn description(finding: &Finding) -> String {
         }
         L::TorqueRipple => format!(
             "The torque of {} ripples with its angle: {} at {} cycles per revolution",
-            finding.location,
+            place,
             p.text("amplitude_nm", "Nm"),
             p.rough("cycles_per_rev", "").trim_end()
         ),
         L::Presliding => format!(
             "Dry friction of {} builds up over a distance after each reversal: {}",
-            finding.location,
+            place,
             p.text("presliding_distance_rad", "rad")
         ),
         L::JointElasticity => {
@@ -171,11 +172,11 @@ pub fn description(finding: &Finding) -> String {
             format!("Torques are stamped {way} by {}", with_interval(size, [low, high], "ms"))
         }
         L::ExternalContact => format!(
-            "Something pushed the arm from {} to {}: {} N and {} Nm at the flange (base axes)",
+            "Something pushed the arm from {} to {}; by the robot on the environment: {} N and {} Nm at the flange, base axes",
             p.rough("start_s", "s"),
             p.rough("end_s", "s"),
-            p.vector("force_n"),
-            p.vector("moment_nm")
+            p.vector("force_by_robot_n"),
+            p.vector("moment_by_robot_nm")
         ),
         L::PositionSpring => format!(
             "{at} pulls like a spring: {}, slack at {}",
@@ -184,7 +185,7 @@ pub fn description(finding: &Finding) -> String {
         ),
         L::FrictionCurve => format!(
             "Friction of {} bends with speed: {} within {}",
-            finding.location,
+            place,
             p.text("amplitude_nm", "Nm"),
             p.rough("width_rad_s", "rad/s")
         ),
@@ -196,18 +197,17 @@ pub fn description(finding: &Finding) -> String {
 }
 
 /// A finding of several joints or links, by its first parameter.
-fn description_of_many(finding: &Finding) -> String {
-    let (what, places) = match finding.links.is_empty() {
-        true => ("joints", &finding.joints),
-        false => ("links", &finding.links),
+fn description_of_many(finding: &Finding, names: &JointNames) -> String {
+    let places = match finding.links.is_empty() {
+        true => names.several(&finding.joints),
+        false => format!("links {}", listed(finding.links.iter().map(usize::to_string))),
     };
-    let listed = listed(places.iter().map(usize::to_string));
     let name = capital(cause_name(finding.label));
-    let Some(parameter) = finding.parameters.first() else { return format!("{name} in {what} {listed}") };
+    let Some(parameter) = finding.parameters.first() else { return format!("{name} in {places}") };
     let unit = tribo_figure::number::quantity_and_unit(parameter.name).1;
     let (low, high) =
         parameter.value.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), x| (l.min(*x), h.max(*x)));
-    format!("{name} in {what} {listed}: {} to {} {unit}", significant(low, 3), significant(high, 3))
+    format!("{name} in {places}: {} to {} {unit}", significant(low, 3), significant(high, 3))
 }
 
 /// The name of a cause for people.
@@ -238,17 +238,17 @@ pub fn cause_name(label: CauseLabel) -> &'static str {
     }
 }
 
-/// `Stribeck friction (joint 3)`; the arm as a place goes without saying.
-pub fn cause_at(label: CauseLabel, location: Location) -> String {
+/// `Stribeck friction at panda_joint4 (3)`; the arm as a place goes without saying.
+pub fn cause_at(label: CauseLabel, location: Location, names: &JointNames) -> String {
     match location {
         Location::Arm => cause_name(label).to_owned(),
-        place => format!("{} ({place})", cause_name(label)),
+        place => format!("{} at {}", cause_name(label), place.among(names)),
     }
 }
 
-fn short_name(finding: &Finding) -> String {
+fn short_name(finding: &Finding, names: &JointNames) -> String {
     match finding.joints.len().max(finding.links.len()) {
-        0 | 1 => cause_at(finding.label, finding.location),
+        0 | 1 => cause_at(finding.label, finding.location, names),
         count => {
             let what = if finding.links.is_empty() { "joints" } else { "links" };
             format!("{} ({count} {what})", cause_name(finding.label))
@@ -279,6 +279,18 @@ fn listed(parts: impl Iterator<Item = String>) -> String {
         [one] => one.clone(),
         [first @ .., last] => format!("{} and {last}", first.join(", ")),
     }
+}
+
+/// Whether the sentence about a finding at one joint may begin with the name of that joint, which stays as it is spelt.
+fn begins_with_a_name(finding: &Finding, names: &JointNames) -> bool {
+    matches!(finding.location, Location::Joint(joint) if names.of(joint).name.is_some())
+}
+
+/// The sentence about a finding, continuing another.
+fn mid_sentence(finding: &Finding, names: &JointNames) -> String {
+    let sentence = finding_sentence(finding, names);
+    let named = begins_with_a_name(finding, names) && sentence.starts_with(&finding.location.among(names));
+    if named { sentence } else { lower(&sentence) }
 }
 
 /// A sentence in mid-sentence.
@@ -356,28 +368,42 @@ mod tests {
     use super::*;
     use crate::report::sample::diagnosis;
 
+    /// The sign of `tribo estimate`: a hand that presses down gets a force upwards from the robot, and vice versa.
+    #[test]
+    fn a_push_is_said_as_the_wrench_of_the_robot() {
+        let mut push = diagnosis().findings.remove(0);
+        (push.label, push.location) = (CauseLabel::ExternalContact, Location::Arm);
+        let ci95 = vec![[-1.0, 1.0], [3.0, 5.0], [-21.0, -19.0]];
+        push.parameters = vec![Parameter { name: "force_n", value: vec![0.0, 4.0, -20.0], ci95 }];
+        let said = push.said();
+        assert_eq!((said[0].name, said[0].value[1], said[0].value[2]), ("force_by_robot_n", -4.0, 20.0));
+        assert_eq!(said[0].ci95, [[-1.0, 1.0], [-5.0, -3.0], [19.0, 21.0]]);
+        let sentence = description(&push, &JointNames::default());
+        assert!(sentence.contains("by the robot on the environment: (") && sentence.contains(", 20"), "{sentence}");
+    }
+
     #[test]
     fn sentences_say_what_where_how_much_and_what_for() {
         let mut sample = diagnosis();
         assert_eq!(
-            finding_sentence(&sample.findings[0]),
+            finding_sentence(&sample.findings[0], &sample.joint_names),
             "Joint 3 lacks Stribeck friction: 0.41 Nm [0.38, 0.44] above Coulomb below 0.0503 rad/s; \
              removes 62 % [58, 66] of the residual on unseen blocks"
         );
         assert_eq!(
-            description(&sample.findings[1]),
+            description(&sample.findings[1], &sample.joint_names),
             "The flange carries a body that the model lacks: 0.85 kg [0.83, 0.87], \
              centre of mass at (0.010, −0.002, 0.061) m"
         );
         assert_eq!(
             verdict_sentence(&sample),
-            "This log cannot tell Stribeck friction (joint 3) from presliding (joint 3). \
+            "This log cannot tell Stribeck friction at joint 3 from presliding at joint 3. \
              The best explanation: together they remove 71 % [66, 75] of the residual on unseen blocks."
         );
         let one = Diagnosis { findings: vec![sample.findings[0].clone()], ..sample.clone() };
         assert_eq!(
             verdict_sentence(&one),
-            "This log cannot tell Stribeck friction (joint 3) from presliding (joint 3). The best explanation: joint 3 \
+            "This log cannot tell Stribeck friction at joint 3 from presliding at joint 3. The best explanation: joint 3 \
              lacks Stribeck friction: 0.41 Nm [0.38, 0.44] above Coulomb below 0.0503 rad/s; \
              removes 62 % [58, 66] of the residual on unseen blocks."
         );
@@ -385,7 +411,7 @@ mod tests {
         sample.findings.truncate(2);
         assert_eq!(
             verdict_sentence(&sample),
-            "Two causes are missing from the model: Stribeck friction (joint 3) and payload; \
+            "Two causes are missing from the model: Stribeck friction at joint 3 and payload; \
              together they remove 71 % [66, 75] of the residual on unseen blocks."
         );
     }
@@ -398,11 +424,11 @@ mod tests {
                 let mut finding = diagnosis().findings.remove(0);
                 (finding.label, finding.location) = (label, location);
                 finding.held_out_gain = f64::NAN;
-                let sentence = finding_sentence(&finding);
+                let sentence = finding_sentence(&finding, &JointNames::default());
                 assert!(!sentence.contains("NaN") && sentence.len() > 30, "{sentence}");
                 finding.parameters = vec![Parameter { name: "com_m", value: vec![], ci95: vec![] }];
                 finding.held_out_gain = 0.3;
-                let sentence = finding_sentence(&finding);
+                let sentence = finding_sentence(&finding, &JointNames::default());
                 assert!(!sentence.contains("NaN") && sentence.starts_with(char::is_uppercase), "{sentence}");
             }
         }

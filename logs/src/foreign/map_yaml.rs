@@ -68,6 +68,14 @@ impl Numbers {
 }
 
 impl ColumnMap {
+    /// The map that somebody gave in one word: its text, or the path of a YAML file. What has a `=` and is no file is a text.
+    ///
+    /// # Errors
+    /// Those of the text, or of [`Self::read`].
+    pub fn given(word: &str) -> Result<Self, LogError> {
+        if word.contains('=') && !Path::new(word).is_file() { word.parse() } else { Self::read(word) }
+    }
+
     /// Reads a map from a YAML file.
     ///
     /// # Errors

@@ -17,7 +17,7 @@ mod travel;
 mod velocity;
 
 pub use impossible::{Reach, without_impossible_rows};
-pub use remark::{Fault, Remark, Severity, Use, joints_named};
+pub use remark::{Fault, Remark, Severity, Use, joints_named, refusal, said};
 pub use travel::{Travel, travel};
 
 use crate::LogColumns;

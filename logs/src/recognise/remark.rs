@@ -160,6 +160,19 @@ impl fmt::Display for Remark {
     }
 }
 
+/// Why the log called `name` cannot be used for that, one line per reason; `None` where it can.
+#[must_use]
+pub fn refusal(name: &str, remarks: &[Remark], wanted: Use) -> Option<String> {
+    let reasons = remarks.iter().filter(|remark| remark.refuses(wanted));
+    let reasons: Vec<String> = reasons.map(|remark| format!("{name}: {}: {remark}", remark.fault.name())).collect();
+    (!reasons.is_empty()).then(|| reasons.join("\n"))
+}
+
+/// What there is to say of the log called `name` to those who use it for that, line by line.
+pub fn said(name: &str, remarks: &[Remark], wanted: Use) -> impl Iterator<Item = String> {
+    remarks.iter().filter(move |remark| remark.concerns(wanted)).map(move |remark| format!("{name}: {remark}"))
+}
+
 /// `joint 3`, `joints 1 and 3`, `joints 0, 1 and 3`.
 #[must_use]
 pub fn joints_named(joints: &[usize]) -> String {
@@ -185,6 +198,11 @@ mod tests {
         assert_eq!(uses.map(|wanted| of(Fault::Standstill).refuses(wanted)), [false, false, false, true]);
         assert!(!Remark { severity: Severity::Warn, ..of(Fault::Clock) }.refuses(Use::Trial));
         assert_eq!(of(Fault::Clock).to_string(), "a; b");
+        let both = [of(Fault::VelocitySign), of(Fault::Standstill)];
+        assert_eq!(refusal("l.csv", &both, Use::Wrench).unwrap(), "l.csv: velocity_sign: a; b");
+        assert_eq!(refusal("l.csv", &both, Use::Trial).unwrap().lines().count(), 2);
+        assert_eq!(refusal("l.csv", &both, Use::Conversion), None);
+        assert_eq!(said("l.csv", &both, Use::Wrench).collect::<Vec<_>>(), ["l.csv: a; b"], "an arm may stand");
         assert_eq!(
             [&[2][..], &[1, 3], &[0, 1, 3]].map(joints_named),
             ["joint 2", "joints 1 and 3", "joints 0, 1 and 3"]

@@ -44,6 +44,11 @@ impl SerialChain {
         &self.base_link
     }
 
+    /// Names of the joints, from the base.
+    pub fn joint_names(&self) -> Vec<String> {
+        self.joints.iter().map(|joint| joint.name.clone()).collect()
+    }
+
     /// Number of joints.
     pub fn joints(&self) -> usize {
         self.joints.len()
@@ -72,6 +77,7 @@ impl SerialChain {
         let each = |value: &dyn Fn(&ChainJoint) -> f64| SVector::from_fn(|j, _| value(&joints[j]));
         let mut arm = Arm {
             name: self.name.clone(),
+            joint_names: joints.iter().map(|joint| joint.name.clone()).collect(),
             placements: self.placements.as_slice().try_into().ok()?,
             links: self.links.as_slice().try_into().ok()?,
             link_from_flange_rotation: self.link_from_flange.rotation,

@@ -4,7 +4,11 @@ use nalgebra::{SVector, Vector3};
 use std::f64::consts::PI;
 
 use super::{Link, links};
-use crate::{Arm, Limits, LinkInertia, StandardDh};
+use crate::{Arm, JointNames, Limits, LinkInertia, StandardDh};
+
+/// Names of the joints in the vendor's description.
+const JOINTS: [&str; 6] =
+    ["shoulder_pan_joint", "shoulder_lift_joint", "elbow_joint", "wrist_1_joint", "wrist_2_joint", "wrist_3_joint"];
 
 /// Numbers of one arm.
 pub(super) struct Numbers {
@@ -30,6 +34,7 @@ pub(super) fn arm(numbers: &Numbers) -> Arm<6> {
     let flange = rows[5].near_from_far();
     Arm {
         name: numbers.name.to_owned(),
+        joint_names: JOINTS.into_iter().map(str::to_owned).collect::<JointNames>(),
         placements: StandardDh::placements(&rows),
         links: std::array::from_fn(|k| moved(&far[k], &rows[k])),
         link_from_flange_rotation: flange.rotation,

@@ -3,7 +3,7 @@
 use nalgebra::SVector;
 
 use super::{Link, Preset, links, panda, panda_preset};
-use crate::{Arm, Limits};
+use crate::{Arm, JointNames, Limits};
 
 /// Links. Source: franka_description `robots/fr3/inertials.yaml` (the vendor's own, axes of the link frames).
 const LINKS: [Link; 7] = [
@@ -101,6 +101,7 @@ pub fn fr3() -> Arm<7> {
     let panda = panda();
     Arm {
         name: "fr3".to_owned(),
+        joint_names: JointNames::numbered("fr3_joint", 7),
         links: links(&LINKS),
         limits: Limits {
             q_min_rad: SVector::from([-2.7437, -1.7837, -2.9007, -3.0421, -2.8065, 0.5445, -3.0159]),

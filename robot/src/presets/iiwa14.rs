@@ -3,7 +3,7 @@
 use nalgebra::{Matrix3, SVector, Vector3};
 
 use super::{Link, Preset, links};
-use crate::{Arm, JointPlacement, Limits};
+use crate::{Arm, JointNames, JointPlacement, Limits};
 
 /// Rows of the rotation of each joint frame at q = 0, and its origin (m), in the link before. Source: drake_models
 /// `iiwa14_no_collision.urdf` (after iiwa_stack); its roll, pitch and yaw are quarter turns, written out here.
@@ -42,6 +42,7 @@ pub fn iiwa14() -> Arm<7> {
     let q_max_rad = degrees([170.0, 120.0, 170.0, 120.0, 170.0, 120.0, 175.0]);
     Arm {
         name: "iiwa14".to_owned(),
+        joint_names: JointNames::numbered("iiwa_joint_", 7),
         placements: PLACEMENTS.map(|(rows, origin)| JointPlacement {
             rotation: Matrix3::from_row_slice(&rows),
             translation: Vector3::from(origin),

@@ -4,7 +4,7 @@ use nalgebra::{SVector, Vector3};
 use std::f64::consts::FRAC_PI_2;
 
 use super::{Link, Preset, links, quarter_turns_x};
-use crate::{Arm, JointPlacement, Limits};
+use crate::{Arm, JointNames, JointPlacement, Limits};
 
 /// Origins of the joints (m) and quarter turns about the parent's x axis. Source: ros_kortex
 /// `GEN3-7DOF-VISION_ARM_URDF_V12.urdf`; its 3.1416 and 1.5708 are meant as π and π/2.
@@ -39,6 +39,7 @@ pub fn kinova_gen3() -> Arm<7> {
     let endless = 10.0 * std::f64::consts::PI;
     Arm {
         name: "kinova_gen3".to_owned(),
+        joint_names: JointNames::numbered("joint_", 7),
         placements: PLACEMENTS.map(|(origin, turns)| JointPlacement {
             rotation: quarter_turns_x(turns),
             translation: Vector3::from(origin),

@@ -4,7 +4,7 @@ use nalgebra::{SVector, Vector3};
 use std::f64::consts::PI;
 
 use super::{Link, Preset, links, quarter_turns_x};
-use crate::{Arm, JointPlacement, Limits};
+use crate::{Arm, JointNames, JointPlacement, Limits};
 
 /// Origins of the joints (m) and quarter turns about the parents x axis. Source: xarm_ros
 /// `xarm_description/config/kinematics/default/xarm7_default_kinematics.yaml`; its 1.5708 and the 3.14 of the speed limits are meant as π/2 and π.
@@ -38,6 +38,7 @@ pub fn xarm7() -> Arm<7> {
     let tau_max_nm = SVector::from([50.0, 50.0, 30.0, 30.0, 30.0, 20.0, 20.0]);
     Arm {
         name: "xarm7".to_owned(),
+        joint_names: JointNames::numbered("joint", 7),
         placements: PLACEMENTS.map(|(origin, turns)| JointPlacement {
             rotation: quarter_turns_x(turns),
             translation: Vector3::from(origin),

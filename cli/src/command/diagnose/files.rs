@@ -49,7 +49,7 @@ impl Outputs {
             if inputs.any(|input| same_file(input, path)) {
                 return refuse("is a log to be read; it is left untouched".to_owned());
             }
-            if arguments.model.as_ref().is_some_and(|model| same_file(model, path)) {
+            if arguments.of.model.as_ref().is_some_and(|model| same_file(model, path)) {
                 return refuse("is the model that the log is held against; write to another file".to_owned());
             }
             match std::fs::metadata(path) {

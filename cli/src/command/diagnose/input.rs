@@ -5,23 +5,11 @@ use std::path::{Path, PathBuf};
 use serde_json::{Value, json};
 use tribo_logs::recognise::{Use, recognise};
 use tribo_logs::{Mapping, ReadOptions, RobotLog};
-use tribo_model::ModelChoice;
 
 use super::super::believe::{Refused, believe};
-use super::super::{named, read_log};
+use super::super::read_log;
 use crate::arguments::{Common, Diagnose};
 use crate::failure::BadInput;
-
-/// Which model the logs are held against.
-pub fn choice(arguments: &Diagnose) -> anyhow::Result<ModelChoice> {
-    Ok(ModelChoice {
-        model: arguments.model.clone(),
-        robot: arguments.robot.clone(),
-        base_link: arguments.ends.base_link.clone(),
-        tip_link: arguments.ends.tip_link.clone(),
-        torque_side: named(&arguments.torque_side)?,
-    })
-}
 
 /// The logs with their names; suspicions about them go to standard error.
 pub fn logs(

@@ -73,7 +73,7 @@ impl Diagnosed {
 
 /// Reads everything, checks every name, diagnoses, writes; in that order, so that nothing is done by halves.
 pub(super) fn diagnosed(arguments: &Diagnose, common: &Common) -> anyhow::Result<Diagnosed> {
-    let choice = input::choice(arguments)?;
+    let choice = arguments.of.choice()?;
     let given = choice.given()?;
     let outputs = Outputs::checked(arguments)?;
     input::check_logs_differ(arguments)?;

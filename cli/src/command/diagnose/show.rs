@@ -7,6 +7,7 @@ use tribo_diagnose::report::number::{
 };
 use tribo_diagnose::report::{Extras, cause_at, finding_sentence, verdict_sentence};
 use tribo_diagnose::{Diagnosis, Finding, JointMisfit, Location};
+use tribo_robot::JointNames;
 
 use crate::output::{print, table};
 
@@ -24,7 +25,7 @@ pub(super) fn verdict(diagnosis: &Diagnosis) {
 pub(super) fn show(diagnosis: &Diagnosis, gain: Option<&ClosedLoopGain>, extras: &Extras, verbose: bool) {
     paragraph("", &verdict_sentence(diagnosis));
     if !diagnosis.findings.is_empty() {
-        show_findings(&diagnosis.findings);
+        show_findings(diagnosis);
     }
     show_joints(diagnosis);
     show_unseen(diagnosis);
@@ -48,11 +49,12 @@ pub(super) fn show(diagnosis: &Diagnosis, gain: Option<&ClosedLoopGain>, extras:
     }
 }
 
-fn show_findings(findings: &[Finding]) {
+fn show_findings(diagnosis: &Diagnosis) {
+    let (findings, names) = (&diagnosis.findings, &diagnosis.joint_names);
     if findings.len() > 1 || !findings[0].alternatives.is_empty() {
         print("");
         for finding in findings {
-            paragraph("- ", &format!("{}.", finding_sentence(finding)));
+            paragraph("- ", &format!("{}.", finding_sentence(finding, names)));
         }
     }
     let mut rows = table(&["cause", "where", "parameter", "value [95 %]", "p", "gain on unseen [95 %]", "rivals"]);
@@ -60,9 +62,9 @@ fn show_findings(findings: &[Finding]) {
     for finding in findings {
         let gain = percent_with_interval(finding.held_out_gain, finding.held_out_gain_ci95);
         let rivals: Vec<String> =
-            finding.alternatives.iter().map(|rival| cause_at(rival.label, rival.location)).collect();
+            finding.alternatives.iter().map(|rival| cause_at(rival.label, rival.location, names)).collect();
         let mut first = Some((gain, rivals.join(", ")));
-        for (name, value) in parameter_rows(finding) {
+        for (name, value) in parameter_rows(finding, names) {
             let (gain, rivals) = first.take().unwrap_or_default();
             let begins = !gain.is_empty();
             let once = |text: String| if begins { text } else { String::new() };
@@ -70,7 +72,7 @@ fn show_findings(findings: &[Finding]) {
                 &mut rows,
                 [
                     once(finding.label.to_string()),
-                    once(place(finding)),
+                    once(place(finding, names)),
                     name,
                     value,
                     once(probability(finding.p_value)),
@@ -83,8 +85,8 @@ fn show_findings(findings: &[Finding]) {
     print(format_args!("\n{rows}"));
     for finding in findings {
         for rival in &finding.alternatives {
-            let what = cause_at(finding.label, finding.location);
-            let other = cause_at(rival.label, rival.location);
+            let what = cause_at(finding.label, finding.location, names);
+            let other = cause_at(rival.label, rival.location, names);
             let gap = fixed(rival.evidence_gap, 1);
             paragraph("", &format!("{what} could also be {other}, {gap} behind in evidence: {}", rival.why));
         }
@@ -92,24 +94,24 @@ fn show_findings(findings: &[Finding]) {
 }
 
 /// Where a finding is.
-fn place(finding: &Finding) -> String {
+fn place(finding: &Finding, names: &JointNames) -> String {
     match (finding.joints.len(), finding.links.len()) {
-        (0 | 1, 0 | 1) => finding.location.to_string(),
+        (0 | 1, 0 | 1) => finding.location.among(names),
         (count, 0) => format!("{count} joints"),
         (_, count) => format!("{count} links"),
     }
 }
 
 /// One row per component; a finding without parameters has one row all the same.
-fn parameter_rows(finding: &Finding) -> Vec<(String, String)> {
+fn parameter_rows(finding: &Finding, names: &JointNames) -> Vec<(String, String)> {
     let mut rows = Vec::new();
-    for parameter in &finding.parameters {
+    for parameter in &finding.said() {
         let unit = quantity_and_unit(parameter.name).1;
         for (k, value) in parameter.value.iter().enumerate() {
-            let places = if finding.links.is_empty() { ("joint", &finding.joints) } else { ("link", &finding.links) };
+            let places = finding.places();
             let index = match parameter.value.len() {
                 0 | 1 => String::new(),
-                count if count == places.1.len() => format!(" of {} {}", places.0, places.1[k]),
+                count if count == places.len() => format!(" of {}", places[k].among(names)),
                 _ => format!("[{k}]"),
             };
             let ci95 = parameter.ci95.get(k).copied().unwrap_or([f64::NAN; 2]);
@@ -138,7 +140,7 @@ fn show_joints(diagnosis: &Diagnosis) {
         let [unseen_before, unseen_after] = joint.held_out_nm;
         let torques =
             [joint.rms_nm, joint.rms_after_nm, unseen_before, unseen_after, joint.noise_floor_nm, joint.bias_nm];
-        let mut row = vec![j.to_string()];
+        let mut row = vec![diagnosis.joint_names.of(j).to_string()];
         row.extend(torques.map(|value| significant(value, 3)));
         row.extend([percent(joint.unexplained), goes_with(joint)]);
         add(&mut rows, row);
@@ -161,7 +163,10 @@ fn show_unseen(diagnosis: &Diagnosis) {
     let mut rows = table(&["joint", "model given", "extended model", "plain least squares", "full refit"]);
     for j in 0..unseen.extended_nm.len() {
         let values = [unseen.nominal_nm[j], unseen.extended_nm[j], unseen.plain_nm[j], unseen.full_nm[j]];
-        add(&mut rows, std::iter::once(j.to_string()).chain(values.map(|value| significant(value, 3))));
+        add(
+            &mut rows,
+            std::iter::once(diagnosis.joint_names.of(j).to_string()).chain(values.map(|value| significant(value, 3))),
+        );
     }
     print(rows);
     let (name, _) = unseen.better_baseline();
@@ -216,7 +221,7 @@ fn show_elsewhere(diagnosis: &Diagnosis, gain: Option<&ClosedLoopGain>, extras: 
 
 fn show_next(diagnosis: &Diagnosis) {
     let Some(next) = &diagnosis.next_experiment else { return };
-    let [a, b] = next.separates.map(|(label, location)| cause_at(label, location));
+    let [a, b] = next.separates.map(|(label, location)| cause_at(label, location, &diagnosis.joint_names));
     print("");
     let mut text = format!("Next experiment: {} ({}) It separates {a} from {b}", next.instruction, next.motion);
     if next.via_points.is_empty() {
@@ -238,7 +243,7 @@ fn show_rejected(diagnosis: &Diagnosis) {
     for rejected in &diagnosis.rejected {
         let place = match rejected.location {
             Location::Arm => "arm".to_owned(),
-            place => place.to_string(),
+            place => place.among(&diagnosis.joint_names),
         };
         let evidence = rejected.evidence.map_or("-".to_owned(), |evidence| significant(evidence, 3));
         add(&mut rows, [rejected.label.to_string(), place, evidence, rejected.reason.clone()]);

@@ -14,7 +14,7 @@ use tribo_sim::excitation::{Envelope, ViaPoints};
 
 use super::diagnose::{diagnosed, write_text};
 use super::live::made;
-use crate::arguments::{Columns, Common, Diagnose, Ends, Investigate};
+use crate::arguments::{Columns, Common, Diagnose, Ends, Investigate, RobotModel};
 use crate::output::{print, print_json, significant};
 use crate::progress::stop_on_signal;
 use robot::Robot;
@@ -153,10 +153,12 @@ impl Steps<'_> {
             logs,
             columns: Columns::default(),
             anyway: false,
-            model: self.settings.model.clone(),
-            robot: self.settings.robot.clone(),
-            ends: Ends { base_link: self.settings.base_link.clone(), tip_link: self.settings.tip_link.clone() },
-            torque_side: self.settings.torque_side.clone(),
+            of: RobotModel {
+                model: self.settings.model.clone(),
+                robot: self.settings.robot.clone(),
+                ends: Ends { base_link: self.settings.base_link.clone(), tip_link: self.settings.tip_link.clone() },
+                torque_side: self.settings.torque_side.clone(),
+            },
             extend: None,
             report: None,
             validate: Vec::new(),
@@ -195,7 +197,7 @@ impl Steps<'_> {
             return Ok(());
         }
         for finding in &diagnosis.findings {
-            print(format_args!("- {}.", finding_sentence(finding)));
+            print(format_args!("- {}.", finding_sentence(finding, &diagnosis.joint_names)));
         }
         for unseen in &diagnosis.validation {
             print(format_args!("{}", worth(unseen)));

@@ -40,14 +40,14 @@ const FILE: &str = "investigation.yaml";
 impl Settings {
     /// Settings of this call; a live robot has said what preset it is.
     pub(super) fn of(arguments: &Investigate, live: Option<&str>) -> Self {
-        let given = arguments.robot.clone().or_else(|| live.map(str::to_owned));
+        let given = arguments.of.robot.clone().or_else(|| live.map(str::to_owned));
         Self {
             schema: "tribo.investigation/1".to_owned(),
-            robot: if arguments.model.is_some() { None } else { Some(given.unwrap_or_else(|| "panda".to_owned())) },
-            base_link: arguments.ends.base_link.clone(),
-            tip_link: arguments.ends.tip_link.clone(),
-            model: arguments.model.clone(),
-            torque_side: arguments.torque_side.clone(),
+            robot: if arguments.of.model.is_some() { None } else { Some(given.unwrap_or_else(|| "panda".to_owned())) },
+            base_link: arguments.of.ends.base_link.clone(),
+            tip_link: arguments.of.ends.tip_link.clone(),
+            model: arguments.of.model.clone(),
+            torque_side: arguments.of.torque_side.clone(),
             log_format: if live.is_some() { "parquet".to_owned() } else { arguments.log_format.clone() },
             seed: arguments.seed,
         }

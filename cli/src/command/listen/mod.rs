@@ -70,7 +70,7 @@ fn on<const N: usize>(
     let name: EstimatorName = named(&arguments.residual)?;
     let names = parameters.joint_names::<N>(&arguments.joints)?;
     let (first, not_cancelled) = measured(model, name)?;
-    warn_not_cancelled(&not_cancelled, common);
+    warn_not_cancelled(&not_cancelled, &model.robot.arm.joint_names, common);
     if model.friction == FrictionModel::none() && model.effects.is_empty() && !common.quiet {
         message!(
             "tribo: no friction is believed, so that of the arm counts as wrench; --model or --compensator says what it has"
@@ -162,7 +162,7 @@ fn watch<const N: usize>(
     updates: &Sender<Update<N, AnyEstimator<N>>>,
     over: &AtomicBool,
 ) {
-    let files = [&arguments.model, &arguments.compensator].into_iter().flatten();
+    let files = [&arguments.of.model, &arguments.compensator].into_iter().flatten();
     let mut watch = FileWatch::of(files.map(Path::new));
     while !over.load(Ordering::Relaxed) {
         std::thread::sleep(LOOK);

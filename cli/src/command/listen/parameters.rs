@@ -6,13 +6,12 @@ use std::time::SystemTime;
 use tribo_campaign::{AnyEstimator, EstimatorError, EstimatorName, LogEstimator};
 use tribo_friction::VelocitySource;
 use tribo_model::{
-    AnyModel, ConfigError, FieldError, FileError, Model, ModelChoice, ModelFile, NotCancelled, SIGN_SMOOTHING_RAD_S,
-    TunedFile, YamlDocument,
+    AnyModel, ConfigError, FieldError, FileError, Model, ModelFile, NotCancelled, SIGN_SMOOTHING_RAD_S, TunedFile,
+    YamlDocument,
 };
 use tribo_runtime::MeasuredWrench;
 
 use crate::arguments::Listen;
-use crate::command::named;
 use crate::failure::BadInput;
 
 /// What the files say.
@@ -27,16 +26,10 @@ impl Parameters {
     /// Reads the files.
     pub fn read(arguments: &Listen) -> anyhow::Result<Self> {
         let tuned = arguments.compensator.as_deref().map(tuned).transpose()?;
-        let choice = ModelChoice {
-            model: arguments.model.clone(),
-            robot: arguments.robot.clone(),
-            base_link: arguments.ends.base_link.clone(),
-            tip_link: arguments.ends.tip_link.clone(),
-            torque_side: named(&arguments.torque_side)?,
-        };
+        let choice = arguments.of.choice()?;
         let (file, model) = match (choice.given()?, &tuned) {
             (Some(given), _) => given,
-            (None, Some((_, tuned))) if arguments.robot.is_none() => {
+            (None, Some((_, tuned))) if arguments.of.robot.is_none() => {
                 let bare = || ModelFile::bare(&tuned.robot, choice.torque_side, &[]);
                 let file = tuned.model.clone().unwrap_or_else(bare);
                 let model = file.validate_any().map_err(ConfigError::from)?;
