@@ -96,12 +96,12 @@ impl AugmentedCovariance {
     #[inline]
     pub fn update_into(&self, to: &mut Self, gain: &PoseGain) {
         let PoseGain { v: (v, scaled_v), x: (x, scaled_x), h: (h, scaled_h) } = gain;
-        to.vv = minus_symmetric_product(&self.vv, scaled_v, v);
-        to.vx = minus_product_transposed(&self.vx, scaled_v, x);
-        to.vh = minus_product_transposed(&self.vh, scaled_v, h);
-        to.xx = minus_symmetric_product(&self.xx, scaled_x, x);
-        to.xh = minus_product_transposed(&self.xh, scaled_x, h);
-        to.hh = minus_symmetric_product(&self.hh, scaled_h, h);
+        minus_symmetric_product(&mut to.vv, &self.vv, scaled_v, v);
+        minus_product_transposed(&mut to.vx, &self.vx, scaled_v, x);
+        minus_product_transposed(&mut to.vh, &self.vh, scaled_v, h);
+        minus_symmetric_product(&mut to.xx, &self.xx, scaled_x, x);
+        minus_product_transposed(&mut to.xh, &self.xh, scaled_x, h);
+        minus_symmetric_product(&mut to.hh, &self.hh, scaled_h, h);
     }
 
     /// The dense 18×18 matrix in the order v, x, h.
@@ -121,29 +121,32 @@ impl AugmentedCovariance {
     }
 }
 
-/// `S − A Bᵀ` of a symmetric S where `A Bᵀ` is symmetric up to rounding, which must not add up: computed on and below the
+/// `to ← S − A Bᵀ` of a symmetric S where `A Bᵀ` is symmetric up to rounding, which must not add up: computed on and below the
 /// diagonal, two columns at a time, and mirrored.
 #[inline]
-fn minus_symmetric_product(from: &Matrix6<f64>, a: &Matrix6<f64>, b: &Matrix6<f64>) -> Matrix6<f64> {
-    let mut difference = *from;
-    subtract_below::<0>(&mut difference, a, b);
-    subtract_below::<2>(&mut difference, a, b);
-    subtract_below::<4>(&mut difference, a, b);
-    symmetric(|r, c| difference[(r, c)])
+fn minus_symmetric_product(to: &mut Matrix6<f64>, s: &Matrix6<f64>, a: &Matrix6<f64>, b: &Matrix6<f64>) {
+    minus_below::<0>(to, s, a, b);
+    minus_below::<2>(to, s, a, b);
+    minus_below::<4>(to, s, a, b);
+    for c in 0..6 {
+        for r in c + 1..6 {
+            to.data.0[r][c] = to.data.0[c][r];
+        }
+    }
 }
 
-/// Columns C and C + 1 of `S ← S − A Bᵀ`, from row C down.
+/// Columns C and C + 1 of `S − A Bᵀ`, right from row C down.
 #[inline]
-fn subtract_below<const C: usize>(from: &mut Matrix6<f64>, a: &Matrix6<f64>, b: &Matrix6<f64>) {
+fn minus_below<const C: usize>(to: &mut Matrix6<f64>, s: &Matrix6<f64>, a: &Matrix6<f64>, b: &Matrix6<f64>) {
     for c in C..C + 2 {
-        let mut column = from.data.0[c];
+        let mut column = s.data.0[c];
         for k in 0..6 {
             let factor = b.data.0[k][c];
             for r in C..6 {
                 column[r] = multiply_add(-a.data.0[k][r], factor, column[r]);
             }
         }
-        from.data.0[c] = column;
+        to.data.0[c] = column;
     }
 }
 

@@ -168,7 +168,11 @@ impl WrenchEkf {
         match self.settings.measurement {
             MeasurementNoise::Diagonal { position_m, rotation_rad } => {
                 let (p, r) = (position_m * position_m, rotation_rad * rotation_rad);
-                Matrix6::from_diagonal(&Vector6::new(r, r, r, p, p, p))
+                let mut covariance = Matrix6::zeros();
+                for (i, variance) in [r, r, r, p, p, p].into_iter().enumerate() {
+                    covariance[(i, i)] = variance;
+                }
+                covariance
             }
             MeasurementNoise::Encoder { sd_rad } => product_transposed(jacobian, jacobian) * (sd_rad * sd_rad),
         }

@@ -2,7 +2,7 @@
 
 use nalgebra::{SMatrix, SVector, Vector3, Vector6};
 
-use crate::crba::{Composite, assembled};
+use crate::crba::{Composite, assemble};
 use crate::frame::Frame;
 use crate::kinematics::{jacobian_column, pose};
 use crate::link_dynamics::{Effort, Motion, unturned};
@@ -67,29 +67,30 @@ impl<const N: usize> ControlTerms<N> {
         let acceleration = motion.acceleration(&gradient, &arm.link_from_flange_translation);
         let [dw, a] = [motion.dw, acceleration].map(|v| frame.turn(&v));
 
-        let (mut coriolis_nm, mut gravity_nm, mut jacobian) = (SVector::zeros(), SVector::zeros(), SMatrix::zeros());
+        let mut terms = Self {
+            base_from_flange: pose(&flange_rotation, &flange_origin),
+            jacobian: SMatrix::zeros(),
+            jdot_qd: Vector6::new(dw.x, dw.y, dw.z, a.x, a.y, a.z),
+            mass_matrix: SMatrix::zeros(),
+            coriolis_nm: SVector::zeros(),
+            gravity_nm: SVector::zeros(),
+        };
         let mut composites = [Composite::default(); N];
         let (mut composite, mut outboard) = (Composite::default(), Effort::NONE);
         for k in (0..N).rev() {
             outboard = outboard.plus(&efforts[k]);
             composite.weld(&arm.bodies[k]);
             composites[k] = composite;
-            coriolis_nm[k] = outboard.moment.z;
-            gravity_nm[k] = multiply_add(composite.h.y, weights[k].0, -(composite.h.x * weights[k].1));
-            jacobian.data.0[k] = jacobian_column(&axes[k].0, &axes[k].1, &flange_origin);
+            terms.coriolis_nm[k] = outboard.moment.z;
+            terms.gravity_nm[k] = multiply_add(composite.h.y, weights[k].0, -(composite.h.x * weights[k].1));
+            terms.jacobian.data.0[k] = jacobian_column(&axes[k].0, &axes[k].1, &flange_origin);
             if k > 0 {
                 outboard = outboard.inwards(&arm.joints[k], turns[k]);
                 composite = composite.inwards(&arm.joints[k], turns[k]);
             }
         }
-        Self {
-            base_from_flange: pose(&flange_rotation, &flange_origin),
-            jacobian,
-            jdot_qd: Vector6::new(dw.x, dw.y, dw.z, a.x, a.y, a.z),
-            mass_matrix: assembled(arm, &turns, &composites, rotor_inertia_kg_m2),
-            coriolis_nm,
-            gravity_nm,
-        }
+        assemble(&mut terms.mass_matrix, arm, &turns, &composites, rotor_inertia_kg_m2);
+        terms
     }
 
     /// Bias torque C qd + g (Nm).

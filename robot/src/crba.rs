@@ -21,7 +21,9 @@ pub fn mass_matrix<const N: usize>(arm: &Arm<N>, q: &SVector<f64, N>) -> SMatrix
             composite = composite.inwards(&arm_frames.joints[k], turns[k]);
         }
     }
-    assembled(arm_frames, &turns, &composites, &arm.rotor_inertia_kg_m2)
+    let mut m = SMatrix::zeros();
+    assemble(&mut m, arm_frames, &turns, &composites, &arm.rotor_inertia_kg_m2);
+    m
 }
 
 /// All links outboard of a joint as one body, in the frame of the first: `h = ∫ r dm` and second moments. Its mass is the base's.
@@ -87,13 +89,13 @@ fn turned(a: f64, b: f64, d: f64, (sin, cos): Turn) -> (f64, f64, f64) {
 /// Column k is the torque of a unit acceleration of joint k, all others at rest: the composite body needs force `z × h` and
 /// moment `I_o z` in frame k, carried down to the base. Four columns go down together.
 #[inline]
-pub(crate) fn assembled<const N: usize>(
+pub(crate) fn assemble<const N: usize>(
+    m: &mut SMatrix<f64, N, N>,
     arm: &Canonical<N>,
     turns: &[Turn; N],
     composites: &[Composite; N],
     rotor_inertia_kg_m2: &SVector<f64, N>,
-) -> SMatrix<f64, N, N> {
-    let mut m = SMatrix::zeros();
+) {
     for first in (0..N).step_by(4) {
         let mut columns = FourEfforts { force: [f64x4::ZERO; 3], moment: [f64x4::ZERO; 3] };
         for i in (0..N.min(first + 4)).rev() {
@@ -115,7 +117,6 @@ pub(crate) fn assembled<const N: usize>(
         }
         m.data.0[k][k] += rotor_inertia_kg_m2[k];
     }
-    m
 }
 
 /// Forces and moments of four columns, one in each lane, about the origin of one link; see [`crate::link_dynamics::Effort`].

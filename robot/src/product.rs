@@ -64,14 +64,14 @@ pub fn product_transposed<const R: usize, const K: usize, const C: usize>(
     product
 }
 
-/// `C − A Bᵀ`; see [`product`].
+/// `to ← C − A Bᵀ`; see [`product`].
 #[inline]
 pub fn minus_product_transposed<const R: usize, const K: usize, const C: usize>(
+    to: &mut SMatrix<f64, R, C>,
     from: &SMatrix<f64, R, C>,
     a: &SMatrix<f64, R, K>,
     b: &SMatrix<f64, C, K>,
-) -> SMatrix<f64, R, C> {
-    let mut difference = SMatrix::zeros();
+) {
     for c in 0..C {
         let mut column = from.data.0[c];
         for k in 0..K {
@@ -80,9 +80,8 @@ pub fn minus_product_transposed<const R: usize, const K: usize, const C: usize>(
                 column[r] = multiply_add(-a.data.0[k][r], factor, column[r]);
             }
         }
-        difference.data.0[c] = column;
+        to.data.0[c] = column;
     }
-    difference
 }
 
 /// `Aᵀ B`; see [`product`].
@@ -113,7 +112,8 @@ mod tests {
         assert!((product(&a, &b) - a * b).amax() < 1e-15);
         assert!((product_transposed(&a, &b.transpose()) - a * b).amax() < 1e-15);
         assert!((transposed_product(&a, &c) - a.transpose() * c).amax() < 1e-15);
-        let less = minus_product_transposed(&c, &a, &b.transpose());
+        let mut less = c;
+        minus_product_transposed(&mut less, &c, &a, &b.transpose());
         assert!((less - (c - a * b)).amax() < 1e-15);
     }
 }
