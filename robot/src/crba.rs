@@ -103,8 +103,8 @@ pub(crate) fn assemble<const N: usize>(
                 columns.begin(i - first, &composites[i]);
             }
             let row = columns.moment[2].to_array();
-            for k in first..N.min(first + 4) {
-                m.data.0[i][k] = row[k - first];
+            for (entry, value) in m.data.0[i][first..].iter_mut().zip(row) {
+                *entry = value;
             }
             if i > 0 {
                 columns = columns.inwards(&arm.joints[i], turns[i]);
