@@ -115,7 +115,9 @@ impl PyLog {
                     let rows = Rows::of(value, name)?;
                     if rows.leading != [samples] {
                         let shape = rows.shape();
-                        let message = format!("{name} has shape {shape:?}; allowed: ({samples}, columns), a row for each of time");
+                        let message = format!(
+                            "{name} has shape {shape:?}; allowed: ({samples}, columns), a row for each of time"
+                        );
                         return Err(bad(message));
                     }
                     rows.columns()

@@ -1,8 +1,10 @@
 //! The constant description of a serial arm.
 
+use std::ops::Deref;
+
 use nalgebra::{Matrix3, SVector, Vector3};
 
-use crate::{JointNames, LinkInertia, Payload};
+use crate::{JointNames, LinkInertia, Mechanism, Payload, PreparedMechanism};
 
 /// One row of a modified Denavit–Hartenberg table (craig1989).
 ///
@@ -101,14 +103,8 @@ pub struct Arm<const N: usize> {
     pub name: String,
     /// What people call its joints; of a preset, what its maker's description does.
     pub joint_names: JointNames,
-    /// Placement of each joint on its parent link.
-    pub placements: [JointPlacement; N],
-    /// Inertia of each link in its own frame, payload included in the last.
-    pub links: [LinkInertia; N],
-    /// Rotation of the flange in the last link frame.
-    pub link_from_flange_rotation: Matrix3<f64>,
-    /// Origin of the flange (m) in the last link frame.
-    pub link_from_flange_translation: Vector3<f64>,
+    /// Joints, links and flange; the arm derefs to it, and [`Arm::altered`] replaces it.
+    pub mechanism: PreparedMechanism<N>,
     /// Rotor inertia reflected through the gears [kg m²]; zero describes the link side of the gears.
     pub rotor_inertia_kg_m2: SVector<f64, N>,
     /// Limits of the joints.
@@ -117,7 +113,24 @@ pub struct Arm<const N: usize> {
     pub gravity_m_s2: Vector3<f64>,
 }
 
+impl<const N: usize> Deref for Arm<N> {
+    type Target = Mechanism<N>;
+
+    #[inline]
+    fn deref(&self) -> &Mechanism<N> {
+        &self.mechanism
+    }
+}
+
 impl<const N: usize> Arm<N> {
+    /// The same arm with joints, links or flange changed.
+    pub fn altered(mut self, change: impl FnOnce(&mut Mechanism<N>)) -> Self {
+        let mut mechanism = Mechanism::clone(&self.mechanism);
+        change(&mut mechanism);
+        self.mechanism = mechanism.into();
+        self
+    }
+
     /// The same arm seen from the link side of its gears: no rotor inertia.
     pub fn link_side(mut self) -> Self {
         self.rotor_inertia_kg_m2 = SVector::zeros();
@@ -125,21 +138,21 @@ impl<const N: usize> Arm<N> {
     }
 
     /// The same arm with a rigid body bolted to its flange (`payload` in the flange frame).
-    pub fn with_payload(mut self, payload: &Payload) -> Self {
+    pub fn with_payload(self, payload: &Payload) -> Self {
         let Payload { mass_kg, com_m, inertia_kg_m2 } = *payload;
         let body = LinkInertia { mass_kg, com_m, inertia_kg_m2 }
             .placed(&self.link_from_flange_rotation, &self.link_from_flange_translation);
-        self.links[N - 1] = self.links[N - 1].combined(&body);
-        self
+        self.altered(|mechanism| mechanism.links[N - 1] = mechanism.links[N - 1].combined(&body))
     }
 
     /// The same arm with every link's mass, first moment and inertia scaled by `1 + relative[k]`.
-    pub fn with_link_scale_errors(mut self, relative: &SVector<f64, N>) -> Self {
-        for (link, error) in self.links.iter_mut().zip(relative.iter()) {
-            link.mass_kg *= 1.0 + error;
-            link.inertia_kg_m2 *= 1.0 + error;
-        }
-        self
+    pub fn with_link_scale_errors(self, relative: &SVector<f64, N>) -> Self {
+        self.altered(|mechanism| {
+            for (link, error) in mechanism.links.iter_mut().zip(relative.iter()) {
+                link.mass_kg *= 1.0 + error;
+                link.inertia_kg_m2 *= 1.0 + error;
+            }
+        })
     }
 
     /// Whether q lies inside the joint limits, and the first joint that does not.

@@ -30,15 +30,19 @@
 
 mod aba;
 mod arm;
+mod canonical;
 mod chain;
 mod control_terms;
 mod crba;
 mod description;
 mod estimator;
+mod frame;
 mod inertia;
 mod joint_names;
 mod kinematics;
+mod link_dynamics;
 mod link_motion;
+mod mechanism;
 pub mod mjcf;
 mod plant;
 pub mod presets;
@@ -62,8 +66,9 @@ pub use estimator::{EstimateFault, EstimatorInput, LAMBDA_95, WrenchEstimate, Wr
 pub use inertia::{LinkInertia, Payload};
 pub use joint_names::{JointNames, NamedJoint};
 pub use kinematics::Kinematics;
+pub use mechanism::{Mechanism, PreparedMechanism};
 pub use plant::{Plant, PlantLost, SensorFrame};
-pub use product::{multiply_add, product, product_transposed, subtract_product_transposed, transposed_product};
+pub use product::{minus_product_transposed, multiply_add, product, product_transposed, transposed_product};
 pub use regressor::inverse_dynamics_regressor;
 pub use rnea::{bias_torque, gravity_torque, rnea};
 pub use sines::sines;
