@@ -118,7 +118,7 @@ impl<const N: usize> Canonical<N> {
         turns
     }
 
-    /// `(x, y, z, origin)` of link k as the mechanism describes it, from the columns and the origin of its frame here.
+    /// Rotation and origin of link k's frame as the mechanism has it, from those of its frame here.
     #[inline]
     pub fn described(&self, k: usize, rotation: &Matrix3<f64>, origin: &Vector3<f64>) -> (Matrix3<f64>, Vector3<f64>) {
         let (turn, slide) = self.described_from_ours[k];
@@ -178,22 +178,4 @@ fn about_x((sin, cos): Turn) -> Matrix3<f64> {
 /// Sine and cosine of the sum of two angles.
 fn turned((s1, c1): Turn, (s2, c2): Turn) -> Turn {
     (multiply_add(s1, c2, c1 * s2), multiply_add(c1, c2, -(s1 * s2)))
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::presets;
-
-    /// What makes them fast: with rounding in one right angle the general way would be taken, with the same results.
-    #[test]
-    fn right_angles_of_real_arms_are_found() {
-        let squares = |joints: &[Joint]| joints.iter().filter(|joint| joint.square).count();
-        assert_eq!(squares(&presets::panda().mechanism.canonical().joints), 6);
-        assert_eq!(squares(&presets::kinova_gen3().mechanism.canonical().joints), 6);
-        // Shoulder, elbow and first wrist of a UR are parallel.
-        assert_eq!(squares(&presets::ur10e().mechanism.canonical().joints), 3);
-        let read = crate::urdf::parse(&crate::urdf::to_urdf(&presets::panda()), None, None).expect("a URDF");
-        assert_eq!(squares(&read.arm::<7>().expect("seven joints").arm.mechanism.canonical().joints), 6);
-    }
 }
