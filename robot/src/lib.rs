@@ -62,7 +62,7 @@ pub use inertia::{LinkInertia, Payload};
 pub use kinematics::Kinematics;
 pub use plant::{Plant, PlantLost, SensorFrame};
 pub use product::{multiply_add, product, product_transposed, subtract_product_transposed, transposed_product};
-pub use regressor::inverse_dynamics_regressor;
+pub use regressor::{inverse_dynamics_regressor, link_regressor};
 pub use rnea::{bias_torque, gravity_torque, rnea};
 pub use sines::sines;
 pub use spatial::{Pose, Twist, Wrench};

@@ -23,21 +23,53 @@ pub fn inverse_dynamics_regressor<const N: usize>(
     let mut blocks = [SMatrix::<f64, N, 10>::zeros(); N];
     let mut motion = LinkMotion::of_base(-arm.gravity_m_s2);
     for k in 0..N {
-        let (origin, axis) = (kinematics.origins[k], kinematics.axis(k));
-        motion.move_to(&origin);
-        motion.turn(&axis, qd[k]);
-        motion.dw += axis * qdd[k];
-
-        let to_link = kinematics.rotations[k].transpose();
-        let (force, moment) = body_regressor(&(to_link * motion.w), &(to_link * motion.dw), &(to_link * motion.a));
-        for i in 0..=k {
-            // tau_i = z_i · (n + (o_k − o_i) × f) = z_i · n + (z_i × (o_k − o_i)) · f
-            let z = kinematics.axis(i);
-            let (z, l) = (to_link * z, to_link * z.cross(&(origin - kinematics.origins[i])));
-            blocks[k].set_row(i, &(z.transpose() * moment + l.transpose() * force));
-        }
+        motion = next_link(motion, &kinematics, k, qd, qdd);
+        blocks[k] = block(&kinematics, &motion, k);
     }
     blocks
+}
+
+/// The block of one link in [`inverse_dynamics_regressor`], at the price of one.
+pub fn link_regressor<const N: usize>(
+    arm: &Arm<N>,
+    q: &SVector<f64, N>,
+    qd: &SVector<f64, N>,
+    qdd: &SVector<f64, N>,
+    link: usize,
+) -> SMatrix<f64, N, 10> {
+    let kinematics = Kinematics::at(arm, q);
+    let base = LinkMotion::of_base(-arm.gravity_m_s2);
+    let motion = (0..=link).fold(base, |motion, k| next_link(motion, &kinematics, k, qd, qdd));
+    block(&kinematics, &motion, link)
+}
+
+/// Motion of link k from that of the link before.
+fn next_link<const N: usize>(
+    mut motion: LinkMotion,
+    kinematics: &Kinematics<N>,
+    k: usize,
+    qd: &SVector<f64, N>,
+    qdd: &SVector<f64, N>,
+) -> LinkMotion {
+    let axis = kinematics.axis(k);
+    motion.move_to(&kinematics.origins[k]);
+    motion.turn(&axis, qd[k]);
+    motion.dw += axis * qdd[k];
+    motion
+}
+
+/// Torques per parameter of link k.
+fn block<const N: usize>(kinematics: &Kinematics<N>, motion: &LinkMotion, k: usize) -> SMatrix<f64, N, 10> {
+    let mut block = SMatrix::<f64, N, 10>::zeros();
+    let to_link = kinematics.rotations[k].transpose();
+    let (force, moment) = body_regressor(&(to_link * motion.w), &(to_link * motion.dw), &(to_link * motion.a));
+    for i in 0..=k {
+        // tau_i = z_i · (n + (o_k − o_i) × f) = z_i · n + (z_i × (o_k − o_i)) · f
+        let z = kinematics.axis(i);
+        let (z, l) = (to_link * z, to_link * z.cross(&(kinematics.origins[k] - kinematics.origins[i])));
+        block.set_row(i, &(z.transpose() * moment + l.transpose() * force));
+    }
+    block
 }
 
 /// Force and moment about the link origin that one body needs, as 3×10 maps of its parameters.
