@@ -256,10 +256,7 @@ impl<const N: usize> Scene<N> {
             let start = self.samples.len();
             let link_nm = match rigid.link_torque_nm().filter(|_| self.transmission) {
                 Some(bursts) => bursts[index].clone(),
-                None => smooth_in_time(motion.len(), rigid.chain.knot_stride(), |k| {
-                    let MotionSample { q, qd, qdd, .. } = &motion[k];
-                    rnea(&link_arm, q, qd, qdd)
-                }),
+                None => motion.iter().map(|at| rnea(&link_arm, &at.q, &at.qd, &at.qdd)).collect::<Vec<_>>(),
             };
             for (at, link_nm) in motion.iter().zip(&link_nm) {
                 if let Some(joint) = (0..N).find(|j| !link_nm[*j].is_finite()) {

@@ -43,8 +43,8 @@ const TRIM_PERIODS: f64 = 0.5;
 const LEAST_TRIM_S: f64 = 0.05;
 /// Longest default gap, in periods of the band.
 pub(crate) const GAP_PERIODS: f64 = 0.1;
-/// Knots per period of the smoother's cut-off, see [`crate::filter`]: rigid torques in the band are then right to 1e-5.
-const KNOTS_PER_PERIOD: f64 = 8.0;
+/// Knots per period of the smoother's cut-off, see [`crate::filter`]: regressors are then right to 2e-5 up to there.
+const KNOTS_PER_PERIOD: f64 = 16.0;
 /// Distance at which a filtered sample has forgotten another, in periods of the band.
 const MEMORY_PERIODS: f64 = 2.0;
 
