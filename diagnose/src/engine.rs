@@ -14,7 +14,6 @@ use crate::deflection::deflections;
 use crate::diagnosis::{CauseLabel, Diagnosis, Finding, JointMisfit, Location};
 use crate::evidence::joint_fit;
 use crate::noise_level::rms;
-use crate::posterior::baseline::PlainFits;
 use crate::posterior::explain::{Given, explain};
 use crate::posterior::gate::{AS_WELL, wrongness};
 use crate::ripple::{RippleLine, ripples};
@@ -35,9 +34,6 @@ pub struct DiagnoseSettings {
 
 /// Fewest samples per joint after averaging.
 const LEAST_SAMPLES: usize = 40;
-/// Why nothing stands beside the answer.
-const TOO_SHORT_TO_SPLIT: &str =
-    "the log is too short to hold a third of it out: plain fits cannot be compared with the answer";
 /// RMS that causes found one by one leave, over the sensors' noise in the band, from which on a joint is unexplained.
 const MUCH_LEFT: f64 = 4.0;
 /// Kinds of causes in most joints up to which they are few: dry friction, viscous friction and one more.
@@ -97,7 +93,7 @@ pub(crate) fn explained<const N: usize>(
         return Err(DiagnoseError::NoLog);
     }
     step("residual", 0.0)?;
-    let mut scene = Scene::of_logs(logs, nominal, settings.band_hz)?;
+    let scene = Scene::of_logs(logs, nominal, settings.band_hz)?;
     if scene.time_s.len() < LEAST_SAMPLES {
         return Err(DiagnoseError::TooShort { got: scene.time_s.len(), need: LEAST_SAMPLES });
     }
@@ -116,16 +112,14 @@ pub(crate) fn explained<const N: usize>(
     };
     let one_by_one = match few {
         Some(wrong) => {
-            let fits = wrong.plain_fits.as_ref();
-            let mut found = cause_by_cause(&|_| true, logs, &mut scene, fits, validate, settings, &step)?;
-            if fits.is_none() {
-                found.notes.push(TOO_SHORT_TO_SPLIT.to_owned());
-            }
+            let found = cause_by_cause(&|_| true, logs, scene, validate, settings, &step)?;
             stands(&found, &wrong.left_nm).then_some(found)
         }
-        None => None,
+        None => {
+            drop(scene);
+            None
+        }
     };
-    drop(scene);
     let diagnosis = match one_by_one {
         Some(found) => found,
         None => explain(&Given { logs, unloaded, validate }, nominal, settings, &step)?,
@@ -143,12 +137,11 @@ fn joints_named(diagnosis: &Diagnosis) -> usize {
     diagnosis.findings.iter().filter_map(joint).collect::<BTreeSet<usize>>().len()
 }
 
-/// Explains logs by the fewest causes of some labels, each at its place, beside plain fits where they are given; what ripples explain is taken out of the scene's residual.
+/// Explains logs by the fewest causes of some labels, each at its place.
 pub(crate) fn cause_by_cause<const N: usize>(
     looked_for: &dyn Fn(CauseLabel) -> bool,
     logs: &[RobotLog],
-    scene: &mut Scene<N>,
-    plain_fits: Option<&PlainFits>,
+    mut scene: Scene<N>,
     validate: &[(String, RobotLog)],
     settings: &DiagnoseSettings,
     step: &dyn Fn(&str, f64) -> Result<(), DiagnoseError>,
@@ -158,19 +151,19 @@ pub(crate) fn cause_by_cause<const N: usize>(
     let causes: Vec<Arc<dyn Candidate<N>>> = all.map(Arc::from).collect();
 
     step("ripple", 0.08)?;
-    let mut lines = ripples(scene, &[]);
-    subtract_ripples(scene, &original, &lines);
+    let mut lines = ripples(&scene, &[]);
+    subtract_ripples(&mut scene, &original, &lines);
     step("candidates", 0.12)?;
-    let evaluated_columns = EvaluatedColumns::of(scene, &causes);
+    let evaluated_columns = EvaluatedColumns::of(&scene, &causes);
     let mut round = 0;
     loop {
         let at = |fraction: f64| 0.2 + 0.33 * (f64::from(round) + fraction);
         // The colour of the noise: first of what everything together leaves, then of what the selection leaves.
-        let mut left = evaluated_columns.saturated_residual(scene);
+        let mut left = evaluated_columns.saturated_residual(&scene);
         let mut colours = 0;
         let (mut system, selected, inflation, chance) = loop {
             step("selection", at(0.3 + 0.3 * f64::from(colours)))?;
-            let mut system = System::new(scene, &evaluated_columns, &left);
+            let mut system = System::new(&scene, &evaluated_columns, &left);
             let go_on = || step("selection", at(0.3 + 0.3 * f64::from(colours))).is_ok();
             let mut search = Search::new(&mut system, 1.0);
             search.thorough = colours > 0;
@@ -205,11 +198,11 @@ pub(crate) fn cause_by_cause<const N: usize>(
         // A ripple may hide behind what has now been explained.
         if round == 0 {
             let explained = explained_torque(&search);
-            let again = ripples(scene, &explained);
+            let again = ripples(&scene, &explained);
             if again.len() != lines.len() {
                 lines = again;
                 round = 1;
-                subtract_ripples(scene, &original, &lines);
+                subtract_ripples(&mut scene, &original, &lines);
                 continue;
             }
         }
@@ -217,8 +210,7 @@ pub(crate) fn cause_by_cause<const N: usize>(
         let evaluated = Evaluated {
             original: &original,
             lines: &lines,
-            plain_fits,
-            deflections: &deflections(scene),
+            deflections: &deflections(&scene),
             chance: &chance,
             logs,
             seed: settings.seed,

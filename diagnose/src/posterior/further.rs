@@ -39,10 +39,8 @@ pub(crate) fn further_causes<const N: usize>(
     step: &dyn Fn(&str, f64) -> Result<(), DiagnoseError>,
 ) -> Result<Vec<Finding>, DiagnoseError> {
     let looked_for = |label: CauseLabel| BEYOND.contains(&label) || BESIDE.contains(&label);
-    let mut scene = Scene::of_logs(logs, model, Some(band_hz))?;
-    let residual_nm = scene.residual_nm.clone();
-    let found = cause_by_cause(&looked_for, logs, &mut scene, None, &[], settings, step)?;
-    scene.residual_nm = residual_nm;
+    let found = cause_by_cause(&looked_for, logs, Scene::of_logs(logs, model, Some(band_hz))?, &[], settings, step)?;
+    let scene = Scene::of_logs(logs, model, Some(band_hz))?;
     // A second encoder shows springs better than torques do: see `deflection`.
     let news = |finding: &Finding| {
         let by_encoders = finding.label == CauseLabel::JointElasticity && scene.deflection_rad.is_some();

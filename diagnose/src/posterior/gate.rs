@@ -2,14 +2,15 @@
 
 use nalgebra::{DMatrix, DVector};
 
-use super::baseline::PlainFits;
-use super::columns::{Columns, JointTerm, PARTS};
+use super::columns::{Columns, JointTerm};
 use super::fit::{Start, plain_state, posterior};
 use super::prior::{ArmScale, Family};
 use super::problem::{Place, Problem, State};
 use crate::noise_level::{rms, robust_sd};
 use crate::scene::Scene;
 
+/// Parts of a log in this question.
+const PARTS: usize = 4;
 /// μᵀ S⁻¹ μ of a joint's own friction and offset from which on they are surely others than the model's. Stiction of held joints
 /// reaches some hundreds, a fifth of a joint's friction thousands.
 const SURE: f64 = 1000.0;
@@ -33,8 +34,6 @@ pub(crate) struct Wrongness {
     pub everywhere: bool,
     /// RMS that all families together leave of each joint (Nm).
     pub left_nm: Vec<f64>,
-    /// What plain fits predict of parts that they were not fitted to; `None` where the log is too short, or all is wrong.
-    pub plain_fits: Option<PlainFits>,
 }
 
 /// Whether more than half of the joints differ from the model: by friction or offset of their own with more beside it, or by more than
@@ -49,8 +48,7 @@ pub(crate) fn wrongness<const N: usize>(scene: &Scene<N>) -> Wrongness {
     let parts = problem.all_parts();
     let families: Vec<Family> = Family::of_gears(problem.scale.link_side).collect();
     let Some((all, _)) = posterior(&problem, &parts, &Start::of(&families)) else {
-        let plain_fits = PlainFits::of(&problem);
-        return Wrongness { everywhere: false, left_nm: vec![f64::INFINITY; N], plain_fits };
+        return Wrongness { everywhere: false, left_nm: vec![f64::INFINITY; N] };
     };
     let samples = problem.columns.samples(&parts).max(1) as f64;
     // A simulated log has no sensors' noise, but interpolation.
@@ -93,7 +91,5 @@ pub(crate) fn wrongness<const N: usize>(scene: &Scene<N>) -> Wrongness {
     };
     let left_nm: Vec<f64> = (0..N).map(|j| rms_nm(&all.state, j)).collect();
     let plain_will_do = (0..N).all(|j| rms_nm(&plain, j) < AS_WELL * left_nm[j].max(noise_nm(j)));
-    let everywhere = 2 * leaving > N || (2 * differing > N && !plain_will_do);
-    let plain_fits = if everywhere { None } else { PlainFits::of(&problem) };
-    Wrongness { everywhere, left_nm, plain_fits }
+    Wrongness { everywhere: 2 * leaving > N || (2 * differing > N && !plain_will_do), left_nm }
 }

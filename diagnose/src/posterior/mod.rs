@@ -16,7 +16,6 @@ pub(crate) mod problem;
 pub(crate) mod selection;
 mod simulated;
 mod spd;
-pub(crate) mod split;
 mod standstill;
 mod tempering;
 pub(crate) mod unseen;
