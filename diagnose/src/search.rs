@@ -199,7 +199,8 @@ impl<'s, 'a, const N: usize> Search<'s, 'a, N> {
         true
     }
 
-    /// Whether more than half of the joints have causes of their own, all causes together being of more than `most` kinds.
+    /// Whether more than half of the joints have causes of their own, two per joint of the arm and more in all, of more than `most` kinds: fewer
+    /// may still become one cause that stands for many.
     fn is_everywhere(&self, most: usize) -> bool {
         let places: Vec<(CauseLabel, Location)> = self.selected.iter().map(|group| self.place(*group)).collect();
         let joint = |(_, location): &(CauseLabel, Location)| match location {
@@ -208,7 +209,7 @@ impl<'s, 'a, const N: usize> Search<'s, 'a, N> {
         };
         let joints: BTreeSet<usize> = places.iter().filter_map(joint).collect();
         let kinds: BTreeSet<CauseLabel> = places.iter().map(|(label, _)| *label).collect();
-        2 * joints.len() > N && kinds.len() > most
+        2 * joints.len() > N && self.selected.len() > 2 * N && kinds.len() > most
     }
 
     /// The group of most evidence given the selection; a contact window is searched for on the way.

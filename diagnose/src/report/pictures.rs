@@ -35,7 +35,8 @@ impl From<&Plot> for Figure {
 pub fn held_out_bars(diagnosis: &Diagnosis) -> Figure {
     let joints = &diagnosis.joints;
     let column = |pick: fn(&JointMisfit) -> f64| joints.iter().map(pick).collect::<Vec<f64>>();
-    let names = (0..joints.len()).map(|joint| diagnosis.joint_names.of(joint).to_string()).collect();
+    // Names do not fit below the bars; the table beneath has them.
+    let numbers = (0..joints.len()).map(|joint| joint.to_string()).collect();
     let at = |shift: f64| (0..joints.len()).map(|joint| joint as f64 + shift).collect::<Vec<f64>>();
     let (noise_x, noise_y) = joints
         .iter()
@@ -47,7 +48,7 @@ pub fn held_out_bars(diagnosis: &Diagnosis) -> Figure {
         .unzip();
     Figure::new(
         "Residual on blocks that the fit has not seen",
-        Scale::categories("", names),
+        Scale::categories("joint", numbers),
         Scale::of("residual RMS [Nm]"),
     )
     .with(Layer::bars("before", 0, at(-0.18), column(|joint| joint.held_out_nm[0]), 0.34))

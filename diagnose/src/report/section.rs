@@ -25,15 +25,21 @@ pub fn findings(diagnosis: &Diagnosis) -> String {
 }
 
 fn article(finding: &Finding, names: &JointNames) -> String {
-    let rows = finding.said().into_iter().map(|parameter| {
+    let rows = finding.said().into_iter().flat_map(|parameter| {
         let (quantity, unit) = quantity_and_unit(parameter.name);
         let ends = |k: usize| parameter.ci95.get(k).copied().unwrap_or([f64::NAN; 2]);
-        // Of several joints or links each has its own value.
+        // Of several joints or links each has its own value, and a row for it.
         let places = finding.places();
         let named = parameter.value.len() > 1 && parameter.value.len() == places.len();
         let of = |k: usize| if named { format!("{}: ", places[k].among(names)) } else { String::new() };
         let values = parameter.value.iter().enumerate().map(|(k, value)| of(k) + &with_interval(*value, ends(k), ""));
-        [quantity, values.collect::<Vec<_>>().join("; "), unit.to_owned()]
+        let values = values.collect::<Vec<_>>();
+        let cells = if named { values } else { vec![values.join("; ")] };
+        let rows = cells.into_iter().enumerate().map(|(k, value)| {
+            let quantity = if k == 0 { quantity.clone() } else { String::new() };
+            [quantity, value, unit.to_owned()]
+        });
+        rows.collect::<Vec<_>>()
     });
     let parameters = table(&["parameter", "value [95 % interval]", "unit"], &[0, 1, 2], rows);
     let parameters = if finding.parameters.is_empty() { String::new() } else { parameters };
