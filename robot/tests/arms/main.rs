@@ -4,7 +4,6 @@
 
 mod mjcf;
 mod mjcf_random;
-mod odd_chains;
 mod presets;
 mod public_models;
 #[path = "../../../tests/python_witness.rs"]
