@@ -52,9 +52,10 @@ pub fn run(arguments: &Serve, common: &Common) -> anyhow::Result<()> {
     }
     let hand_port = if arguments.port == 0 { 0 } else { arguments.port.saturating_add(1) };
     let mut hand = GripperServer::bind(arguments.address, Some(hand_port)).map_err(unavailable)?;
+    // Before the address is told: who reads it may stop the server at once.
+    stop_on_signal();
     introduce(arguments, common, server.address()?, hand.address()?);
 
-    stop_on_signal();
     let stop = stop_requested();
     std::thread::scope(|scope| {
         let fingers = scope.spawn(|| hand.run(stop));

@@ -23,13 +23,13 @@ pub fn run(arguments: &Arguments, common: &Common) -> anyhow::Result<()> {
         let message = format!("{}: say where the study goes with --out", directory.display());
         return Err(BadInput(message).into());
     }
+    stop_on_signal();
     let store = StudyStore::open(&directory, &study)?;
     if !common.quiet {
         let (cells, all) = (shard.cells(&study).len(), study.cells().len());
         let done = all - left(&study, &store)?;
         message!("study {}: slice {shard} of {cells} cells; {done} of all {all} are done", directory.display());
     }
-    stop_on_signal();
     let mut progress = CellProgress::new(common.quiet);
     let whole = threads::pool(common)?.install(|| run_shard(&study, &store, shard, &mut progress));
     progress.finish();

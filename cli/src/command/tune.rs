@@ -25,6 +25,8 @@ use crate::threads;
 /// Runs or resumes a campaign.
 pub fn run(arguments: &Tune, common: &Common) -> anyhow::Result<()> {
     let started = Instant::now();
+    // Before there is anything to go on with: a signal between the directory and the first trial must say how.
+    stop_on_signal();
     if arguments.resume {
         let directory = resumed(arguments)?;
         let CampaignSettings { trials, stop_below, .. } = arguments.settings;
@@ -64,7 +66,6 @@ fn finish<const N: usize>(
     if let Some(believed) = &campaign.tune().believed {
         warn_not_cancelled(&believed.not_cancelled, &believed.arm.joint_names, common);
     }
-    stop_on_signal();
     let mut progress = TrialProgress::new(total, finished, common.quiet);
     let pool = threads::pool(common)?;
     let tune = campaign.tune().clone();

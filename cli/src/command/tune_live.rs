@@ -37,6 +37,7 @@ pub fn run(arguments: &Tune, host: &str, common: &Common) -> anyhow::Result<()> 
     // The robot says what it is, and stays connected for the first trial.
     let connection = link.connect()?;
     let robot = preset_of(connection.version());
+    stop_on_signal();
     let (directory, campaign) = match resumed {
         Some(directory) => (directory.clone(), opened::<7>(&directory)?),
         None => {
@@ -50,7 +51,6 @@ pub fn run(arguments: &Tune, host: &str, common: &Common) -> anyhow::Result<()> 
         let message = format!("{}: its robot is a {believed}, at {host} is a {robot}", directory.display());
         return Err(BadInput(message).into());
     }
-    stop_on_signal();
     let mut live = Live { link, connection: Some(connection), campaign, directory, common, lost_periods: 0 };
     live.tune(arguments.no_rehearsal)?;
     live.show(started.elapsed().as_secs_f64());
