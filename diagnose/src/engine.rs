@@ -15,7 +15,7 @@ use crate::diagnosis::{CauseLabel, Diagnosis, Finding, JointMisfit, Location};
 use crate::evidence::joint_fit;
 use crate::noise_level::rms;
 use crate::posterior::explain::{Given, explain};
-use crate::posterior::gate::{AS_WELL, wrongness};
+use crate::posterior::gate::{AS_WELL, Wrongness, wrongness};
 use crate::ripple::{RippleLine, ripples};
 use crate::scene::{Column, Scene, subtracted};
 use crate::search::Search;
@@ -38,6 +38,8 @@ const LEAST_SAMPLES: usize = 40;
 const MUCH_LEFT: f64 = 4.0;
 /// Kinds of causes in most joints up to which they are few: dry friction, viscous friction and one more.
 const MOST_KINDS: usize = 3;
+/// Kinds of causes in most joints beyond which a search that goes on would not be believed, whatever is taken back at its end.
+const HOPELESS_KINDS: usize = MOST_KINDS + 1;
 /// Inflation beyond which the search is repeated with deflated evidence.
 const INFLATED: f64 = 1.15;
 
@@ -101,19 +103,23 @@ pub(crate) fn explained<const N: usize>(
     let few = unloaded.is_empty().then(|| wrongness(&scene)).filter(|wrong| !wrong.everywhere);
     // Causes in most joints are a model that is wrong everywhere if they are of many kinds, or leave most joints unexplained and more
     // than all families would; and causes found one by one need not make an arm together, families fitted with every link a body do.
-    let stands = |found: &Diagnosis, all_nm: &[f64]| {
+    let stands = |found: &Diagnosis, wrong: &Wrongness| {
         let unexplained = |(joint, all_nm): &(&JointMisfit, &f64)| {
             joint.rms_after_nm > MUCH_LEFT * joint.noise_floor_nm && joint.rms_after_nm > AS_WELL * *all_nm
         };
-        let unexplained = found.joints.iter().zip(all_nm).filter(unexplained).count();
+        let unexplained = found.joints.iter().zip(&wrong.left_nm).filter(unexplained).count();
+        // Least squares of friction and offset is a witness: where it explains a joint better, the joint's causes are others.
+        let beaten = found.joints.iter().zip(&wrong.plain_nm).any(|(joint, plain_nm)| {
+            joint.rms_after_nm > MUCH_LEFT * joint.noise_floor_nm && joint.rms_after_nm > AS_WELL * *plain_nm
+        });
         let kinds = found.findings.iter().map(|finding| finding.label).collect::<BTreeSet<CauseLabel>>().len();
-        let everywhere = 2 * joints_named(found) > N && (2 * unexplained > N || kinds > MOST_KINDS);
+        let everywhere = 2 * joints_named(found) > N && (2 * unexplained > N || kinds > MOST_KINDS || beaten);
         !everywhere && is_model(nominal, &found.extension)
     };
     let one_by_one = match few {
         Some(wrong) => {
-            let found = cause_by_cause(&|_| true, logs, scene, validate, settings, &step)?;
-            stands(&found, &wrong.left_nm).then_some(found)
+            let found = cause_by_cause(&|_| true, Some(HOPELESS_KINDS), logs, scene, validate, settings, &step)?;
+            found.filter(|found| stands(found, &wrong))
         }
         None => {
             drop(scene);
@@ -137,15 +143,16 @@ fn joints_named(diagnosis: &Diagnosis) -> usize {
     diagnosis.findings.iter().filter_map(joint).collect::<BTreeSet<usize>>().len()
 }
 
-/// Explains logs by the fewest causes of some labels, each at its place.
+/// Explains logs by the fewest causes of some labels, each at its place; `None` if they are of more than `most_kinds` kinds in most joints.
 pub(crate) fn cause_by_cause<const N: usize>(
     looked_for: &dyn Fn(CauseLabel) -> bool,
+    most_kinds: Option<usize>,
     logs: &[RobotLog],
     mut scene: Scene<N>,
     validate: &[(String, RobotLog)],
     settings: &DiagnoseSettings,
     step: &dyn Fn(&str, f64) -> Result<(), DiagnoseError>,
-) -> Result<Diagnosis, DiagnoseError> {
+) -> Result<Option<Diagnosis>, DiagnoseError> {
     let original = scene.residual_nm.clone();
     let all = candidates::<N>().into_iter().filter(|candidate| looked_for(candidate.label()));
     let causes: Vec<Arc<dyn Candidate<N>>> = all.map(Arc::from).collect();
@@ -166,9 +173,12 @@ pub(crate) fn cause_by_cause<const N: usize>(
             let mut system = System::new(&scene, &evaluated_columns, &left);
             let go_on = || step("selection", at(0.3 + 0.3 * f64::from(colours))).is_ok();
             let mut search = Search::new(&mut system, 1.0);
-            search.thorough = colours > 0;
+            (search.thorough, search.most_kinds) = (colours > 0, most_kinds);
             if !search.run(&go_on) {
                 return Err(DiagnoseError::Cancelled);
+            }
+            if search.gave_up {
+                return Ok(None);
             }
             if colours == 0 {
                 left = second_colour(&search, left);
@@ -182,6 +192,9 @@ pub(crate) fn cause_by_cause<const N: usize>(
                 search.selected.clear();
                 if !search.run(&go_on) {
                     return Err(DiagnoseError::Cancelled);
+                }
+                if search.gave_up {
+                    return Ok(None);
                 }
                 chance = Chance::of(&search, settings.seed);
                 if chance.inflation > INFLATED {
@@ -215,7 +228,7 @@ pub(crate) fn cause_by_cause<const N: usize>(
             logs,
             seed: settings.seed,
         };
-        return conclude(&mut search, &evaluated, validate, step);
+        return conclude(&mut search, &evaluated, validate, step).map(Some);
     }
 }
 

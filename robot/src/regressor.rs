@@ -23,17 +23,17 @@ pub fn inverse_dynamics_regressor<const N: usize>(
     let mut blocks = [SMatrix::<f64, N, 10>::zeros(); N];
     let mut motion = LinkMotion::of_base(-arm.gravity_m_s2);
     for k in 0..N {
-        let (origin, axis) = (kinematics.origins[k], kinematics.axis(k));
+        let ((rotation, origin), axis) = (kinematics.link(arm, k), kinematics.axis(k));
         motion.move_to(&origin);
         motion.turn(&axis, qd[k]);
         motion.dw += axis * qdd[k];
 
-        let to_link = kinematics.rotations[k].transpose();
+        let to_link = rotation.transpose();
         let (force, moment) = body_regressor(&(to_link * motion.w), &(to_link * motion.dw), &(to_link * motion.a));
         for i in 0..=k {
             // tau_i = z_i · (n + (o_k − o_i) × f) = z_i · n + (z_i × (o_k − o_i)) · f
             let z = kinematics.axis(i);
-            let (z, l) = (to_link * z, to_link * z.cross(&(origin - kinematics.origins[i])));
+            let (z, l) = (to_link * z, to_link * z.cross(&(origin - kinematics.pivot(i))));
             blocks[k].set_row(i, &(z.transpose() * moment + l.transpose() * force));
         }
     }

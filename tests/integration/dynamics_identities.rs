@@ -97,7 +97,8 @@ pub(crate) fn energy(arm: &Arm<7>, q: &Joints, qd: &Joints) -> f64 {
     let kinematics = Kinematics::at(arm, q);
     let potential: f64 = (0..7)
         .map(|k| {
-            let com = kinematics.origins[k] + kinematics.rotations[k] * arm.links[k].com_m;
+            let (rotation, origin) = kinematics.link(arm, k);
+            let com = origin + rotation * arm.links[k].com_m;
             -arm.links[k].mass_kg * arm.gravity_m_s2.dot(&com)
         })
         .sum();

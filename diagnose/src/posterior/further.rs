@@ -39,7 +39,10 @@ pub(crate) fn further_causes<const N: usize>(
     step: &dyn Fn(&str, f64) -> Result<(), DiagnoseError>,
 ) -> Result<Vec<Finding>, DiagnoseError> {
     let looked_for = |label: CauseLabel| BEYOND.contains(&label) || BESIDE.contains(&label);
-    let found = cause_by_cause(&looked_for, logs, Scene::of_logs(logs, model, Some(band_hz))?, &[], settings, step)?;
+    let scene = Scene::of_logs(logs, model, Some(band_hz))?;
+    let Some(found) = cause_by_cause(&looked_for, None, logs, scene, &[], settings, step)? else {
+        return Ok(Vec::new());
+    };
     let scene = Scene::of_logs(logs, model, Some(band_hz))?;
     // A second encoder shows springs better than torques do: see `deflection`.
     let news = |finding: &Finding| {

@@ -34,6 +34,8 @@ pub(crate) struct Wrongness {
     pub everywhere: bool,
     /// RMS that all families together leave of each joint (Nm).
     pub left_nm: Vec<f64>,
+    /// RMS that dry and viscous friction and an offset of each joint leave of it, by least squares (Nm).
+    pub plain_nm: Vec<f64>,
 }
 
 /// Whether more than half of the joints differ from the model: by friction or offset of their own with more beside it, or by more than
@@ -48,7 +50,7 @@ pub(crate) fn wrongness<const N: usize>(scene: &Scene<N>) -> Wrongness {
     let parts = problem.all_parts();
     let families: Vec<Family> = Family::of_gears(problem.scale.link_side).collect();
     let Some((all, _)) = posterior(&problem, &parts, &Start::of(&families)) else {
-        return Wrongness { everywhere: false, left_nm: vec![f64::INFINITY; N] };
+        return Wrongness { everywhere: false, left_nm: vec![f64::INFINITY; N], plain_nm: vec![f64::INFINITY; N] };
     };
     let samples = problem.columns.samples(&parts).max(1) as f64;
     // A simulated log has no sensors' noise, but interpolation.
@@ -90,6 +92,7 @@ pub(crate) fn wrongness<const N: usize>(scene: &Scene<N>) -> Wrongness {
         (parts.iter().map(|part| problem.unseen_square(state, j, *part)).sum::<f64>() / samples).sqrt()
     };
     let left_nm: Vec<f64> = (0..N).map(|j| rms_nm(&all.state, j)).collect();
-    let plain_will_do = (0..N).all(|j| rms_nm(&plain, j) < AS_WELL * left_nm[j].max(noise_nm(j)));
-    Wrongness { everywhere: 2 * leaving > N || (2 * differing > N && !plain_will_do), left_nm }
+    let plain_nm: Vec<f64> = (0..N).map(|j| rms_nm(&plain, j)).collect();
+    let plain_will_do = (0..N).all(|j| plain_nm[j] < AS_WELL * left_nm[j].max(noise_nm(j)));
+    Wrongness { everywhere: 2 * leaving > N || (2 * differing > N && !plain_will_do), left_nm, plain_nm }
 }
