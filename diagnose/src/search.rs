@@ -199,17 +199,18 @@ impl<'s, 'a, const N: usize> Search<'s, 'a, N> {
         true
     }
 
-    /// Whether more than half of the joints have causes of their own, two per joint of the arm and more in all, of more than `most` kinds: fewer
-    /// may still become one cause that stands for many.
+    /// Whether more than half of the joints have named causes of their own, two per joint of the arm and more in all, of more than `most` kinds:
+    /// fewer may still become one cause that stands for many, and what has no name is only asked for one later.
     fn is_everywhere(&self, most: usize) -> bool {
-        let places: Vec<(CauseLabel, Location)> = self.selected.iter().map(|group| self.place(*group)).collect();
+        let mut places: Vec<(CauseLabel, Location)> = self.selected.iter().map(|group| self.place(*group)).collect();
+        places.retain(|(label, _)| *label != CauseLabel::Unknown);
         let joint = |(_, location): &(CauseLabel, Location)| match location {
             Location::Joint(joint) => Some(*joint),
             _ => None,
         };
         let joints: BTreeSet<usize> = places.iter().filter_map(joint).collect();
         let kinds: BTreeSet<CauseLabel> = places.iter().map(|(label, _)| *label).collect();
-        2 * joints.len() > N && self.selected.len() > 2 * N && kinds.len() > most
+        2 * joints.len() > N && places.len() > 2 * N && kinds.len() > most
     }
 
     /// The group of most evidence given the selection; a contact window is searched for on the way.

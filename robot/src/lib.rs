@@ -73,7 +73,7 @@ pub use placement::{JointPlacement, ModifiedDh, StandardDh};
 pub use plant::{Plant, PlantLost, SensorFrame};
 pub use prepared::PreparedMechanism;
 pub use product::{minus_product_transposed, multiply_add, product, product_transposed, transposed_product};
-pub use regressor::inverse_dynamics_regressor;
+pub use regressor::{inverse_dynamics_regressor, link_regressor};
 pub use rnea::{bias_torque, gravity_torque, rnea};
 pub use sines::sines;
 pub use spatial::{Pose, Twist, Wrench};
