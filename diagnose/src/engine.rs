@@ -125,7 +125,9 @@ pub(crate) fn explained<const N: usize>(
     let one_by_one = match few {
         Some(wrong) => {
             let plain_fits = wrong.plain_fits.as_ref();
-            let question = Question { looked_for: &|_| true, most_kinds: Some(HOPELESS_KINDS), plain_fits, validate };
+            // Where joints are as the model says, a search that finds small things in most of them prunes them at its end.
+            let most_kinds = wrong.in_many_joints.then_some(HOPELESS_KINDS);
+            let question = Question { looked_for: &|_| true, most_kinds, plain_fits, validate };
             let mut found = cause_by_cause(&question, logs, &mut scene, settings, &step)?;
             if let (Some(found), None) = (&mut found, plain_fits) {
                 found.notes.push(TOO_SHORT_TO_SPLIT.to_owned());

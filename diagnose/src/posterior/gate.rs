@@ -31,6 +31,8 @@ const MUCH_LEFT: f64 = 4.0;
 pub(crate) struct Wrongness {
     /// Whether more than half of the joints differ.
     pub everywhere: bool,
+    /// Whether more than a third have friction or an offset that is surely not the model's.
+    pub in_many_joints: bool,
     /// RMS that all families together leave of each joint (Nm).
     pub left_nm: Vec<f64>,
     /// What plain fits predict of parts that they were not fitted to; `None` where the log is too short, or all is wrong.
@@ -50,7 +52,7 @@ pub(crate) fn wrongness<const N: usize>(scene: &Scene<N>) -> Wrongness {
     let families: Vec<Family> = Family::of_gears(problem.scale.link_side).collect();
     let Some((all, _)) = posterior(&problem, &parts, &Start::of(&families)) else {
         let plain_fits = PlainFits::of(&problem);
-        return Wrongness { everywhere: false, left_nm: vec![f64::INFINITY; N], plain_fits };
+        return Wrongness { everywhere: false, in_many_joints: false, left_nm: vec![f64::INFINITY; N], plain_fits };
     };
     let samples = problem.columns.samples(&parts).max(1) as f64;
     // A simulated log has no sensors' noise, but interpolation.
@@ -95,5 +97,5 @@ pub(crate) fn wrongness<const N: usize>(scene: &Scene<N>) -> Wrongness {
     let plain_will_do = (0..N).all(|j| rms_nm(&plain, j) < AS_WELL * left_nm[j].max(noise_nm(j)));
     let everywhere = 2 * leaving > N || (2 * differing > N && !plain_will_do);
     let plain_fits = if everywhere { None } else { PlainFits::of(&problem) };
-    Wrongness { everywhere, left_nm, plain_fits }
+    Wrongness { everywhere, in_many_joints: 3 * differing > N, left_nm, plain_fits }
 }
