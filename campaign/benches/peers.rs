@@ -1,4 +1,4 @@
-//! Ours beside Pinocchio, MuJoCo and DAQP, in one run on one core: `cargo bench -p tribo-experiments --bench peers`.
+//! Ours beside Pinocchio, MuJoCo, straight-line C that CasADi generates for the arm, and DAQP, in one run on one core: `cargo bench -p tribo-experiments --bench peers`.
 //!
 //! The peers are C and C++ programs of our own around their libraries (`peers/`, built by `peers/build.sh` with
 //! `-O3 -march=native -DNDEBUG`). All get the same inputs from the same files; before anything is timed, the outputs of the first
@@ -42,7 +42,7 @@ const AGREEMENT: f64 = 1e-9;
 const QP_AGREEMENT: f64 = 1e-8;
 
 /// Rows of the table: what, peer, name of the call there, name of ours.
-const ROWS: [(&str, &str, &str, &str); 29] = [
+const ROWS: [(&str, &str, &str, &str); 33] = [
     ("RNEA", "pinocchio", "rnea", "rnea"),
     ("CRBA (Pinocchio: LOCAL)", "pinocchio", "crba", "crba"),
     ("CRBA (Pinocchio: WORLD)", "pinocchio", "crba_world", "crba"),
@@ -61,6 +61,10 @@ const ROWS: [(&str, &str, &str, &str); 29] = [
     ("flange Jacobian (mj_jacSite)", "mujoco", "jacobian", "jacobian"),
     ("Jacobian, J̇q̇ (mj_jacDot)", "mujoco", "jacobian_drift", "jacobian_drift"),
     ("pose, J, J̇q̇, M, bias", "mujoco", "control_terms", "control_terms"),
+    ("RNEA", "generated", "rnea", "rnea"),
+    ("CRBA", "generated", "crba", "crba"),
+    ("pose, Jacobian, J̇q̇", "generated", "jacobian_drift", "jacobian_drift"),
+    ("pose, J, J̇q̇, M, C q̇, g", "generated", "control_terms", "control_terms"),
     ("1 ms in five steps: Coulomb, viscous", "mujoco", "period_of_five_steps", "plant_coulomb_viscous"),
     ("1 ms in five steps: Stribeck", "mujoco", "period_of_five_steps", "plant_stribeck"),
     ("1 ms in five steps: LuGre", "mujoco", "period_of_five_steps", "plant_lugre"),
@@ -102,7 +106,7 @@ fn main() -> ExitCode {
 
     let mut peers = Vec::new();
     let mut disagree = false;
-    for name in ["pinocchio", "mujoco", "daqp"] {
+    for name in ["pinocchio", "mujoco", "generated", "daqp"] {
         if !out.join(name).is_file() {
             continue;
         }

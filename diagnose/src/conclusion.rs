@@ -6,18 +6,19 @@ use tribo_sim::Effect;
 use crate::DiagnoseError;
 use crate::confusable::same_by_physics;
 use crate::deflection::DeflectionFinding;
-use crate::diagnosis::{CauseLabel, Diagnosis, Finding, JointMisfit, Location, Verdict};
+use crate::diagnosis::{CauseLabel, Diagnosis, Finding, JointMisfit, Location, Unseen, Verdict};
 use crate::evidence::joint_fit;
-use crate::finding::{Fitted, deflection_finding, describe, finding_of, ripple_finding, squares};
+use crate::finding::{Fitted, Selected, deflection_finding, describe, finding_of, ripple_finding, squares};
 use crate::held_out::{HeldOut, gain_of_pairs, gain_with_interval, plain_squares};
 use crate::next_experiment::next_experiment;
 use crate::noise_level::rms;
 use crate::plots;
+use crate::posterior::baseline::PlainFits;
 use crate::pruning::{
     drop_chance, drop_lonely_pushes, drop_small, drop_stiction, drop_worthless, prefer_likelier, prefer_names,
     yield_to_unknown,
 };
-use crate::remarks::{assumptions_of, misfits, notes_of, rejected};
+use crate::remarks::{assumptions_of, misfits, note_on_baseline, notes_of, rejected};
 use crate::ripple::RippleLine;
 use crate::scene::{Scene, subtracted};
 use crate::search::Search;
@@ -29,6 +30,8 @@ pub(crate) struct Evaluated<'e, const N: usize> {
     /// Residual before ripples were taken out (Nm).
     pub original: &'e [Vec<f64>; N],
     pub lines: &'e [RippleLine],
+    /// What plain fits predict, to stand beside the answer.
+    pub plain_fits: Option<&'e PlainFits>,
     pub deflections: &'e [DeflectionFinding],
     pub logs: &'e [RobotLog],
     pub chance: &'e Chance,
@@ -80,6 +83,7 @@ pub(crate) fn conclude<const N: usize>(
     let all_joints: Vec<usize> = (0..N).collect();
     let (mut gain_heldout, mut gain_heldout_ci95) = gain_with_interval(&before, &after, &all_joints, evaluated.seed);
 
+    let unseen = evaluated.plain_fits.map(|fits| beside(fits, search, &selected));
     let residual_after = subtracted(&scene.residual_nm, &held_out.plain, &coefficients);
     // A model file takes named causes alone: they are fitted anew without the nameless.
     let named: Vec<usize> =
@@ -153,6 +157,7 @@ pub(crate) fn conclude<const N: usize>(
     } else {
         Verdict::Named
     };
+    notes.extend(unseen.as_ref().and_then(note_on_baseline));
     if let Some(worst) = worst {
         notes.push(format!(
             "{}: {:.3} Nm are left where the sensors' own noise is {:.3} Nm, and no cause considered goes with them",
@@ -185,7 +190,7 @@ pub(crate) fn conclude<const N: usize>(
         validation,
         rejected,
         extension,
-        unseen: None,
+        unseen,
         predictive_sd_nm: Vec::new(),
         assumptions: assumptions_of(search, evaluated.chance),
         notes,
@@ -196,6 +201,24 @@ pub(crate) fn conclude<const N: usize>(
         samples: scene.time_s.len(),
         bursts: scene.bursts.len(),
     })
+}
+
+/// What the named causes, fitted to the rest, leave of the parts that plain fits were asked about.
+fn beside<const N: usize>(fits: &PlainFits, search: &Search<'_, '_, N>, selected: &[Selected<N>]) -> Unseen {
+    let has_name = |member: &&Selected<N>| search.place(member.group).0 != CauseLabel::Unknown;
+    let named: Vec<&Selected<N>> = selected.iter().filter(has_name).collect();
+    let groups: Vec<usize> = named.iter().map(|member| member.group).collect();
+    let plain = named.iter().flat_map(|member| member.plain.iter().cloned()).collect();
+    let scene = search.system.scene;
+    let squares = HeldOut::of_parts(search.system, &groups, plain).squares(&scene.residual_nm);
+    let samples = scene.time_s.len().max(1) as f64;
+    Unseen {
+        split: fits.split.name(),
+        nominal_nm: fits.nominal_nm.clone(),
+        extended_nm: (0..N).map(|j| (squares.iter().map(|part| part[j]).sum::<f64>() / samples).sqrt()).collect(),
+        plain_nm: fits.plain_nm.clone(),
+        full_nm: fits.full_nm.clone(),
+    }
 }
 
 /// Keeps what has enough evidence, torque and gain, in the likelier of two stories.

@@ -383,6 +383,11 @@ impl Unseen {
         }
     }
 
+    /// Whether that baseline predicts better than the extended model, in the second decimal of [`Self::ratio`].
+    pub fn baseline_is_better(&self) -> bool {
+        self.ratio() >= 1.005
+    }
+
     /// Mean over joints of the extended model's RMS over that of the better baseline.
     pub fn ratio(&self) -> f64 {
         let (_, baseline) = self.better_baseline();
@@ -435,7 +440,8 @@ pub struct Diagnosis {
     pub rejected: Vec<Rejected>,
     /// The effects that extend the model, as they were fitted together.
     pub extension: Vec<Effect>,
-    /// What the extended model and plain fits predict for data that they have not seen.
+    /// What the extended model and plain fits predict for data that they have not seen; `None` where the log is too short to hold
+    /// a part of it out, which a note then says.
     pub unseen: Option<Unseen>,
     /// Standard deviation of the torque that the extended model foretells for unseen motion, per joint (Nm); empty where the
     /// diagnosis foretells none.

@@ -14,6 +14,7 @@ use crate::deflection::deflections;
 use crate::diagnosis::{CauseLabel, Diagnosis, Finding, JointMisfit, Location};
 use crate::evidence::joint_fit;
 use crate::noise_level::rms;
+use crate::posterior::baseline::PlainFits;
 use crate::posterior::explain::{Given, explain};
 use crate::posterior::gate::{AS_WELL, wrongness};
 use crate::ripple::{RippleLine, ripples};
@@ -34,10 +35,15 @@ pub struct DiagnoseSettings {
 
 /// Fewest samples per joint after averaging.
 const LEAST_SAMPLES: usize = 40;
+/// Why nothing stands beside the answer.
+const TOO_SHORT_TO_SPLIT: &str =
+    "the log is too short to hold a third of it out: plain fits cannot be compared with the answer";
 /// RMS that causes found one by one leave, over the sensors' noise in the band, from which on a joint is unexplained.
 const MUCH_LEFT: f64 = 4.0;
 /// Kinds of causes in most joints up to which they are few: dry friction, viscous friction and one more.
 const MOST_KINDS: usize = 3;
+/// Kinds of causes in most joints beyond which a search that goes on would not be believed, whatever is taken back at its end.
+const HOPELESS_KINDS: usize = MOST_KINDS + 1;
 /// Inflation beyond which the search is repeated with deflated evidence.
 const INFLATED: f64 = 1.15;
 
@@ -93,7 +99,7 @@ pub(crate) fn explained<const N: usize>(
         return Err(DiagnoseError::NoLog);
     }
     step("residual", 0.0)?;
-    let scene = Scene::of_logs(logs, nominal, settings.band_hz)?;
+    let mut scene = Scene::of_logs(logs, nominal, settings.band_hz)?;
     if scene.time_s.len() < LEAST_SAMPLES {
         return Err(DiagnoseError::TooShort { got: scene.time_s.len(), need: LEAST_SAMPLES });
     }
@@ -102,24 +108,35 @@ pub(crate) fn explained<const N: usize>(
     // Causes in most joints are a model that is wrong everywhere if they are of many kinds, or leave most joints unexplained and more
     // than all families would; and causes found one by one need not make an arm together, families fitted with every link a body do.
     let stands = |found: &Diagnosis, all_nm: &[f64]| {
-        let unexplained = |(joint, all_nm): &(&JointMisfit, &f64)| {
-            joint.rms_after_nm > MUCH_LEFT * joint.noise_floor_nm && joint.rms_after_nm > AS_WELL * *all_nm
+        let worse_than = |joint: &JointMisfit, other_nm: f64, own_nm: f64| {
+            own_nm > MUCH_LEFT * joint.noise_floor_nm && own_nm > AS_WELL * other_nm
         };
+        let unexplained = |(joint, all_nm): &(&JointMisfit, &f64)| worse_than(joint, **all_nm, joint.rms_after_nm);
         let unexplained = found.joints.iter().zip(all_nm).filter(unexplained).count();
+        // Least squares of friction and offset is a witness: where it predicts a joint better, the joint's causes are others.
+        let beaten = found.unseen.as_ref().is_some_and(|unseen| {
+            let predicted = unseen.extended_nm.iter().zip(&unseen.plain_nm);
+            found.joints.iter().zip(predicted).any(|(joint, (own_nm, plain_nm))| worse_than(joint, *plain_nm, *own_nm))
+        });
         let kinds = found.findings.iter().map(|finding| finding.label).collect::<BTreeSet<CauseLabel>>().len();
-        let everywhere = 2 * joints_named(found) > N && (2 * unexplained > N || kinds > MOST_KINDS);
+        let everywhere = 2 * joints_named(found) > N && (2 * unexplained > N || kinds > MOST_KINDS || beaten);
         !everywhere && is_model(nominal, &found.extension)
     };
     let one_by_one = match few {
         Some(wrong) => {
-            let found = cause_by_cause(&|_| true, logs, scene, validate, settings, &step)?;
-            stands(&found, &wrong.left_nm).then_some(found)
+            let plain_fits = wrong.plain_fits.as_ref();
+            // Where joints are as the model says, a search that finds small things in most of them prunes them at its end.
+            let most_kinds = wrong.in_many_joints.then_some(HOPELESS_KINDS);
+            let question = Question { looked_for: &|_| true, most_kinds, plain_fits, validate };
+            let mut found = cause_by_cause(&question, logs, &mut scene, settings, &step)?;
+            if let (Some(found), None) = (&mut found, plain_fits) {
+                found.notes.push(TOO_SHORT_TO_SPLIT.to_owned());
+            }
+            found.filter(|found| stands(found, &wrong.left_nm))
         }
-        None => {
-            drop(scene);
-            None
-        }
+        None => None,
     };
+    drop(scene);
     let diagnosis = match one_by_one {
         Some(found) => found,
         None => explain(&Given { logs, unloaded, validate }, nominal, settings, &step)?,
@@ -137,38 +154,53 @@ fn joints_named(diagnosis: &Diagnosis) -> usize {
     diagnosis.findings.iter().filter_map(joint).collect::<BTreeSet<usize>>().len()
 }
 
-/// Explains logs by the fewest causes of some labels, each at its place.
+/// What is asked of logs, cause by cause.
+pub(crate) struct Question<'q> {
+    /// Labels of the causes.
+    pub looked_for: &'q dyn Fn(CauseLabel) -> bool,
+    /// Kinds of causes in most joints beyond which nobody would believe an answer; `None` where any number will do.
+    pub most_kinds: Option<usize>,
+    /// What plain fits predict of parts that were held out, to stand beside the answer.
+    pub plain_fits: Option<&'q PlainFits>,
+    /// Logs that nothing is fitted to.
+    pub validate: &'q [(String, RobotLog)],
+}
+
+/// Explains logs by the fewest causes, each at its place; `None` if they are of too many kinds. What ripples explain is taken out of the
+/// scene's residual.
 pub(crate) fn cause_by_cause<const N: usize>(
-    looked_for: &dyn Fn(CauseLabel) -> bool,
+    question: &Question<'_>,
     logs: &[RobotLog],
-    mut scene: Scene<N>,
-    validate: &[(String, RobotLog)],
+    scene: &mut Scene<N>,
     settings: &DiagnoseSettings,
     step: &dyn Fn(&str, f64) -> Result<(), DiagnoseError>,
-) -> Result<Diagnosis, DiagnoseError> {
+) -> Result<Option<Diagnosis>, DiagnoseError> {
     let original = scene.residual_nm.clone();
-    let all = candidates::<N>().into_iter().filter(|candidate| looked_for(candidate.label()));
+    let all = candidates::<N>().into_iter().filter(|candidate| (question.looked_for)(candidate.label()));
     let causes: Vec<Arc<dyn Candidate<N>>> = all.map(Arc::from).collect();
 
     step("ripple", 0.08)?;
-    let mut lines = ripples(&scene, &[]);
-    subtract_ripples(&mut scene, &original, &lines);
+    let mut lines = ripples(scene, &[]);
+    subtract_ripples(scene, &original, &lines);
     step("candidates", 0.12)?;
-    let evaluated_columns = EvaluatedColumns::of(&scene, &causes);
+    let evaluated_columns = EvaluatedColumns::of(scene, &causes);
     let mut round = 0;
     loop {
         let at = |fraction: f64| 0.2 + 0.33 * (f64::from(round) + fraction);
         // The colour of the noise: first of what everything together leaves, then of what the selection leaves.
-        let mut left = evaluated_columns.saturated_residual(&scene);
+        let mut left = evaluated_columns.saturated_residual(scene);
         let mut colours = 0;
         let (mut system, selected, inflation, chance) = loop {
             step("selection", at(0.3 + 0.3 * f64::from(colours)))?;
-            let mut system = System::new(&scene, &evaluated_columns, &left);
+            let mut system = System::new(scene, &evaluated_columns, &left);
             let go_on = || step("selection", at(0.3 + 0.3 * f64::from(colours))).is_ok();
             let mut search = Search::new(&mut system, 1.0);
-            search.thorough = colours > 0;
+            (search.thorough, search.most_kinds) = (colours > 0, question.most_kinds);
             if !search.run(&go_on) {
                 return Err(DiagnoseError::Cancelled);
+            }
+            if search.gave_up {
+                return Ok(None);
             }
             if colours == 0 {
                 left = second_colour(&search, left);
@@ -182,6 +214,9 @@ pub(crate) fn cause_by_cause<const N: usize>(
                 search.selected.clear();
                 if !search.run(&go_on) {
                     return Err(DiagnoseError::Cancelled);
+                }
+                if search.gave_up {
+                    return Ok(None);
                 }
                 chance = Chance::of(&search, settings.seed);
                 if chance.inflation > INFLATED {
@@ -198,11 +233,11 @@ pub(crate) fn cause_by_cause<const N: usize>(
         // A ripple may hide behind what has now been explained.
         if round == 0 {
             let explained = explained_torque(&search);
-            let again = ripples(&scene, &explained);
+            let again = ripples(scene, &explained);
             if again.len() != lines.len() {
                 lines = again;
                 round = 1;
-                subtract_ripples(&mut scene, &original, &lines);
+                subtract_ripples(scene, &original, &lines);
                 continue;
             }
         }
@@ -210,12 +245,13 @@ pub(crate) fn cause_by_cause<const N: usize>(
         let evaluated = Evaluated {
             original: &original,
             lines: &lines,
-            deflections: &deflections(&scene),
+            plain_fits: question.plain_fits,
+            deflections: &deflections(scene),
             chance: &chance,
             logs,
             seed: settings.seed,
         };
-        return conclude(&mut search, &evaluated, validate, step);
+        return conclude(&mut search, &evaluated, question.validate, step).map(Some);
     }
 }
 

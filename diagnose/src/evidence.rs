@@ -251,9 +251,18 @@ pub(crate) fn fit_rows<C: AsRef<[f64]>>(columns: &[C], target: &[f64], own_part:
     solve_truncated(&square, &score, &norms, own_part)
 }
 
-/// Inner product.
+/// Inner product, in eight sums that the processor makes side by side.
 pub(crate) fn inner(a: &[f64], b: &[f64]) -> f64 {
-    a.iter().zip(b).map(|(a, b)| a * b).sum()
+    let count = a.len().min(b.len());
+    let ((a, a_rest), (b, b_rest)) = (a[..count].as_chunks::<8>(), b[..count].as_chunks::<8>());
+    let mut sums = [0.0; 8];
+    for (a, b) in a.iter().zip(b) {
+        for lane in 0..8 {
+            sums[lane] += a[lane] * b[lane];
+        }
+    }
+    let rest: f64 = a_rest.iter().zip(b_rest).map(|(a, b)| a * b).sum();
+    sums.iter().sum::<f64>() + rest
 }
 
 /// Sum of squares that columns explain together.

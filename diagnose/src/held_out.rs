@@ -7,7 +7,8 @@ use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64;
 
 use crate::diagnosis::CauseLabel;
-use crate::evidence::solve_ridge;
+use crate::evidence::{inner, solve_ridge};
+use crate::posterior::split::THIRDS;
 use crate::scene::Column;
 use crate::system::System;
 
@@ -62,6 +63,11 @@ impl TimeBlocks {
                     .collect();
             }
         }
+        Self::in_ranges(system, ranges)
+    }
+
+    /// The same with given ranges.
+    fn in_ranges<const N: usize>(system: &System<'_, N>, ranges: Vec<Range<usize>>) -> Self {
         let mut of_row = Vec::with_capacity(system.joint_rows);
         let mut block = 0;
         for &sample in &system.row_samples {
@@ -91,6 +97,13 @@ pub(crate) struct BlockGram {
     ridge: Vec<f64>,
 }
 
+/// The range of a piece that follows those before.
+fn next_range<T>(start: &mut usize, piece: &[T]) -> Option<Range<usize>> {
+    let first = *start;
+    *start += piece.len();
+    Some(first..*start)
+}
+
 /// Part of a column's square that resampled blocks must hold for its coefficient to be asked for.
 const LEAST_PART: f64 = 1e-3;
 
@@ -111,12 +124,13 @@ impl BlockGram {
             let present: Vec<(usize, &Vec<f64>)> =
                 columns.iter().enumerate().filter_map(|(c, column)| Some((c, column.rows[j].as_ref()?))).collect();
             let Some(target) = system.target.rows[j].as_ref() else { continue };
-            for row in 0..system.joint_rows {
-                let block = blocks.of_row[row];
+            // Rows of a block stand together.
+            for rows in blocks.of_row.chunk_by(|a, b| a == b).scan(0, next_range) {
+                let block = blocks.of_row[rows.start];
                 for (i, (a, x)) in present.iter().enumerate() {
-                    score[block][*a] += x[row] * target[row];
+                    score[block][*a] += inner(&x[rows.clone()], &target[rows.clone()]);
                     for (b, y) in &present[i..] {
-                        square[block][(*a, *b)] += x[row] * y[row];
+                        square[block][(*a, *b)] += inner(&x[rows.clone()], &y[rows.clone()]);
                     }
                 }
             }
@@ -169,6 +183,8 @@ pub(crate) struct HeldOut<const N: usize> {
     pub gram: BlockGram,
     /// The columns unwhitened, in the order of the causes.
     pub plain: Vec<Column<N>>,
+    /// Blocks that are held out together: every so many-th.
+    folds: usize,
 }
 
 impl<const N: usize> HeldOut<N> {
@@ -182,7 +198,29 @@ impl<const N: usize> HeldOut<N> {
     pub fn with_plain(system: &System<'_, N>, groups: &[usize], plain: Vec<Column<N>>) -> Self {
         let blocks = TimeBlocks::of(system, groups);
         let gram = BlockGram::of(system, &system.columns_of(groups), None, &blocks);
-        Self { blocks, gram, plain }
+        let folds = FOLDS.min(blocks.ranges.len().max(1));
+        Self { blocks, gram, plain, folds }
+    }
+
+    /// The same with whole parts of the logs for blocks, each held out in turn: every log, or the thirds of one.
+    pub fn of_parts(system: &System<'_, N>, groups: &[usize], plain: Vec<Column<N>>) -> Self {
+        let scene = system.scene;
+        let bounds = |log: usize| {
+            let own = || scene.bursts.iter().filter(move |burst| burst.log == log).map(|burst| &burst.out);
+            own().map(|out| out.start).min().unwrap_or(0)..own().map(|out| out.end).max().unwrap_or(0)
+        };
+        let ranges: Vec<Range<usize>> = match scene.chains.len() {
+            1 => {
+                let Range { start, end } = bounds(0);
+                let edge = |k: usize| start + k * (end - start) / THIRDS;
+                (0..THIRDS).map(|k| edge(k)..edge(k + 1)).collect()
+            }
+            logs => (0..logs).map(bounds).collect(),
+        };
+        let blocks = TimeBlocks::in_ranges(system, ranges);
+        let gram = BlockGram::of(system, &system.columns_of(groups), None, &blocks);
+        let folds = blocks.ranges.len().max(1);
+        Self { blocks, gram, plain, folds }
     }
 
     /// Cross-validated squares of `residual − fitted` with all columns.
@@ -194,7 +232,7 @@ impl<const N: usize> HeldOut<N> {
     pub fn squares_without(&self, residual: &[Vec<f64>; N], left_out: Range<usize>) -> BlockSquares<N> {
         let keep: Vec<usize> = (0..self.plain.len()).filter(|c| !left_out.contains(c)).collect();
         let count = self.blocks.ranges.len();
-        let folds = FOLDS.min(count.max(1));
+        let folds = self.folds;
         let mut squares = vec![[0.0; N]; count];
         for fold in 0..folds {
             let weights: Vec<f64> = (0..count).map(|block| if block % folds == fold { 0.0 } else { 1.0 }).collect();

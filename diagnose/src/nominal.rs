@@ -37,18 +37,30 @@ impl<const N: usize> Nominal<N> {
         Self { arm, effects, ..self.clone() }
     }
 
-    /// Friction of a joint that slides at qd [rad/s] (Nm): of its law, with what `effects` add that goes with speed alone.
-    pub(crate) fn sliding_friction_nm(&self, joint: usize, qd: f64) -> f64 {
-        let sign = smooth_sign(qd, self.smoothing_rad_s);
-        let added = self.effects.iter().map(|effect| match *effect {
-            Effect::Coulomb { joint: at, delta_coulomb_nm } if at == joint => delta_coulomb_nm * sign,
-            Effect::Viscous { joint: at, delta_viscous_nm_s_per_rad } if at == joint => delta_viscous_nm_s_per_rad * qd,
-            Effect::FrictionCurve { joint: at, amplitude_nm, width_rad_s } if at == joint => {
-                amplitude_nm * smooth_sign(qd, width_rad_s)
+    /// Friction of a joint that slides: of its law, with what `effects` add that goes with speed alone.
+    pub(crate) fn sliding_friction(&self, joint: usize) -> SlidingFriction {
+        let mut sliding = SlidingFriction {
+            law: self.friction.joints[joint],
+            smoothing_rad_s: self.smoothing_rad_s,
+            delta_coulomb_nm: 0.0,
+            delta_viscous_nm_s: 0.0,
+            curves: Vec::new(),
+        };
+        for effect in &self.effects {
+            match *effect {
+                Effect::Coulomb { joint: at, delta_coulomb_nm } if at == joint => {
+                    sliding.delta_coulomb_nm += delta_coulomb_nm;
+                }
+                Effect::Viscous { joint: at, delta_viscous_nm_s_per_rad } if at == joint => {
+                    sliding.delta_viscous_nm_s += delta_viscous_nm_s_per_rad;
+                }
+                Effect::FrictionCurve { joint: at, amplitude_nm, width_rad_s } if at == joint => {
+                    sliding.curves.push((amplitude_nm, width_rad_s));
+                }
+                _ => {}
             }
-            _ => 0.0,
-        });
-        self.friction.joints[joint].torque(qd, self.smoothing_rad_s) + added.sum::<f64>()
+        }
+        sliding
     }
 
     /// Coulomb friction of a joint at speed (Nm): of its law, with what `effects` add.
@@ -83,5 +95,26 @@ impl<const N: usize> Nominal<N> {
             _ => 0.0,
         });
         law + added.sum::<f64>()
+    }
+}
+
+/// Friction of one joint over its speed.
+pub(crate) struct SlidingFriction {
+    law: JointFriction,
+    smoothing_rad_s: f64,
+    delta_coulomb_nm: f64,
+    delta_viscous_nm_s: f64,
+    /// Amplitude (Nm) and width [rad/s] of each curve.
+    curves: Vec<(f64, f64)>,
+}
+
+impl SlidingFriction {
+    /// Torque at a speed [rad/s] (Nm).
+    pub fn torque_nm(&self, qd: f64) -> f64 {
+        let curves = self.curves.iter().map(|(amplitude_nm, width_rad_s)| amplitude_nm * smooth_sign(qd, *width_rad_s));
+        self.law.torque(qd, self.smoothing_rad_s)
+            + self.delta_coulomb_nm * smooth_sign(qd, self.smoothing_rad_s)
+            + self.delta_viscous_nm_s * qd
+            + curves.sum::<f64>()
     }
 }

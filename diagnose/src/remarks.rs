@@ -1,6 +1,6 @@
 //! What surrounds the findings: the misfit of every joint, notes, assumptions, and what was rejected.
 
-use crate::diagnosis::{CauseLabel, Finding, JointMisfit, Rejected};
+use crate::diagnosis::{CauseLabel, Finding, JointMisfit, Rejected, Unseen};
 use crate::evidence::Conditional;
 use crate::held_out::BlockSquares;
 use crate::noise_level::rms;
@@ -49,6 +49,17 @@ pub(crate) fn misfits<const N: usize>(
             held_out_nm: [block_rms(held_out_before, j), block_rms(held_out_after, j)],
         })
         .collect()
+}
+
+/// Says so where a plain fit predicts better than the extended model.
+pub(crate) fn note_on_baseline(unseen: &Unseen) -> Option<String> {
+    let (name, _) = unseen.better_baseline();
+    unseen.baseline_is_better().then(|| {
+        format!(
+            "{name} predicts unseen data better than the extended model, {:.2} times: prefer it, or record more motion",
+            unseen.ratio()
+        )
+    })
 }
 
 pub(crate) fn notes_of<const N: usize>(scene: &Scene<N>) -> Vec<String> {

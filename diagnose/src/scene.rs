@@ -1,18 +1,18 @@
 //! What the candidates are evaluated on: the motion of all logs and what the nominal model makes of it.
 
 use std::ops::Range;
-use std::sync::OnceLock;
+use std::sync::{Arc, OnceLock};
 
 use nalgebra::{SMatrix, SVector};
 use rayon::prelude::*;
 use tribo_friction::law::smooth_sign;
 use tribo_logs::RobotLog;
-use tribo_robot::{Kinematics, inverse_dynamics_regressor, mass_matrix, rnea};
+use tribo_robot::{Kinematics, link_regressor, mass_matrix, rnea};
 
-use crate::filter::central_difference;
+use crate::filter::{Knots, central_difference};
 use crate::noise_level::{resolution, sensor_share, white_noise_sd};
 use crate::signal_chain::SMOOTHING_OVER_BAND;
-use crate::{DiagnoseError, MotionSample, Nominal, ResidualSettings, SignalChain, TorqueResidual};
+use crate::{DiagnoseError, MotionSample, Nominal, ResidualError, ResidualSettings, SignalChain, TorqueResidual};
 
 /// One stamp on the uniform grid of a burst, before the band filter.
 #[derive(Clone, Copy, Debug)]
@@ -129,7 +129,7 @@ pub(crate) struct Scene<const N: usize> {
     /// Whether link-side torque was measured too: the residual is that of the transmission, no rigid body in it.
     pub transmission: bool,
     /// Filtered regressors of every link, ten columns each, on first use.
-    link_regressors: OnceLock<Vec<[Column<N>; 10]>>,
+    link_regressors: OnceLock<Arc<Vec<[Column<N>; 10]>>>,
     /// See [`Self::standing`], on first use.
     standing: [OnceLock<Vec<f64>>; N],
     /// See [`Self::noise_weights`], on first use.
@@ -233,8 +233,8 @@ impl<const N: usize> Scene<N> {
             let by_size = duration_s * log_rate_hz / MOST_SAMPLES;
             let average_samples = by_band.max(by_size).floor().max(1.0) as usize;
             let settings = ResidualSettings { band_hz, longest_gap_s: None, average_samples, smoothing_over_band };
-            let rigid = TorqueResidual::of_log(log, &nominal.arm, &settings)?;
-            scene.append(index, &rigid);
+            let rigid = TorqueResidual::without_model(log, &settings)?;
+            scene.append(index, &rigid)?;
             match (rigid.deflection_rad(), &mut deflection) {
                 (Some(bursts), Some(all)) => all.extend(bursts.iter().flatten().copied()),
                 _ => deflection = None,
@@ -249,15 +249,22 @@ impl<const N: usize> Scene<N> {
     }
 
     /// The samples of one log.
-    fn append(&mut self, log: usize, rigid: &TorqueResidual<N>) {
+    fn append(&mut self, log: usize, rigid: &TorqueResidual<N>) -> Result<(), ResidualError> {
         let nominal = &self.nominal;
         let link_arm = nominal.arm.clone().link_side();
         for (index, (motion, torque)) in rigid.motion().iter().zip(rigid.raw_torque_nm()).enumerate() {
             let start = self.samples.len();
-            let measured_link = rigid.link_torque_nm().filter(|_| self.transmission).map(|bursts| &bursts[index]);
-            self.samples.extend(motion.iter().zip(torque).enumerate().map(|(k, (at, measured))| {
+            let link_nm = match rigid.link_torque_nm().filter(|_| self.transmission) {
+                Some(bursts) => bursts[index].clone(),
+                None => motion.iter().map(|at| rnea(&link_arm, &at.q, &at.qd, &at.qdd)).collect::<Vec<_>>(),
+            };
+            for (at, link_nm) in motion.iter().zip(&link_nm) {
+                if let Some(joint) = (0..N).find(|j| !link_nm[*j].is_finite()) {
+                    return Err(ResidualError::ModelNotFinite { joint, time_s: at.time_s });
+                }
+            }
+            self.samples.extend(motion.iter().zip(torque).zip(link_nm).map(|((at, measured), link_nm)| {
                 let MotionSample { time_s, q, qd, qdd } = *at;
-                let link_nm = measured_link.map_or_else(|| rnea(&link_arm, &q, &qd, &qdd), |link| link[k]);
                 let friction_nm = nominal.friction.torque(&qd, nominal.smoothing_rad_s);
                 let rotor_nm = nominal.arm.rotor_inertia_kg_m2.component_mul(&qdd);
                 let model_nm = link_nm + rotor_nm + friction_nm;
@@ -275,25 +282,29 @@ impl<const N: usize> Scene<N> {
         }
         self.chains.push(rigid.chain.clone());
         self.skipped_bursts += rigid.skipped_bursts;
+        Ok(())
     }
 
-    /// Torque noise (Nm) that velocity noise makes through the slope of nominal friction at a sample.
-    fn sign_noise_nm(&self, j: usize, at: &Sample<N>) -> f64 {
+    /// Square of the torque noise (Nm²) that velocity noise makes of a joint through the slope of nominal friction, sample by sample.
+    fn sign_noise_squares(&self, j: usize) -> Vec<f64> {
         let step = self.velocity_sd_rad_s[j].max(1e-6);
-        let friction = |qd: f64| self.nominal.sliding_friction_nm(j, qd);
-        let slope = (friction(at.qd[j] + step) - friction(at.qd[j] - step)) / (2.0 * step);
-        // A joint at rest stays on its step of the lattice.
-        let coarse = self.coarse_velocity_rad_s[j];
-        let coarse = if at.qd[j].abs() > CREEPING * coarse { coarse } else { 0.0 };
-        slope * self.velocity_sd_in_band_rad_s[j].hypot(coarse)
+        let friction = self.nominal.sliding_friction(j);
+        let [creeping, moving] = [0.0, self.coarse_velocity_rad_s[j]]
+            .map(|coarse| self.velocity_sd_in_band_rad_s[j].powi(2) + f64::powi(coarse, 2));
+        let square = |at: &Sample<N>| {
+            let qd = at.qd[j];
+            let slope = (friction.torque_nm(qd + step) - friction.torque_nm(qd - step)) / (2.0 * step);
+            // A joint at rest stays on its step of the lattice.
+            slope.powi(2) * if qd.abs() > CREEPING * self.coarse_velocity_rad_s[j] { moving } else { creeping }
+        };
+        self.samples.iter().map(square).collect()
     }
 
     /// Weight of each output sample of a joint, `σ/√(σ² + σ_f²)`: σ the noise of torque and acceleration in the band, σ_f
     /// what velocity noise adds where the joint turns back.
     pub fn noise_weights(&self, joint: usize) -> &[f64] {
         self.noise_weights[joint].get_or_init(|| {
-            let variance =
-                self.filter_own(joint, self.samples.iter().map(|at| self.sign_noise_nm(joint, at).powi(2)).collect());
+            let variance = self.filter_own(joint, self.sign_noise_squares(joint));
             let mean = variance.iter().sum::<f64>() / variance.len().max(1) as f64;
             let elsewhere = (self.noise_floor_nm[joint].powi(2) - mean).max(1e-12);
             variance.iter().map(|v| (elsewhere / (elsewhere + v.max(0.0))).sqrt()).collect()
@@ -343,8 +354,8 @@ impl<const N: usize> Scene<N> {
 
     /// Band filter and residual.
     fn filter_model(&mut self) {
-        let position = self.filter(&FineColumn::Arm(self.samples.iter().map(|at| at.q).collect()));
-        let model = self.filter(&FineColumn::Arm(self.samples.iter().map(|at| at.model_nm).collect()));
+        let position = self.filter(&self.arm_column(|at| at.q));
+        let model = self.filter(&self.arm_column(|at| at.model_nm));
         // A joint at 0 all along has no row.
         let samples = self.time_s.len();
         let take = |column: Column<N>| column.rows.map(|row| row.unwrap_or_else(|| vec![0.0; samples]));
@@ -396,22 +407,32 @@ impl<const N: usize> Scene<N> {
 
     /// Regressors of every link in its ten inertial parameters, in the band.
     pub fn link_regressors(&self) -> &[[Column<N>; 10]] {
-        self.link_regressors.get_or_init(|| (0..N).map(|link| self.link_regressor(link)).collect())
+        self.link_regressors.get_or_init(|| Arc::new((0..N).map(|link| self.link_regressor(link)).collect()))
     }
 
-    /// Regressor of one link in its ten inertial parameters, in the band; link by link, so that those of all links never
-    /// stand on the fine grid together.
-    pub fn link_regressor(&self, link: usize) -> [Column<N>; 10] {
+    /// Takes over the regressors of links of a scene of the same logs: they are a matter of motion, geometry and gravity alone.
+    pub fn borrow_regressors(&mut self, other: &Self) {
+        let (arm, others) = (&self.nominal.arm, &other.nominal.arm);
+        let alike = arm.gravity_m_s2 == others.gravity_m_s2 && self.chains == other.chains;
+        if alike && self.time_s == other.time_s {
+            self.link_regressors.clone_from(&other.link_regressors);
+        }
+    }
+
+    /// Link by link, so that those of all links never stand on the fine grid together.
+    fn link_regressor(&self, link: usize) -> [Column<N>; 10] {
         let arm = &self.nominal.arm;
-        let block = |at: &Sample<N>| inverse_dynamics_regressor(arm, &at.q, &at.qd, &at.qdd)[link];
-        let blocks: Vec<SMatrix<f64, N, 10>> = self.samples.par_iter().map(block).collect();
         let mut filtered: Vec<Vec<Vec<f64>>> = vec![vec![Vec::new(); 10]; link + 1];
         for burst in &self.bursts {
             let chain = &self.chains[burst.log];
+            let samples = &self.samples[burst.fine.clone()];
+            let knots = Knots::of(samples.len(), chain.knot_stride());
+            let block = |k: usize| link_regressor(arm, &samples[k].q, &samples[k].qd, &samples[k].qdd, link);
+            let blocks: Vec<SMatrix<f64, N, 10>> = knots.places().map(block).collect();
             let of_joint: Vec<Vec<Vec<f64>>> = (0..=link)
                 .into_par_iter()
                 .map(|j| {
-                    let track = |i: usize| blocks[burst.fine.clone()].iter().map(|block| block[(j, i)]).collect();
+                    let track = |i: usize| knots.fill(&blocks.iter().map(|block| block[(j, i)]).collect::<Vec<f64>>());
                     chain.finish_all(&(0..10).map(track).collect::<Vec<Vec<f64>>>())
                 })
                 .collect();
@@ -480,7 +501,7 @@ impl<const N: usize> Scene<N> {
         self.velocity_sd_in_band_rad_s = self.position_sd_rad * mean(velocity_in_band).sqrt();
         self.coarse_velocity_rad_s = quantised_sd_rad * 2.0 * std::f64::consts::PI * chain.band_hz;
         self.noise_floor_nm = SVector::from_fn(|j, _| {
-            let squares: f64 = self.samples.iter().map(|at| self.sign_noise_nm(j, at).powi(2)).sum();
+            let squares: f64 = self.sign_noise_squares(j).iter().sum();
             let from_friction = squares / self.samples.len().max(1) as f64;
             let from_torque = self.torque_sd_nm[j].powi(2) * mean(torque);
             let from_position = (inertia[j] * self.position_sd_rad[j]).powi(2) * mean(acceleration);
@@ -488,6 +509,19 @@ impl<const N: usize> Scene<N> {
         });
         self.torque_floor_nm = self.torque_sd_nm * mean(torque).sqrt();
     }
+}
+
+/// A torque of all joints that is a smooth function of the motion, at every sample of a burst.
+pub(crate) fn smooth_in_time<const N: usize>(
+    samples: usize,
+    stride: usize,
+    torque: impl Fn(usize) -> SVector<f64, N>,
+) -> Vec<SVector<f64, N>> {
+    let knots = Knots::of(samples, stride);
+    let values: Vec<SVector<f64, N>> = knots.places().map(torque).collect();
+    let of_joint = |j: usize| knots.fill(&values.iter().map(|value| value[j]).collect::<Vec<f64>>());
+    let filled: [Vec<f64>; N] = std::array::from_fn(of_joint);
+    (0..samples).map(|k| SVector::from_fn(|j, _| filled[j][k])).collect()
 }
 
 /// `sum += factor · x`.

@@ -7,6 +7,7 @@
 //! An extended BIC on whitened data; λ is how much left-over correlation inflates chance (see [`crate::significance`]).
 //! Start empty; add the best group; refine shapes; swap, delete and consolidate until nothing improves.
 
+use std::collections::BTreeSet;
 use std::sync::Arc;
 
 use rayon::prelude::*;
@@ -55,6 +56,10 @@ pub(crate) struct Search<'s, 'a, const N: usize> {
     pub thorough: bool,
     /// Whether causes without a name may be added.
     pub nameless: bool,
+    /// Kinds of causes in most joints beyond which the search gives up; `None` where it never does.
+    pub most_kinds: Option<usize>,
+    /// Whether it has.
+    pub gave_up: bool,
 }
 
 impl<'s, 'a, const N: usize> Search<'s, 'a, N> {
@@ -64,7 +69,9 @@ impl<'s, 'a, const N: usize> Search<'s, 'a, N> {
             system.groups.iter().map(|group| (group.candidate.label(), group.candidate.location())).collect();
         distinct.sort_unstable();
         distinct.dedup();
-        Self { system, selected: Vec::new(), inflation, causes: distinct.len().max(1), thorough: true, nameless: true }
+        let causes = distinct.len().max(1);
+        let (thorough, nameless, most_kinds, gave_up) = (true, true, None, false);
+        Self { system, selected: Vec::new(), inflation, causes, thorough, nameless, most_kinds, gave_up }
     }
 
     /// Price of a group.
@@ -137,6 +144,9 @@ impl<'s, 'a, const N: usize> Search<'s, 'a, N> {
             if !self.add(&mut fruitless, go_on) {
                 return false;
             }
+            if self.gave_up {
+                return true;
+            }
             if !(self.thorough && self.do_without_unknown()) {
                 break;
             }
@@ -181,8 +191,26 @@ impl<'s, 'a, const N: usize> Search<'s, 'a, N> {
                 self.selected = before.0;
                 fruitless.push(self.place(group));
             }
+            self.gave_up = self.most_kinds.is_some_and(|most| self.is_everywhere(most));
+            if self.gave_up {
+                break;
+            }
         }
         true
+    }
+
+    /// Whether more than half of the joints have named causes of their own, two per joint of the arm and more in all, of more than `most` kinds:
+    /// fewer may still become one cause that stands for many, and what has no name is only asked for one later.
+    fn is_everywhere(&self, most: usize) -> bool {
+        let mut places: Vec<(CauseLabel, Location)> = self.selected.iter().map(|group| self.place(*group)).collect();
+        places.retain(|(label, _)| *label != CauseLabel::Unknown);
+        let joint = |(_, location): &(CauseLabel, Location)| match location {
+            Location::Joint(joint) => Some(*joint),
+            _ => None,
+        };
+        let joints: BTreeSet<usize> = places.iter().filter_map(joint).collect();
+        let kinds: BTreeSet<CauseLabel> = places.iter().map(|(label, _)| *label).collect();
+        2 * joints.len() > N && places.len() > 2 * N && kinds.len() > most
     }
 
     /// The group of most evidence given the selection; a contact window is searched for on the way.

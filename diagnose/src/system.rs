@@ -38,6 +38,8 @@ pub(crate) struct System<'a, const N: usize> {
     pub whitening: [Vec<Whitening>; N],
     /// Columns evaluated off the grid: the search comes back to the same shapes in other company.
     evaluated: Mutex<BTreeMap<Place, Vec<Column<N>>>>,
+    /// Filtered columns of groups that were asked for.
+    plain: Mutex<BTreeMap<usize, Vec<Column<N>>>>,
     /// Columns of a push that lasts the whole log, on first use.
     push: OnceLock<Vec<Column<N>>>,
     /// Weight of each output sample of a joint, before whitened rows are dropped.
@@ -150,6 +152,7 @@ impl<'a, const N: usize> System<'a, N> {
             rows: row_samples.len() * N,
             whitening,
             evaluated: Mutex::default(),
+            plain: Mutex::default(),
             push: OnceLock::new(),
             weights,
             stuck,
@@ -286,8 +289,17 @@ impl<'a, const N: usize> System<'a, N> {
 
     /// The columns of a group as filtered torques, before whitening.
     pub fn plain_columns(&self, group: usize) -> Vec<Column<N>> {
-        let group = &self.groups[group];
-        group.candidate.filtered(self.scene, &group.shape)
+        if let Ok(known) = self.plain.lock()
+            && let Some(columns) = known.get(&group)
+        {
+            return columns.clone();
+        }
+        let Group { candidate, shape, .. } = &self.groups[group];
+        let columns = candidate.filtered(self.scene, shape);
+        if let Ok(mut known) = self.plain.lock() {
+            known.insert(group, columns.clone());
+        }
+        columns
     }
 }
 

@@ -66,6 +66,21 @@ impl<const N: usize> TorqueResidual<N> {
     /// # Errors
     /// See [`ResidualError`]; a log that validated is finite and ordered already.
     pub fn of_log(log: &RobotLog, arm: &Arm<N>, settings: &ResidualSettings) -> Result<Self, ResidualError> {
+        let mut residual = Self::without_model(log, settings)?;
+        // Model torque through the same band.
+        residual.model_nm = residual.joint_columns(|at| rnea(arm, &at.q, &at.qd, &at.qdd));
+        for joint in 0..N {
+            let (measured, model) = (&residual.measured_nm[joint], &residual.model_nm[joint]);
+            if let Some(k) = model.iter().position(|tau| !tau.is_finite()) {
+                return Err(ResidualError::ModelNotFinite { joint, time_s: residual.time_s[k] });
+            }
+            residual.residual_nm[joint] = measured.iter().zip(model).map(|(tau, rigid)| tau - rigid).collect();
+        }
+        Ok(residual)
+    }
+
+    /// The motion and the measured torques of a log; model and residual are empty.
+    pub(crate) fn without_model(log: &RobotLog, settings: &ResidualSettings) -> Result<Self, ResidualError> {
         if log.joints() != N {
             return Err(ResidualError::JointCount { log: log.joints(), arm: N });
         }
@@ -114,22 +129,13 @@ impl<const N: usize> TorqueResidual<N> {
             let start = residual.time_s.len();
             residual.time_s.extend(residual.chain.trim_and_average(residual.chain.settled(&burst.time_s)));
             residual.bursts.push(start..residual.time_s.len());
-            for j in 0..N {
-                let smoothed = residual.chain.smooth(&burst.tau_j_nm[j]);
-                residual.measured_nm[j].extend(residual.chain.finish(residual.chain.settled(&smoothed)));
+            let smoothed = residual.chain.smooth_all(&burst.tau_j_nm);
+            let settled: Vec<Vec<f64>> = smoothed.iter().map(|x| residual.chain.settled(x).to_vec()).collect();
+            for (measured, finished) in residual.measured_nm.iter_mut().zip(residual.chain.finish_all(&settled)) {
+                measured.extend(finished);
             }
         }
-
-        // Model torque and velocity through the same band.
-        residual.model_nm = residual.joint_columns(|at| rnea(arm, &at.q, &at.qd, &at.qdd));
         residual.qd_rad_s = residual.joint_columns(|at| at.qd);
-        for joint in 0..N {
-            let (measured, model) = (&residual.measured_nm[joint], &residual.model_nm[joint]);
-            if let Some(k) = model.iter().position(|tau| !tau.is_finite()) {
-                return Err(ResidualError::ModelNotFinite { joint, time_s: residual.time_s[k] });
-            }
-            residual.residual_nm[joint] = measured.iter().zip(model).map(|(tau, rigid)| tau - rigid).collect();
-        }
         Ok(residual)
     }
 
@@ -163,10 +169,9 @@ impl<const N: usize> TorqueResidual<N> {
         let mut columns = std::array::from_fn(|_| Vec::with_capacity(self.samples()));
         for burst in &self.motion {
             let values: Vec<SVector<f64, N>> = burst.iter().map(&regressor).collect();
-            for j in 0..N {
-                let column: Vec<f64> = values.iter().map(|value| value[j]).collect();
-                columns[j].extend(self.chain.finish(&column));
-            }
+            let track = |j: usize| values.iter().map(|value| value[j]).collect();
+            let tracks: Vec<Vec<f64>> = (0..N).map(track).collect();
+            columns.iter_mut().zip(self.chain.finish_all(&tracks)).for_each(|(column, x)| column.extend(x));
         }
         columns
     }
@@ -190,25 +195,24 @@ pub(crate) fn smoothed<const N: usize>(
     columns: Option<&Vec<Vec<f64>>>,
     chain: &SignalChain,
 ) -> Option<Vec<SVector<f64, N>>> {
-    let columns: Vec<Vec<f64>> = columns?.iter().map(|column| chain.smooth(column)).collect();
-    Some(rows(&columns, chain))
+    Some(rows(&chain.smooth_all(columns?), chain))
 }
 
 /// Smoothed, settled `theta − q` where the log has two encoders.
 fn deflection_of<const N: usize>(burst: &RobotLog, chain: &SignalChain) -> Option<Vec<SVector<f64, N>>> {
     let theta = burst.theta_rad.as_ref()?;
     let difference = |j: usize| theta[j].iter().zip(&burst.q_rad[j]).map(|(theta, q)| theta - q).collect::<Vec<f64>>();
-    let smoothed: Vec<Vec<f64>> = (0..N).map(|j| chain.smooth(&difference(j))).collect();
-    Some(rows(&smoothed, chain))
+    let differences: Vec<Vec<f64>> = (0..N).map(difference).collect();
+    Some(rows(&chain.smooth_all(&differences), chain))
 }
 
 /// Smoothed positions and their derivatives, away from the ends of the burst.
 pub(crate) fn motion_of<const N: usize>(burst: &RobotLog, chain: &SignalChain) -> Vec<MotionSample<N>> {
     let dt_s = chain.rate_hz.recip();
-    let q: [Vec<f64>; N] = std::array::from_fn(|j| chain.smooth(&burst.q_rad[j]));
+    let q = chain.smooth_all(&burst.q_rad);
     let qd: [Vec<f64>; N] = std::array::from_fn(|j| central_difference(&q[j], dt_s));
     let qdd: [Vec<f64>; N] = std::array::from_fn(|j| central_difference(&qd[j], dt_s));
-    let at = |columns: &[Vec<f64>; N], k: usize| SVector::from_fn(|j, _| columns[j][k]);
+    let at = |columns: &[Vec<f64>], k: usize| SVector::from_fn(|j, _| columns[j][k]);
     let stamps = burst.time_s.iter().enumerate();
     let whole: Vec<_> =
         stamps.map(|(k, &time_s)| MotionSample { time_s, q: at(&q, k), qd: at(&qd, k), qdd: at(&qdd, k) }).collect();

@@ -190,10 +190,13 @@ fn each_way_to_fail_is_named_with_its_numbers() {
     let arm = Arm::<6> {
         name: "six".to_owned(),
         joint_names: JointNames::default(),
-        placements: std::array::from_fn(|j| panda.placements[j]),
-        links: std::array::from_fn(|j| panda.links[j]),
-        link_from_flange_rotation: panda.link_from_flange_rotation,
-        link_from_flange_translation: panda.link_from_flange_translation,
+        mechanism: tribo_robot::Mechanism {
+            placements: std::array::from_fn(|j| panda.placements[j]),
+            links: std::array::from_fn(|j| panda.links[j]),
+            link_from_flange_rotation: panda.link_from_flange_rotation,
+            link_from_flange_translation: panda.link_from_flange_translation,
+        }
+        .into(),
         rotor_inertia_kg_m2: SVector::zeros(),
         limits: tribo_robot::Limits {
             q_min_rad: SVector::repeat(-3.0),
@@ -207,8 +210,7 @@ fn each_way_to_fail_is_named_with_its_numbers() {
     let count = TorqueResidual::of_log(&log, &arm, &settings).unwrap_err();
     assert!(matches!(count, ResidualError::JointCount { log: 7, arm: 6 }), "{count}");
 
-    let mut broken = presets::panda();
-    broken.links[3].mass_kg = f64::NAN;
+    let broken = presets::panda().altered(|mechanism| mechanism.links[3].mass_kg = f64::NAN);
     let nan = TorqueResidual::of_log(&log, &broken, &settings).unwrap_err();
     assert!(matches!(nan, ResidualError::ModelNotFinite { joint: 0, .. }), "{nan}");
 

@@ -1,7 +1,7 @@
 //! Covariance of the augmented state, kept in the six independent 6×6 blocks.
 
 use nalgebra::{Matrix6, SMatrix, Vector6};
-use tribo_robot::{SpdFactor, multiply_add, product, product_transposed, subtract_product_transposed};
+use tribo_robot::{SpdFactor, minus_product_transposed, multiply_add, product, product_transposed};
 
 /// Covariance of (v, x, h): twist, pose error, wrench. 18×18, symmetric; blocks named row then column.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -45,7 +45,7 @@ impl AugmentedCovariance {
         }
     }
 
-    /// `P ← F P Fᵀ + Q` over dt (s) with
+    /// `F P Fᵀ + Q` over dt (s) with
     ///
     /// ```text
     /// F = [ I      0  −dt Λ⁻¹    ]      Q = diag(qv, 0, qh)
@@ -55,7 +55,7 @@ impl AugmentedCovariance {
     ///
     /// The process noise of one step is added to v and h alone; its leak into x within the step is of order dt³.
     #[inline]
-    pub fn propagate(&mut self, lambda_inverse: &Matrix6<f64>, dt_s: f64, qv: &Vector6<f64>, qh: &Vector6<f64>) {
+    pub fn propagated(&self, lambda_inverse: &Matrix6<f64>, dt_s: f64, qv: &Vector6<f64>, qh: &Vector6<f64>) -> Self {
         let a = lambda_inverse * dt_s;
         let half = 0.5 * dt_s;
         // With v⁺ = v − A h, x⁺ = x + dt/2 (v + v⁺).
@@ -68,15 +68,19 @@ impl AugmentedCovariance {
         // xx⁺ = xx + E + Eᵀ + dt²/4 (vv + v⁺v⁺),   E = dt/2 (vx + v⁺x) + dt²/4 v⁺v
         let e = (self.vx + v_new_x) * half + v_new_v * (half * half);
         let velocities = (self.vv + vv) * (half * half);
-        self.xx += symmetric(|r, c| e[(r, c)] + e[(c, r)] + velocities[(r, c)]);
-        self.vx = v_new_x + (v_new_v + vv) * half;
-        self.xh += self.vh * dt_s - a_hh * half;
-        self.vh -= a_hh;
-        self.vv = vv;
+        let mut answer = Self {
+            vv,
+            vx: v_new_x + (v_new_v + vv) * half,
+            vh: self.vh - a_hh,
+            xx: self.xx + symmetric(|r, c| e[(r, c)] + e[(c, r)] + velocities[(r, c)]),
+            xh: self.xh + (self.vh * dt_s - a_hh * half),
+            hh: self.hh,
+        };
         for i in 0..6 {
-            self.vv[(i, i)] += qv[i];
-            self.hh[(i, i)] += qh[i];
+            answer.vv[(i, i)] += qv[i];
+            answer.hh[(i, i)] += qh[i];
         }
+        answer
     }
 
     /// Gain of a pose measurement, C = [0 I 0], S already factored.
@@ -85,19 +89,19 @@ impl AugmentedCovariance {
         PoseGain { v: s.right_half(&self.vx), x: s.right_half(&self.xx), h: s.right_half(&self.xh.transpose()) }
     }
 
-    /// `P ← P − X D⁻¹ Xᵀ`: what Joseph's form `(I − K C) P (I − K C)ᵀ + K R Kᵀ` is when K is the optimal gain, as it is here.
+    /// `to ← P − X D⁻¹ Xᵀ`, without a copy of P: what Joseph's form `(I − K C) P (I − K C)ᵀ + K R Kᵀ` is when K is the optimal gain, as it is here.
     ///
     /// Joseph's guards against a loss of symmetry, which is here by construction, and against a gain spoilt by rounding, which takes
     /// an R below rounding beside P: an encoder's is not. Six products of blocks instead of eighteen.
     #[inline]
-    pub fn update(&mut self, gain: &PoseGain) {
+    pub fn update_into(&self, to: &mut Self, gain: &PoseGain) {
         let PoseGain { v: (v, scaled_v), x: (x, scaled_x), h: (h, scaled_h) } = gain;
-        subtract_symmetric_product(&mut self.vv, scaled_v, v);
-        subtract_product_transposed(&mut self.vx, scaled_v, x);
-        subtract_product_transposed(&mut self.vh, scaled_v, h);
-        subtract_symmetric_product(&mut self.xx, scaled_x, x);
-        subtract_product_transposed(&mut self.xh, scaled_x, h);
-        subtract_symmetric_product(&mut self.hh, scaled_h, h);
+        minus_symmetric_product(&mut to.vv, &self.vv, scaled_v, v);
+        minus_product_transposed(&mut to.vx, &self.vx, scaled_v, x);
+        minus_product_transposed(&mut to.vh, &self.vh, scaled_v, h);
+        minus_symmetric_product(&mut to.xx, &self.xx, scaled_x, x);
+        minus_product_transposed(&mut to.xh, &self.xh, scaled_x, h);
+        minus_symmetric_product(&mut to.hh, &self.hh, scaled_h, h);
     }
 
     /// The dense 18×18 matrix in the order v, x, h.
@@ -117,28 +121,32 @@ impl AugmentedCovariance {
     }
 }
 
-/// `S ← S − A Bᵀ` of a symmetric S where `A Bᵀ` is symmetric up to rounding, which must not add up: computed on and below the
+/// `to ← S − A Bᵀ` of a symmetric S where `A Bᵀ` is symmetric up to rounding, which must not add up: computed on and below the
 /// diagonal, two columns at a time, and mirrored.
 #[inline]
-fn subtract_symmetric_product(from: &mut Matrix6<f64>, a: &Matrix6<f64>, b: &Matrix6<f64>) {
-    subtract_below::<0>(from, a, b);
-    subtract_below::<2>(from, a, b);
-    subtract_below::<4>(from, a, b);
-    *from = symmetric(|r, c| from[(r, c)]);
+fn minus_symmetric_product(to: &mut Matrix6<f64>, s: &Matrix6<f64>, a: &Matrix6<f64>, b: &Matrix6<f64>) {
+    minus_below::<0>(to, s, a, b);
+    minus_below::<2>(to, s, a, b);
+    minus_below::<4>(to, s, a, b);
+    for c in 0..6 {
+        for r in c + 1..6 {
+            to.data.0[r][c] = to.data.0[c][r];
+        }
+    }
 }
 
-/// Columns C and C + 1 of `S ← S − A Bᵀ`, from row C down.
+/// Columns C and C + 1 of `S − A Bᵀ`, right from row C down.
 #[inline]
-fn subtract_below<const C: usize>(from: &mut Matrix6<f64>, a: &Matrix6<f64>, b: &Matrix6<f64>) {
+fn minus_below<const C: usize>(to: &mut Matrix6<f64>, s: &Matrix6<f64>, a: &Matrix6<f64>, b: &Matrix6<f64>) {
     for c in C..C + 2 {
-        let mut column = from.data.0[c];
+        let mut column = s.data.0[c];
         for k in 0..6 {
             let factor = b.data.0[k][c];
             for r in C..6 {
                 column[r] = multiply_add(-a.data.0[k][r], factor, column[r]);
             }
         }
-        from.data.0[c] = column;
+        to.data.0[c] = column;
     }
 }
 
@@ -195,14 +203,14 @@ mod tests {
             expected[(i, i)] += 0.3;
             expected[(12 + i, 12 + i)] += 0.7;
         }
-        p.propagate(&lambda_inverse, dt, &qv, &qh);
+        p = p.propagated(&lambda_inverse, dt, &qv, &qh);
         assert!((p.to_dense() - expected).amax() < 1e-11 * expected.amax());
     }
 
     /// Witness: the dense Joseph form, which is right for any gain, at the textbook's gain.
     #[test]
     fn update_is_the_joseph_form() {
-        let mut p = some_covariance();
+        let p = some_covariance();
         let r = Matrix6::from_diagonal(&Vector6::new(0.1, 0.2, 0.3, 0.4, 0.5, 0.6));
         let s = p.xx + r;
         let mut c = SMatrix::<f64, 6, 18>::zeros();
@@ -212,8 +220,9 @@ mod tests {
         let expected = keep * p.to_dense() * keep.transpose() + k * r * k.transpose();
         let factor = SpdFactor::of(&s).unwrap();
         let gain = p.pose_gain(&factor);
-        p.update(&gain);
-        assert!((p.to_dense() - expected).amax() < 1e-11 * expected.amax());
+        let mut updated = p;
+        p.update_into(&mut updated, &gain);
+        assert!((updated.to_dense() - expected).amax() < 1e-11 * expected.amax());
         // And the gain on a measurement is K.
         let nu = Vector6::new(0.3, -0.1, 0.7, 0.2, -0.5, 0.4);
         let y = factor.half(&nu).component_mul(factor.reciprocal_pivots());
@@ -229,10 +238,9 @@ mod tests {
         let (mut p, lambda_inverse) = (some_covariance(), some_lambda_inverse());
         let r = Matrix6::identity() * 1e-10;
         for _ in 0..1_000_000 {
-            p.propagate(&lambda_inverse, 1e-3, &Vector6::repeat(1e-6), &Vector6::repeat(1e-2));
-            let factor = SpdFactor::of(&(p.xx + r)).unwrap();
-            let gain = p.pose_gain(&factor);
-            p.update(&gain);
+            let predicted = p.propagated(&lambda_inverse, 1e-3, &Vector6::repeat(1e-6), &Vector6::repeat(1e-2));
+            let factor = SpdFactor::of(&(predicted.xx + r)).unwrap();
+            predicted.update_into(&mut p, &predicted.pose_gain(&factor));
         }
         let dense = p.to_dense();
         let scale = dense.diagonal().map(|variance| 1.0 / variance.sqrt());

@@ -32,26 +32,46 @@ pub fn wrench_from_torque<const N: usize>(terms: &ControlTerms<N>) -> Option<SMa
 #[derive(Clone, Debug)]
 pub struct WrenchEkf {
     settings: WrenchEkfSettings,
+    belief: Belief,
+    innovation: Option<Innovation>,
+}
+
+/// The state and its covariance.
+#[derive(Clone, Copy, Debug)]
+struct Belief {
     twist: Vector6<f64>,
     position: Vector3<f64>,
     rotation: Matrix3<f64>,
     wrench: Vector6<f64>,
     covariance: AugmentedCovariance,
-    innovation: Option<Innovation>,
+}
+
+impl Belief {
+    /// Known exactly: at rest at a pose, without a wrench.
+    fn at(pose: &Pose) -> Self {
+        let zero = Vector6::zeros();
+        Self {
+            twist: zero,
+            position: pose.translation.vector,
+            rotation: *pose.rotation.matrix(),
+            wrench: zero,
+            covariance: AugmentedCovariance::diagonal(&zero, &zero, &zero),
+        }
+    }
+
+    /// `pose ⊖ x̂ = [log(R R̂ᵀ); p − p̂]`, base axes.
+    #[inline]
+    fn pose_difference(&self, pose: &Pose) -> Vector6<f64> {
+        let r = so3::log(&(pose.rotation.matrix() * self.rotation.transpose()));
+        let p = pose.translation.vector - self.position;
+        Vector6::new(r.x, r.y, r.z, p.x, p.y, p.z)
+    }
 }
 
 impl WrenchEkf {
     /// A filter that knows nothing yet; [`WrenchEstimator::reset`] places it.
     pub fn new(settings: WrenchEkfSettings) -> Self {
-        let mut ekf = Self {
-            settings,
-            twist: Vector6::zeros(),
-            position: Vector3::zeros(),
-            rotation: Matrix3::identity(),
-            wrench: Vector6::zeros(),
-            covariance: AugmentedCovariance::diagonal(&Vector6::zeros(), &Vector6::zeros(), &Vector6::zeros()),
-            innovation: None,
-        };
+        let mut ekf = Self { settings, belief: Belief::at(&Pose::identity()), innovation: None };
         ekf.place(&Pose::identity());
         ekf
     }
@@ -63,7 +83,7 @@ impl WrenchEkf {
 
     /// Covariance of (v, x, h).
     pub fn covariance(&self) -> &AugmentedCovariance {
-        &self.covariance
+        &self.belief.covariance
     }
 
     /// Evidence of the last update.
@@ -74,64 +94,73 @@ impl WrenchEkf {
     /// Estimation error `[v − v̂; x ⊖ x̂; h − ĥ]` against a known truth, for consistency tests: NEES = eᵀ P⁻¹ e.
     pub fn error(&self, twist: &Twist, pose: &Pose, wrench: &Wrench) -> SVector<f64, 18> {
         let mut e = SVector::<f64, 18>::zeros();
-        e.fixed_rows_mut::<6>(0).copy_from(&(twist.to_vector() - self.twist));
-        e.fixed_rows_mut::<6>(6).copy_from(&self.pose_difference(pose));
-        e.fixed_rows_mut::<6>(12).copy_from(&(wrench.to_vector() - self.wrench));
+        e.fixed_rows_mut::<6>(0).copy_from(&(twist.to_vector() - self.belief.twist));
+        e.fixed_rows_mut::<6>(6).copy_from(&self.belief.pose_difference(pose));
+        e.fixed_rows_mut::<6>(12).copy_from(&(wrench.to_vector() - self.belief.wrench));
         e
     }
 
     /// `v ← v + dt (u − Λ⁻¹ h)`, `x ← x ⊕ (dt v + dt²/2 (u − Λ⁻¹ h))`, `h ← h`.
     #[inline]
     pub fn predict(&mut self, u: &Vector6<f64>, lambda_inverse: &Matrix6<f64>, dt_s: f64) {
-        let acceleration = u - product(lambda_inverse, &self.wrench);
-        let motion = self.twist * dt_s + acceleration * (0.5 * dt_s * dt_s);
-        self.twist += acceleration * dt_s;
-        let turn: Vector3<f64> = motion.fixed_rows::<3>(0).into_owned();
-        self.rotation = so3::renormalized(&(so3::exp(&turn) * self.rotation));
-        self.position += motion.fixed_rows::<3>(3);
-        let s = &self.settings;
-        let (qa, qr) = (s.acceleration_noise_m_s2.powi(2) * dt_s, s.acceleration_noise_rad_s2.powi(2) * dt_s);
-        let (qf, qm) = (s.force_walk_n.powi(2) * dt_s, s.moment_walk_nm.powi(2) * dt_s);
-        self.covariance.propagate(
-            lambda_inverse,
-            dt_s,
-            &Vector6::new(qr, qr, qr, qa, qa, qa),
-            &Vector6::new(qm, qm, qm, qf, qf, qf),
-        );
+        self.belief = self.predicted(u, lambda_inverse, dt_s);
     }
 
     /// Takes the measured pose; returns `false` and changes nothing if the innovation covariance cannot be factored.
     #[inline]
     pub fn update(&mut self, pose: &Pose, measurement_covariance: &Matrix6<f64>) -> bool {
-        let s = self.covariance.xx + measurement_covariance;
+        let predicted = self.belief;
+        self.correct(&predicted, pose, measurement_covariance)
+    }
+
+    #[inline]
+    fn predicted(&self, u: &Vector6<f64>, lambda_inverse: &Matrix6<f64>, dt_s: f64) -> Belief {
+        let Belief { twist, position, rotation, wrench, covariance } = &self.belief;
+        let acceleration = u - product(lambda_inverse, wrench);
+        let motion = twist * dt_s + acceleration * (0.5 * dt_s * dt_s);
+        let turn: Vector3<f64> = motion.fixed_rows::<3>(0).into_owned();
+        let s = &self.settings;
+        let (qa, qr) = (s.acceleration_noise_m_s2.powi(2) * dt_s, s.acceleration_noise_rad_s2.powi(2) * dt_s);
+        let (qf, qm) = (s.force_walk_n.powi(2) * dt_s, s.moment_walk_nm.powi(2) * dt_s);
+        Belief {
+            twist: twist + acceleration * dt_s,
+            position: position + motion.fixed_rows::<3>(3),
+            rotation: so3::renormalized(&(so3::exp(&turn) * rotation)),
+            wrench: *wrench,
+            covariance: covariance.propagated(
+                lambda_inverse,
+                dt_s,
+                &Vector6::new(qr, qr, qr, qa, qa, qa),
+                &Vector6::new(qm, qm, qm, qf, qf, qf),
+            ),
+        }
+    }
+
+    /// Believes `predicted`, corrected by the measured pose; changes nothing if that cannot be done.
+    #[inline]
+    fn correct(&mut self, predicted: &Belief, pose: &Pose, measurement_covariance: &Matrix6<f64>) -> bool {
+        let s = predicted.covariance.xx + measurement_covariance;
         let Some(factor) = SpdFactor::of(&s) else {
             return false;
         };
-        let innovation = self.pose_difference(pose);
+        let innovation = predicted.pose_difference(pose);
         let whitened = factor.half(&innovation);
         let y = whitened.component_mul(factor.reciprocal_pivots());
         let nis = whitened.dot(&y);
         if !nis.is_finite() {
             return false;
         }
-        let gain = self.covariance.pose_gain(&factor);
-        self.twist += product(&gain.v.0, &y);
-        self.wrench += product(&gain.h.0, &y);
+        let gain = predicted.covariance.pose_gain(&factor);
         let correction = product(&gain.x.0, &y);
         let turn: Vector3<f64> = correction.fixed_rows::<3>(0).into_owned();
-        self.rotation = so3::exp(&turn) * self.rotation;
-        self.position += correction.fixed_rows::<3>(3);
-        self.covariance.update(&gain);
+        let believed = &mut self.belief;
+        believed.twist = predicted.twist + product(&gain.v.0, &y);
+        believed.wrench = predicted.wrench + product(&gain.h.0, &y);
+        believed.rotation = so3::exp(&turn) * predicted.rotation;
+        believed.position = predicted.position + correction.fixed_rows::<3>(3);
+        predicted.covariance.update_into(&mut believed.covariance, &gain);
         self.innovation = Some(Innovation { innovation, covariance: s, nis });
         true
-    }
-
-    /// `pose ⊖ x̂ = [log(R R̂ᵀ); p − p̂]`, base axes.
-    #[inline]
-    fn pose_difference(&self, pose: &Pose) -> Vector6<f64> {
-        let r = so3::log(&(pose.rotation.matrix() * self.rotation.transpose()));
-        let p = pose.translation.vector - self.position;
-        Vector6::new(r.x, r.y, r.z, p.x, p.y, p.z)
     }
 
     #[inline]
@@ -139,7 +168,11 @@ impl WrenchEkf {
         match self.settings.measurement {
             MeasurementNoise::Diagonal { position_m, rotation_rad } => {
                 let (p, r) = (position_m * position_m, rotation_rad * rotation_rad);
-                Matrix6::from_diagonal(&Vector6::new(r, r, r, p, p, p))
+                let mut covariance = Matrix6::zeros();
+                for (i, variance) in [r, r, r, p, p, p].into_iter().enumerate() {
+                    covariance[(i, i)] = variance;
+                }
+                covariance
             }
             MeasurementNoise::Encoder { sd_rad } => product_transposed(jacobian, jacobian) * (sd_rad * sd_rad),
         }
@@ -150,22 +183,21 @@ impl WrenchEkf {
         let (f, m) = (s.initial_force_sd_n.powi(2), s.initial_moment_sd_nm.powi(2));
         // At rest to within a centimetre per second; the first pose is exact to the encoder, far below this.
         let (v, w, p, r) = (1e-4, 1e-3, 1e-8, 1e-8);
-        self.covariance = AugmentedCovariance::diagonal(
-            &Vector6::new(w, w, w, v, v, v),
-            &Vector6::new(r, r, r, p, p, p),
-            &Vector6::new(m, m, m, f, f, f),
-        );
-        self.twist = Vector6::zeros();
-        self.position = pose.translation.vector;
-        self.rotation = *pose.rotation.matrix();
-        self.wrench = Vector6::zeros();
+        self.belief = Belief {
+            covariance: AugmentedCovariance::diagonal(
+                &Vector6::new(w, w, w, v, v, v),
+                &Vector6::new(r, r, r, p, p, p),
+                &Vector6::new(m, m, m, f, f, f),
+            ),
+            ..Belief::at(pose)
+        };
         self.innovation = None;
     }
 
     fn estimate(&self) -> WrenchEstimate {
         WrenchEstimate {
-            wrench_base: Wrench::from_vector(&self.wrench),
-            covariance: self.covariance.hh,
+            wrench_base: Wrench::from_vector(&self.belief.wrench),
+            covariance: self.belief.covariance.hh,
             nis: self.innovation.map(|innovation| innovation.nis),
             limits95: None,
             fault: None,
@@ -199,12 +231,10 @@ impl<const N: usize> WrenchEstimator<N> for WrenchEkf {
             KnownInput::CommandedAcceleration => *input.acceleration_command,
         };
         let r = self.measurement_covariance(jacobian);
-        let before = self.clone();
-        self.predict(&u, &lambda_inverse, input.dt_s);
-        if self.update(&terms.base_from_flange, &r) {
+        let predicted = self.predicted(&u, &lambda_inverse, input.dt_s);
+        if self.correct(&predicted, &terms.base_from_flange, &r) {
             self.estimate()
         } else {
-            *self = before;
             self.estimate().held(EstimateFault::NotPositiveDefinite)
         }
     }

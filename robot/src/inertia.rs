@@ -2,8 +2,6 @@
 
 use nalgebra::{Matrix3, SVector, Vector3};
 
-use crate::multiply_add;
-
 /// Rigid-body inertia of one link: mass, centre of mass in the link frame, rotational inertia about the centre of mass.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LinkInertia {
@@ -63,28 +61,12 @@ impl LinkInertia {
     }
 }
 
-/// `R I Rᵀ` of a symmetric I.
-#[inline]
-pub(crate) fn turned(rotation: &Matrix3<f64>, inertia: &Matrix3<f64>) -> Matrix3<f64> {
-    let dot = |a: [f64; 3], b: [f64; 3]| multiply_add(a[2], b[2], multiply_add(a[1], b[1], a[0] * b[0]));
-    let row = |m: &Matrix3<f64>, r: usize| [m[(r, 0)], m[(r, 1)], m[(r, 2)]];
-    // I = Iᵀ: its columns are its rows.
-    let half = Matrix3::from_fn(|r, c| dot(row(rotation, r), inertia.data.0[c]));
-    let entry = |r: usize, c: usize| dot(row(&half, r), row(rotation, c));
-    symmetric([entry(0, 0), entry(0, 1), entry(0, 2), entry(1, 1), entry(1, 2), entry(2, 2)])
-}
-
 /// `−[h]×[c]× = (h·c) I − c hᵀ` where h = m c: what a body's mass adds to its inertia about a point at distance c.
 #[inline]
-pub(crate) fn steiner(h: &Vector3<f64>, c: &Vector3<f64>) -> Matrix3<f64> {
+fn steiner(h: &Vector3<f64>, c: &Vector3<f64>) -> Matrix3<f64> {
     let (xx, yy, zz) = (h.x * c.x, h.y * c.y, h.z * c.z);
-    symmetric([yy + zz, -h.x * c.y, -h.x * c.z, xx + zz, -h.y * c.z, xx + yy])
-}
-
-/// The symmetric matrix of these entries, xx xy xz yy yz zz.
-#[inline]
-pub(crate) fn symmetric([xx, xy, xz, yy, yz, zz]: [f64; 6]) -> Matrix3<f64> {
-    Matrix3::new(xx, xy, xz, xy, yy, yz, xz, yz, zz)
+    let (xy, xz, yz) = (-h.x * c.y, -h.x * c.z, -h.y * c.z);
+    Matrix3::new(yy + zz, xy, xz, xy, xx + zz, yz, xz, yz, xx + yy)
 }
 
 #[cfg(test)]

@@ -30,17 +30,23 @@
 
 mod aba;
 mod arm;
+mod canonical;
 mod chain;
 mod control_terms;
 mod crba;
 mod description;
 mod estimator;
+mod frame;
 mod inertia;
 mod joint_names;
 mod kinematics;
+mod link_dynamics;
 mod link_motion;
+mod mechanism;
 pub mod mjcf;
+mod placement;
 mod plant;
+mod prepared;
 pub mod presets;
 mod product;
 mod regressor;
@@ -53,7 +59,7 @@ pub mod urdf;
 mod well_conditioned;
 
 pub use aba::forward_dynamics;
-pub use arm::{Arm, JointPlacement, Limits, ModifiedDh, StandardDh};
+pub use arm::{Arm, Limits};
 pub use chain::{ChainError, ChainRemark, DescribedArm, SerialChain};
 pub use control_terms::ControlTerms;
 pub use crba::mass_matrix;
@@ -62,9 +68,12 @@ pub use estimator::{EstimateFault, EstimatorInput, LAMBDA_95, WrenchEstimate, Wr
 pub use inertia::{LinkInertia, Payload};
 pub use joint_names::{JointNames, NamedJoint};
 pub use kinematics::Kinematics;
+pub use mechanism::Mechanism;
+pub use placement::{JointPlacement, ModifiedDh, StandardDh};
 pub use plant::{Plant, PlantLost, SensorFrame};
-pub use product::{multiply_add, product, product_transposed, subtract_product_transposed, transposed_product};
-pub use regressor::inverse_dynamics_regressor;
+pub use prepared::PreparedMechanism;
+pub use product::{minus_product_transposed, multiply_add, product, product_transposed, transposed_product};
+pub use regressor::{inverse_dynamics_regressor, link_regressor};
 pub use rnea::{bias_torque, gravity_torque, rnea};
 pub use sines::sines;
 pub use spatial::{Pose, Twist, Wrench};

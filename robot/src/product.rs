@@ -64,10 +64,11 @@ pub fn product_transposed<const R: usize, const K: usize, const C: usize>(
     product
 }
 
-/// `C ← C − A Bᵀ`; see [`product`].
+/// `to ← C − A Bᵀ`; see [`product`].
 #[inline]
-pub fn subtract_product_transposed<const R: usize, const K: usize, const C: usize>(
-    from: &mut SMatrix<f64, R, C>,
+pub fn minus_product_transposed<const R: usize, const K: usize, const C: usize>(
+    to: &mut SMatrix<f64, R, C>,
+    from: &SMatrix<f64, R, C>,
     a: &SMatrix<f64, R, K>,
     b: &SMatrix<f64, C, K>,
 ) {
@@ -79,7 +80,7 @@ pub fn subtract_product_transposed<const R: usize, const K: usize, const C: usiz
                 column[r] = multiply_add(-a.data.0[k][r], factor, column[r]);
             }
         }
-        from.data.0[c] = column;
+        to.data.0[c] = column;
     }
 }
 
@@ -112,7 +113,7 @@ mod tests {
         assert!((product_transposed(&a, &b.transpose()) - a * b).amax() < 1e-15);
         assert!((transposed_product(&a, &c) - a.transpose() * c).amax() < 1e-15);
         let mut less = c;
-        subtract_product_transposed(&mut less, &a, &b.transpose());
+        minus_product_transposed(&mut less, &c, &a, &b.transpose());
         assert!((less - (c - a * b)).amax() < 1e-15);
     }
 }

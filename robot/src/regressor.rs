@@ -1,6 +1,6 @@
 //! Inverse-dynamics regressor.
 
-use nalgebra::{SMatrix, SVector, Vector3};
+use nalgebra::{Matrix3, SMatrix, SVector, Vector3};
 
 use crate::link_motion::LinkMotion;
 use crate::{Arm, Kinematics};
@@ -23,21 +23,53 @@ pub fn inverse_dynamics_regressor<const N: usize>(
     let mut blocks = [SMatrix::<f64, N, 10>::zeros(); N];
     let mut motion = LinkMotion::of_base(-arm.gravity_m_s2);
     for k in 0..N {
-        let (origin, axis) = (kinematics.origins[k], kinematics.axis(k));
-        motion.move_to(&origin);
-        motion.turn(&axis, qd[k]);
-        motion.dw += axis * qdd[k];
-
-        let to_link = kinematics.rotations[k].transpose();
-        let (force, moment) = body_regressor(&(to_link * motion.w), &(to_link * motion.dw), &(to_link * motion.a));
-        for i in 0..=k {
-            // tau_i = z_i · (n + (o_k − o_i) × f) = z_i · n + (z_i × (o_k − o_i)) · f
-            let z = kinematics.axis(i);
-            let (z, l) = (to_link * z, to_link * z.cross(&(origin - kinematics.origins[i])));
-            blocks[k].set_row(i, &(z.transpose() * moment + l.transpose() * force));
-        }
+        let link = kinematics.link(arm, k);
+        motion = next_link(motion, &link.1, &kinematics.axis(k), qd[k], qdd[k]);
+        blocks[k] = block(&kinematics, &link, &motion, k);
     }
     blocks
+}
+
+/// The block of one link in [`inverse_dynamics_regressor`], at the price of one.
+pub fn link_regressor<const N: usize>(
+    arm: &Arm<N>,
+    q: &SVector<f64, N>,
+    qd: &SVector<f64, N>,
+    qdd: &SVector<f64, N>,
+    link: usize,
+) -> SMatrix<f64, N, 10> {
+    let kinematics = Kinematics::at(arm, q);
+    let base = LinkMotion::of_base(-arm.gravity_m_s2);
+    let motion = (0..=link)
+        .fold(base, |motion, k| next_link(motion, &kinematics.link(arm, k).1, &kinematics.axis(k), qd[k], qdd[k]));
+    block(&kinematics, &kinematics.link(arm, link), &motion, link)
+}
+
+/// Motion of a link, about its origin, from that of the link before.
+fn next_link(mut motion: LinkMotion, origin: &Vector3<f64>, axis: &Vector3<f64>, qd: f64, qdd: f64) -> LinkMotion {
+    motion.move_to(origin);
+    motion.turn(axis, qd);
+    motion.dw += axis * qdd;
+    motion
+}
+
+/// Torques per parameter of link k, whose rotation and origin are given.
+fn block<const N: usize>(
+    kinematics: &Kinematics<N>,
+    (rotation, origin): &(Matrix3<f64>, Vector3<f64>),
+    motion: &LinkMotion,
+    k: usize,
+) -> SMatrix<f64, N, 10> {
+    let mut block = SMatrix::<f64, N, 10>::zeros();
+    let to_link = rotation.transpose();
+    let (force, moment) = body_regressor(&(to_link * motion.w), &(to_link * motion.dw), &(to_link * motion.a));
+    for i in 0..=k {
+        // tau_i = z_i · (n + (o_k − o_i) × f) = z_i · n + (z_i × (o_k − o_i)) · f
+        let z = kinematics.axis(i);
+        let (z, l) = (to_link * z, to_link * z.cross(&(origin - kinematics.pivot(i))));
+        block.set_row(i, &(z.transpose() * moment + l.transpose() * force));
+    }
+    block
 }
 
 /// Force and moment about the link origin that one body needs, as 3×10 maps of its parameters.

@@ -11,14 +11,19 @@ use wide::f64x4;
 pub fn sines<const N: usize>(angles: &SVector<f64, N>) -> [(f64, f64); N] {
     let mut answer = [(0.0, 1.0); N];
     for start in (0..N).step_by(4) {
-        let (sin, cos) =
-            f64x4::from(std::array::from_fn(|i| if start + i < N { angles[start + i] } else { 0.0 })).sin_cos();
+        let (sin, cos) = four(angles, start).sin_cos();
         let (sin, cos) = (sin.to_array(), cos.to_array());
         for k in start..N.min(start + 4) {
             answer[k] = (sin[k - start], cos[k - start]);
         }
     }
     answer
+}
+
+/// The four entries from `start` on; zero beyond the last.
+#[inline]
+pub(crate) fn four<const N: usize>(values: &SVector<f64, N>, start: usize) -> f64x4 {
+    f64x4::from(std::array::from_fn(|i| if start + i < N { values[start + i] } else { 0.0 }))
 }
 
 /// `R · RotZ(q)`, given the sine and the cosine of q.

@@ -160,7 +160,9 @@ impl<const N: usize> Hidden<N> {
             }
             Effect::LinkInertial { link, delta_mass_kg, delta_first_moment_kg_m, delta_inertia_kg_m2 } => {
                 let moment = Vector3::from(delta_first_moment_kg_m);
-                self.arm.links[link] = altered(&self.arm.links[link], delta_mass_kg, moment, &delta_inertia_kg_m2);
+                self.arm = self.arm.clone().altered(|arm| {
+                    arm.links[link] = altered(&arm.links[link], delta_mass_kg, moment, &delta_inertia_kg_m2);
+                });
             }
             Effect::RotorInertia { joint, delta_rotor_inertia_kg_m2 } => {
                 self.arm.rotor_inertia_kg_m2[joint] += delta_rotor_inertia_kg_m2;

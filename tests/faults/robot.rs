@@ -72,7 +72,7 @@ fn the_compensator_is_far_too_strong() {
 #[test]
 fn the_model_is_that_of_another_arm() {
     let (mut trial, friction) = trial();
-    trial.model.links = presets::fr3().links;
+    trial.model = trial.model.altered(|mechanism| mechanism.links = presets::fr3().links);
     let ending = undisturbed_sensors(&trial, &friction);
     assert!(ending.fault.is_none() && ending.fastest_rad_s < 1.0, "{ending:?}");
     assert!(ending.cost > 6.0, "nobody would notice: {ending:?}");

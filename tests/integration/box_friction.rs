@@ -9,8 +9,8 @@ use tribo_campaign::run_trial;
 use tribo_friction::law::{Asymmetric, CoulombViscous};
 use tribo_friction::{FrictionModel, JointFriction, VelocitySource};
 use tribo_robot::{
-    Arm, JointNames, JointPlacement, Kinematics, Limits, LinkInertia, ModifiedDh, Plant, Wrench, gravity_torque,
-    presets, rnea,
+    Arm, JointNames, JointPlacement, Kinematics, Limits, LinkInertia, Mechanism, ModifiedDh, Plant, Wrench,
+    gravity_torque, presets, rnea,
 };
 use tribo_sim::{BoxFrictionPlant, Pulse, Sensors, TorqueSide, Truth, WrenchPulses};
 use tribo_tests::{Joints, default_ekf, no_friction, tuning_trial};
@@ -159,10 +159,13 @@ fn turntable(law: JointFriction) -> Truth<1> {
     let arm = Arm {
         name: "turntable".to_owned(),
         joint_names: JointNames::default(),
-        placements: [JointPlacement::from(ModifiedDh { a_m: 0.0, d_m: 0.0, alpha_rad: 0.0 })],
-        links: [LinkInertia { mass_kg: 1.0, com_m: Vector3::zeros(), inertia_kg_m2: Matrix3::identity() * 0.4 }],
-        link_from_flange_rotation: Matrix3::identity(),
-        link_from_flange_translation: Vector3::zeros(),
+        mechanism: Mechanism {
+            placements: [JointPlacement::from(ModifiedDh { a_m: 0.0, d_m: 0.0, alpha_rad: 0.0 })],
+            links: [LinkInertia { mass_kg: 1.0, com_m: Vector3::zeros(), inertia_kg_m2: Matrix3::identity() * 0.4 }],
+            link_from_flange_rotation: Matrix3::identity(),
+            link_from_flange_translation: Vector3::zeros(),
+        }
+        .into(),
         rotor_inertia_kg_m2: one(0.1),
         limits: Limits {
             q_min_rad: one(-0.5),

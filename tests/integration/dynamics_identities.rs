@@ -5,7 +5,7 @@ use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64;
 use tribo_robot::{
     Arm, ControlTerms, Kinematics, Payload, bias_torque, forward_dynamics, gravity_torque, inverse_dynamics_regressor,
-    mass_matrix, presets, rnea, so3,
+    link_regressor, mass_matrix, presets, rnea, so3,
 };
 
 type Joints = SVector<f64, 7>;
@@ -65,6 +65,9 @@ fn regressor_times_parameters_is_rnea() {
             tau += block * link.parameters();
         }
         assert!((tau - rnea(arm, &q, &qd, &qdd)).amax() < 1e-11);
+        for (link, block) in blocks.iter().enumerate() {
+            assert_eq!(link_regressor(arm, &q, &qd, &qdd, link), *block, "link {link}");
+        }
     });
 }
 
@@ -97,7 +100,8 @@ pub(crate) fn energy(arm: &Arm<7>, q: &Joints, qd: &Joints) -> f64 {
     let kinematics = Kinematics::at(arm, q);
     let potential: f64 = (0..7)
         .map(|k| {
-            let com = kinematics.origins[k] + kinematics.rotations[k] * arm.links[k].com_m;
+            let (rotation, origin) = kinematics.link(arm, k);
+            let com = origin + rotation * arm.links[k].com_m;
             -arm.links[k].mass_kg * arm.gravity_m_s2.dot(&com)
         })
         .sum();

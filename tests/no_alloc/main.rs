@@ -7,7 +7,7 @@
 use std::cell::Cell;
 use std::net::Ipv4Addr;
 use std::sync::Arc;
-use std::sync::atomic::AtomicBool;
+use std::sync::atomic::{AtomicBool, Ordering};
 
 use nalgebra::{SVector, Vector6};
 use tribo_campaign::{EstimatorName, LogEstimator};
@@ -185,30 +185,38 @@ fn no_period_of_the_control_unit_allocates() {
 /// The whole loop on a robot behind the Franka Control Interface: state in from the network, torque out.
 #[test]
 fn no_tick_over_the_network_allocates() {
-    let (version, arm) = (FciVersion::V5, presets::panda());
-    let truth = Truth::panda_coulomb_viscous();
-    let sensors = Sensors { torque_side: TorqueSide::Link, ..Sensors::default() };
-    let plant = BoxFrictionPlant::new(truth.clone(), sensors, presets::panda_ready_pose(), 1);
-    let unit = ControlUnit::new(version, arm.clone(), plant).expect("a simulated arm answers");
-    let settings = ServerSettings { version, address: Ipv4Addr::LOCALHOST.into(), port: Some(0), pace: Pace::Lockstep };
-    let mut server = Server::bind(settings, unit, Vec::new()).expect("a free port");
-    let address = server.address().expect("it is bound").to_string();
-    let never = AtomicBool::new(false);
-    // Allocations are counted in the thread of the loop alone; that of the server ends with the test.
-    std::thread::spawn(move || server.run(&AtomicBool::new(false), |_| {}));
-    let connection = Connection::open(&address, false).expect("it serves");
-    connection.approach(&arm, &presets::panda_ready_pose()).expect("it is there");
-    let mut plant = connection.torque_plant(&arm, &never).expect("it is ready");
-    let reference = SinusoidReference::paper(ready_flange(), PAPER_PHASES_RAD);
-    let mut control = loop_with(reference, Compensator::new(truth.friction, VelocitySource::Hybrid));
-    let mut faults = 0;
-    let seen = allocation_counter::measure(|| {
-        for _ in 0..TICKS {
-            faults += u64::from(std::hint::black_box(control.tick(&mut plant)).fault.is_some());
-        }
-    });
-    plant.finish().expect("the robot had no reason to stop");
-    assert_eq!((faults, seen.count_total), (0, 0), "{seen:?}");
+    for version in [FciVersion::V5, FciVersion::V10] {
+        let arm = if version == FciVersion::V5 { presets::panda() } else { presets::fr3() };
+        let truth = Truth { arm: arm.clone(), ..Truth::panda_coulomb_viscous() };
+        let sensors = Sensors { torque_side: TorqueSide::Link, ..Sensors::default() };
+        let plant = BoxFrictionPlant::new(truth.clone(), sensors, presets::panda_ready_pose(), 1);
+        let unit = ControlUnit::new(version, arm.clone(), plant).expect("a simulated arm answers");
+        let settings =
+            ServerSettings { version, address: Ipv4Addr::LOCALHOST.into(), port: Some(0), pace: Pace::Lockstep };
+        let mut server = Server::bind(settings, unit, Vec::new()).expect("a free port");
+        let address = server.address().expect("it is bound").to_string();
+        let (stop, never) = (AtomicBool::new(false), AtomicBool::new(false));
+        std::thread::scope(|scope| {
+            // Allocations are counted in the thread of the loop alone.
+            scope.spawn(|| server.run(&stop, |_| {}));
+            let connection = Connection::open(&address, false).expect("it serves");
+            connection.approach(&arm, &presets::panda_ready_pose()).expect("it is there");
+            let mut plant = connection.torque_plant(&arm, &never).expect("it is ready");
+            let flange = tribo_robot::Kinematics::at(&arm, &presets::panda_ready_pose()).base_from_flange();
+            let reference = SinusoidReference::paper(flange, PAPER_PHASES_RAD);
+            let mut control = loop_with(reference, Compensator::new(truth.friction, VelocitySource::Hybrid));
+            let mut faults = 0;
+            let seen = allocation_counter::measure(|| {
+                for _ in 0..TICKS {
+                    faults += u64::from(std::hint::black_box(control.tick(&mut plant)).fault.is_some());
+                }
+            });
+            let landed = plant.finish();
+            stop.store(true, Ordering::Relaxed);
+            landed.expect("the robot had no reason to stop");
+            assert_eq!((faults, seen.count_total), (0, 0), "{version:?}: {seen:?}");
+        });
+    }
 }
 
 /// Every estimator as a log or a topic feeds it, its friction and effects believed, one beginning on the way.

@@ -50,7 +50,7 @@ const HALF_WIDTH: usize = 8;
 pub fn skeleton<const N: usize>(arm: &Arm<N>, q: &SVector<f64, N>) -> Vec<Vector3<f64>> {
     let at = Kinematics::at(arm, q);
     let mut points = vec![Vector3::zeros()];
-    points.extend(at.origins);
+    points.extend((0..N).map(|k| at.link(arm, k).1));
     points.push(at.flange_origin);
     points
 }

@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
-# Builds the programs that time Pinocchio, MuJoCo and DAQP: build.sh OUT. What cannot be had is told as SKIPPED, and left out.
+# Builds the programs that time Pinocchio, MuJoCo, CasADi's generated code and DAQP: build.sh OUT. What cannot be had is told as SKIPPED, and left out.
 #
-# The libraries come from PyPI: TRIBO_PYTHON, if set, is a Python that has `pin`, `cmeel-eigen` and `mujoco`, and stays as it is;
+# The libraries come from PyPI: TRIBO_PYTHON, if set, is a Python that has `pin`, `cmeel-eigen`, `mujoco` and `casadi`, and stays as it is;
 # otherwise a virtual environment is made in OUT. DAQP is compiled from the C sources of its PyPI archive. All with -O3 -march=native -DNDEBUG.
 set -uo pipefail
 here=$(cd "$(dirname "$0")" && pwd)
@@ -16,7 +16,7 @@ python=${TRIBO_PYTHON:-$out/venv/bin/python}
 if [ ! -x "$python" ]; then
     python3 -m venv "$out/venv" >/dev/null || { skip "all peers" "no python3 with venv"; exit 0; }
 fi
-[ -n "${TRIBO_PYTHON:-}" ] || for package in pin cmeel-eigen mujoco; do
+[ -n "${TRIBO_PYTHON:-}" ] || for package in pin cmeel-eigen mujoco casadi; do
     "$python" -m pip install --quiet "$package" >/dev/null 2>&1
 done
 site=$("$python" -c 'import sysconfig; print(sysconfig.get_paths()["purelib"])')
@@ -43,6 +43,15 @@ elif [ ! -x "$out/mujoco" ] || [ "$here/mujoco.cpp" -nt "$out/mujoco" ] || [ "$h
         skip MuJoCo "does not compile"
 fi
 [ -x "$out/mujoco" ] && version mujoco >"$out/mujoco.version"
+
+if ! "$python" -c 'import casadi' 2>/dev/null; then
+    skip "generated code" "pip install casadi"
+elif "$python" "$here/generated.py" "$out" "$out" >"$out/generated.operations"; then
+    g++ "${flags[@]}" -I "$out" "$here/generated.cpp" -o "$out/generated" || skip "generated code" "does not compile"
+    version casadi >"$out/generated.version"
+else
+    skip "generated code" "CasADi does not write it"
+fi
 
 if [ ! -d "$out/daqp-source" ]; then
     archive=$out/archive

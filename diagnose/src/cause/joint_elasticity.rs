@@ -6,7 +6,7 @@ use tribo_sim::{Effect, oscillator_step};
 
 use super::{Candidate, RIGID_UNASKED, log_grid, only};
 use crate::diagnosis::{CauseLabel, Location};
-use crate::scene::{FineColumn, Scene};
+use crate::scene::{FineColumn, Scene, smooth_in_time};
 
 /// The link lags the motor by δ, so its torque is that of another state:
 ///
@@ -69,28 +69,39 @@ impl<const N: usize> Candidate<N> for JointElasticity {
             let mut before = drive[0];
             let mut slope = drive.get(1).map_or(0.0, |next| (next - before) / dt_s);
             let (mut deflection, mut rate) = ((before - damping * slope / stiffness) / stiffness, slope / stiffness);
+            // A free swing is linear in where it starts.
+            let free = |inertia: f64| {
+                [[1.0, 0.0], [0.0, 1.0]].map(|at| oscillator_step(at, stiffness / inertia, damping / inertia, dt_s))
+            };
+            let mut swings = free(inertia);
+            let mut lag = Vec::with_capacity(samples.len());
             for (k, (at, drive)) in samples.iter().zip(drive).enumerate() {
                 if k > 0 {
                     if k % INERTIA_EVERY == 0 {
                         inertia = mass_matrix(&link_arm, &at.q)[(j, j)].max(1e-4);
+                        swings = free(inertia);
                     }
                     // Under a torque that rises linearly δ does too; what differs from that swings freely.
                     slope = (drive - before) / dt_s;
                     let steady = |torque: f64| (torque - damping * slope / stiffness) / stiffness;
-                    let swing = [deflection - steady(before), rate - slope / stiffness];
-                    let [swing, swing_rate] = oscillator_step(swing, stiffness / inertia, damping / inertia, dt_s);
+                    let from = [deflection - steady(before), rate - slope / stiffness];
+                    let [swing, swing_rate] = [0, 1].map(|i| swings[0][i] * from[0] + swings[1][i] * from[1]);
                     (deflection, rate) = (steady(drive) + swing, slope / stiffness + swing_rate);
                     before = drive;
                 }
-                let acceleration = (drive - damping * rate - stiffness * deflection) / inertia;
+                lag.push([deflection, rate, (drive - damping * rate - stiffness * deflection) / inertia]);
+            }
+            let stride = scene.chains[burst.log].knot_stride();
+            column.extend(smooth_in_time(samples.len(), stride, |k| {
+                let (at, [deflection, rate, acceleration]) = (&samples[k], lag[k]);
                 let tau = rnea(
                     &link_arm,
                     &(at.q - only(j, deflection)),
                     &(at.qd - only(j, rate)),
                     &(at.qdd - only(j, acceleration)),
                 );
-                column.push(tau - at.link_nm);
-            }
+                tau - at.link_nm
+            }));
         }
         vec![FineColumn::Arm(column)]
     }

@@ -25,38 +25,57 @@ impl<const L: usize> Running<L> {
         Self { section, s1, s2 }
     }
 
+    #[inline(always)]
     fn step(&mut self, input: [f64; L]) -> [f64; L] {
         let Section { b, a } = self.section;
-        std::array::from_fn(|l| {
-            let output = b[0] * input[l] + self.s1[l];
-            self.s1[l] = b[1] * input[l] - a[0] * output + self.s2[l];
-            self.s2[l] = b[2] * input[l] - a[1] * output;
-            output
-        })
+        let mut output = [0.0; L];
+        for l in 0..L {
+            output[l] = b[0] * input[l] + self.s1[l];
+            self.s1[l] = b[1] * input[l] - a[0] * output[l] + self.s2[l];
+            self.s2[l] = b[2] * input[l] - a[1] * output[l];
+        }
+        output
     }
 }
 
 /// Filters x in place through two sections at a time: a recursion waits for itself, two of them share the wait.
-fn run<const L: usize>(sections: &[Section], x: &mut [[f64; L]]) {
-    let Some(&first) = x.first() else { return };
+fn run<const L: usize>(sections: &[Section], x: &mut [[f64; L]], way: Way) {
+    let first = if way == Way::Forward { x.first() } else { x.last() };
+    let Some(&first) = first else { return };
     match sections {
         [] => {}
         [one] => {
             let mut one = Running::at(*one, first);
-            x.iter_mut().for_each(|value| *value = one.step(*value));
+            each(x, way, |value| *value = one.step(*value));
         }
         [one, two, rest @ ..] => {
             let mut one = Running::at(*one, first);
             let start = { one }.step(first);
             let mut two = Running::at(*two, start);
-            x.iter_mut().for_each(|value| *value = two.step(one.step(*value)));
-            run(rest, x);
+            each(x, way, |value| *value = two.step(one.step(*value)));
+            run(rest, x, way);
         }
     }
 }
 
-/// Signals filtered side by side: their states fill half of the registers that every x86-64 and AArch64 has.
-const LANES: usize = 4;
+fn each<const L: usize>(x: &mut [[f64; L]], way: Way, step: impl FnMut(&mut [f64; L])) {
+    match way {
+        Way::Forward => x.iter_mut().for_each(step),
+        Way::Backward => x.iter_mut().rev().for_each(step),
+    }
+}
+
+/// Which way a pass goes through a signal.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Way {
+    Forward,
+    Backward,
+}
+
+/// Signals filtered side by side: a recursion waits for itself, eight of them hardly wait.
+const LANES: usize = 8;
+/// The same where few are left over.
+const FEW_LANES: usize = 4;
 
 /// Butterworth low-pass run forward and backward (gustafsson1996).
 ///
@@ -137,7 +156,7 @@ impl ZeroPhaseLowPass {
         y
     }
 
-    /// The filtered signals, in order; all have one length. The same bits as one by one, in a quarter of the time.
+    /// The filtered signals, in order; all have one length. The same bits as one by one, in a fraction of the time.
     ///
     /// # Panics
     /// Where a signal is shorter than the first.
@@ -150,12 +169,16 @@ impl ZeroPhaseLowPass {
         match chunks.remainder() {
             [] => {}
             [one] => filtered.push(self.filter(one)),
-            some => {
-                let lanes = self.filter_lanes::<LANES>(std::array::from_fn(|l| some[l.min(some.len() - 1)].as_slice()));
-                filtered.extend(lanes.into_iter().take(some.len()));
-            }
+            some if some.len() <= FEW_LANES => filtered.extend(self.filter_some::<FEW_LANES>(some)),
+            some => filtered.extend(self.filter_some::<LANES>(some)),
         }
         filtered
+    }
+
+    /// Up to L signals; the last fills the lanes that are left.
+    fn filter_some<const L: usize>(&self, some: &[Vec<f64>]) -> impl Iterator<Item = Vec<f64>> + use<L> {
+        let lanes = self.filter_lanes::<L>(std::array::from_fn(|l| some[l.min(some.len() - 1)].as_slice()));
+        lanes.into_iter().take(some.len())
     }
 
     fn filter_lanes<const L: usize>(&self, x: [&[f64]; L]) -> [Vec<f64>; L] {
@@ -164,15 +187,17 @@ impl ZeroPhaseLowPass {
             return std::array::from_fn(|_| Vec::new());
         }
         let reflected = self.reflected.min(n - 1);
-        let at = |k: usize| -> [f64; L] { std::array::from_fn(|l| x[l][k]) };
-        let beyond = |end: usize, k: usize| -> [f64; L] { std::array::from_fn(|l| 2.0 * x[l][end] - x[l][k]) };
-        let head = (1..=reflected).rev().map(|k| beyond(0, k));
-        let tail = (1..=reflected).map(|k| beyond(n - 1, n - 1 - k));
-        let mut y: Vec<[f64; L]> = head.chain((0..n).map(at)).chain(tail).collect();
-        for _ in 0..2 {
-            run(&self.sections, &mut y);
-            y.reverse();
+        let mut y = vec![[0.0; L]; n + 2 * reflected];
+        for (l, x) in x.into_iter().enumerate() {
+            let x = &x[..n];
+            for k in 1..=reflected {
+                y[reflected - k][l] = 2.0 * x[0] - x[k];
+                y[reflected + n - 1 + k][l] = 2.0 * x[n - 1] - x[n - 1 - k];
+            }
+            y[reflected..reflected + n].iter_mut().zip(x).for_each(|(y, x)| y[l] = *x);
         }
+        run(&self.sections, &mut y, Way::Forward);
+        run(&self.sections, &mut y, Way::Backward);
         std::array::from_fn(|l| y[reflected..reflected + n].iter().map(|y| y[l]).collect())
     }
 
@@ -233,7 +258,7 @@ mod tests {
     #[test]
     fn many_signals_are_filtered_as_one_by_one() {
         let low_pass = ZeroPhaseLowPass::butterworth(5, 20.0, 1000.0).unwrap();
-        for count in 0..10u32 {
+        for count in 0..18u32 {
             let signals: Vec<Vec<f64>> =
                 (0..count).map(|s| (0..400).map(|k| f64::from((k * k + 31 * s) % 97)).collect()).collect();
             let one_by_one: Vec<Vec<f64>> = signals.iter().map(|x| low_pass.filter(x)).collect();

@@ -12,6 +12,7 @@ use nalgebra::{DMatrix, DVector};
 use super::columns::JointTerm;
 use super::fit::plain_state;
 use super::problem::{Place, Problem, State};
+use super::split::{Split, folds};
 
 /// Singular values kept, relative to the largest of unit columns.
 const TRUNCATIONS: [f64; 10] = [0.1, 0.05, 0.03, 0.02, 0.01, 5e-3, 3e-3, 1e-3, 3e-4, 1e-4];
@@ -58,6 +59,46 @@ impl Baselines {
             .min_by(|a, b| a.1.total_cmp(&b.1))
             .map_or(TRUNCATIONS[0], |(truncation, _)| truncation);
         Self { full: Truncated::of(&whole).state(problem, &own, best), plain }
+    }
+}
+
+/// RMS (Nm) that nominal model and baselines leave of each joint on parts that were held out.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct PlainFits {
+    pub split: Split,
+    pub nominal_nm: Vec<f64>,
+    pub plain_nm: Vec<f64>,
+    pub full_nm: Vec<f64>,
+}
+
+/// Fewest samples of what is held out.
+const LEAST_HELD_OUT: usize = 20;
+
+impl PlainFits {
+    /// Fits both baselines to the rest of each fold; `None` where a fold is too short to say anything.
+    pub fn of(problem: &Problem) -> Option<Self> {
+        let (split, folds) = folds(problem);
+        let columns = &problem.columns;
+        if folds.iter().any(|held_out| columns.samples(held_out) < LEAST_HELD_OUT) {
+            return None;
+        }
+        let joints = problem.joints();
+        let nominal = DVector::zeros(problem.places.len());
+        let (mut squares, mut samples) = ([(); 3].map(|()| vec![0.0; joints]), 0);
+        for held_out in &folds {
+            let rest = |part: &usize| !held_out.contains(part);
+            let seen: Vec<usize> = problem.all_parts().into_iter().filter(rest).collect();
+            let Baselines { plain, full } = Baselines::of(problem, &seen);
+            for (sum, state) in squares.iter_mut().zip([&nominal, &plain, &full]) {
+                for (j, sum) in sum.iter_mut().enumerate() {
+                    *sum += held_out.iter().map(|part| problem.unseen_square(state, j, *part)).sum::<f64>();
+                }
+            }
+            samples += columns.samples(held_out);
+        }
+        let [nominal_nm, plain_nm, full_nm] =
+            squares.map(|sum| sum.into_iter().map(|sum| (sum / samples as f64).sqrt()).collect());
+        Some(Self { split, nominal_nm, plain_nm, full_nm })
     }
 }
 

@@ -141,9 +141,10 @@ mod tests {
 
     #[test]
     fn sick_links_get_a_body() {
-        let mut arm = presets::panda();
-        arm.links[4].mass_kg = 0.0;
-        arm.links[4].inertia_kg_m2 = Matrix3::zeros();
+        let arm = presets::panda().altered(|arm| {
+            arm.links[4].mass_kg = 0.0;
+            arm.links[4].inertia_kg_m2 = Matrix3::zeros();
+        });
         let p = typical_body(&arm, 4);
         assert!(p.cholesky().is_some() && p[(3, 3)] > 0.5);
         // A healthy heavy link stays what it is.

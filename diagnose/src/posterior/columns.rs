@@ -1,6 +1,8 @@
 //! The columns of all families along logs, joint by joint, and their Gram matrices part by part.
 
+use std::collections::BTreeMap;
 use std::ops::Range;
+use std::sync::{Arc, Mutex};
 
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
@@ -94,6 +96,9 @@ pub(crate) const TILT: usize = JointTerm::ALL.len();
 pub(crate) const DELAY: usize = TILT + 2;
 pub(crate) const LINKS: usize = DELAY + 1;
 
+/// Parts that each log is cut into; a third of them is a third of the log.
+pub(crate) const PARTS: usize = 12;
+
 /// A stretch of output samples that is fitted or held out as a whole.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) struct Part {
@@ -127,7 +132,7 @@ impl JointColumns {
 }
 
 /// Columns of all joints, and the Gram matrix of every joint's columns over every part.
-#[derive(Clone, Debug)]
+#[derive(Debug)]
 pub(crate) struct Columns {
     pub joints: Vec<JointColumns>,
     pub parts: Vec<Part>,
@@ -135,7 +140,12 @@ pub(crate) struct Columns {
     pub grams: Vec<Vec<DMatrix<f64>>>,
     /// Weight that each row of a joint has been given.
     weights: Vec<Vec<f64>>,
+    /// See [`Self::gram_over`].
+    sums: Mutex<Sums>,
 }
+
+/// Gram matrices of all joints by the parts that they are of.
+type Sums = BTreeMap<Vec<usize>, Arc<Vec<DMatrix<f64>>>>;
 
 impl Columns {
     /// Evaluates and filters all columns of a scene; each log is cut into as many parts.
@@ -165,8 +175,9 @@ impl Columns {
                 columns
             })
             .collect();
-        for link in 0..links {
-            for (i, column) in scene.link_regressor(link).iter().enumerate() {
+        let regressors = if links > 0 { scene.link_regressors() } else { &[] };
+        for (link, regressor) in regressors.iter().enumerate() {
+            for (i, column) in regressor.iter().enumerate() {
                 for (j, values) in column.rows.iter().enumerate().take(link + 1) {
                     if let Some(values) = values {
                         joints[j].matrix.column_mut(LINKS + 10 * (link - j) + i).copy_from_slice(values);
@@ -197,7 +208,26 @@ impl Columns {
                 joints.iter().map(gram).collect()
             })
             .collect();
-        Self { joints, parts, grams, weights }
+        Self { joints, parts, grams, weights, sums: Mutex::default() }
+    }
+
+    /// Gram matrix of each joint over some parts; few sets of parts are asked for, each many times.
+    pub fn gram_over(&self, parts: &[usize]) -> Option<Arc<Vec<DMatrix<f64>>>> {
+        let [first, rest @ ..] = parts else { return None };
+        if let Ok(known) = self.sums.lock()
+            && let Some(sum) = known.get(parts)
+        {
+            return Some(Arc::clone(sum));
+        }
+        let mut sum = self.grams[*first].clone();
+        for part in rest {
+            sum.iter_mut().zip(&self.grams[*part]).for_each(|(sum, of_part)| *sum += of_part);
+        }
+        let sum = Arc::new(sum);
+        if let (Ok(mut known), true) = (self.sums.lock(), rest.len() > 1) {
+            known.insert(parts.to_vec(), Arc::clone(&sum));
+        }
+        Some(sum)
     }
 
     /// Number of samples of some parts.

@@ -8,7 +8,7 @@ use tribo_sim::Effect;
 
 use super::band::Band;
 use super::baseline::Baselines;
-use super::columns::Columns;
+use super::columns::{Columns, PARTS};
 use super::family_finding::Answer;
 use super::fit::{Fit, Start, posterior};
 use super::further::further_causes;
@@ -17,7 +17,7 @@ use super::prior::{ArmScale, Family};
 use super::problem::{Place, Problem};
 use super::selection::{Selection, is_payload, select};
 use super::simulated::soft_friction;
-use super::unseen::{Split, Unseen, deviations, unknown_variance};
+use super::unseen::{Unseen, deviations, unknown_variance};
 use super::written;
 use crate::deflection::deflections;
 use crate::diagnosis::{self, CauseLabel, Diagnosis, Finding, Location, Rejected, Validation, Verdict};
@@ -26,7 +26,7 @@ use crate::held_out::gain_of_pairs;
 use crate::next_experiment::NextExperiment;
 use crate::noise_level::rms;
 use crate::plots;
-use crate::remarks::{misfits_of_squares, notes_of};
+use crate::remarks::{misfits_of_squares, note_on_baseline, notes_of};
 use crate::scene::Scene;
 use crate::{DiagnoseError, DiagnoseSettings, Nominal};
 
@@ -45,8 +45,6 @@ const WIDEST_BAND: f64 = 0.2;
 const SMOOTHING_OVER_BAND: f64 = 1.0;
 /// Most times that causes beyond the families are looked for.
 const FURTHER_ROUNDS: usize = 3;
-/// Parts that each log is cut into.
-const PARTS: usize = 12;
 /// Most findings.
 const MOST_FINDINGS: usize = 8;
 /// Relative standard deviation of a payload's mass beyond which the log does not determine it.
@@ -125,19 +123,21 @@ pub(crate) fn explain<const N: usize>(
     let unloaded: Vec<bool> = (0..all_logs.len()).map(|k| k >= given.logs.len()).collect();
     // Fitted behind a narrower smoother than everything is judged behind.
     let in_band = |logs: &[RobotLog], model: &Nominal<N>| Scene::of_logs(logs, model, Some(band_hz));
-    let fitted_around = |further: &[Finding]| -> Result<(Scene<N>, Problem, Fitted), DiagnoseError> {
-        step("columns", 0.15)?;
-        let around = with(nominal, &effects_of(further), true);
-        let scene = Scene::smoothed(&all_logs, &around, Some(band_hz), SMOOTHING_OVER_BAND)?;
-        let scale = ArmScale::of(&scene);
-        let columns = Columns::of(&scene, &scale, PARTS);
-        let problem = Problem::of(&scene, columns, scale, unloaded.clone());
-        let fitted = fitted(&problem, settings.seed, step)?;
-        Ok((scene, problem, fitted))
-    };
+    let fitted_around =
+        |further: &[Finding], before: Option<&Scene<N>>| -> Result<(Scene<N>, Problem, Fitted), DiagnoseError> {
+            step("columns", 0.15)?;
+            let around = with(nominal, &effects_of(further), true);
+            let mut scene = Scene::smoothed(&all_logs, &around, Some(band_hz), SMOOTHING_OVER_BAND)?;
+            before.into_iter().for_each(|before| scene.borrow_regressors(before));
+            let scale = ArmScale::of(&scene);
+            let columns = Columns::of(&scene, &scale, PARTS);
+            let problem = Problem::of(&scene, columns, scale, unloaded.clone());
+            let fitted = fitted(&problem, settings.seed, step)?;
+            Ok((scene, problem, fitted))
+        };
     // Families first; what they leave shows causes that no family has, around which the families are fitted again.
     let mut further: Vec<Finding> = Vec::new();
-    let (mut scene, mut problem, mut found) = fitted_around(&further)?;
+    let (mut scene, mut problem, mut found) = fitted_around(&further, None)?;
     // What any user reaches, before anything is known of further causes.
     let baselines = Baselines::of(&problem, &problem.all_parts());
     let mut untouched: Option<Unseen> = None;
@@ -151,7 +151,7 @@ pub(crate) fn explain<const N: usize>(
             break;
         }
         further = next;
-        let around = fitted_around(&further)?;
+        let around = fitted_around(&further, Some(&scene))?;
         let before = std::mem::replace(&mut found, around.2);
         (scene, problem) = (around.0, around.1);
         untouched.get_or_insert(before.unseen);
@@ -206,10 +206,7 @@ pub(crate) fn explain<const N: usize>(
 
     let rms_of = |squares: &[Vec<f64>]| unseen.rms_nm(&problem, squares);
     let report = diagnosis::Unseen {
-        split: match unseen.split {
-            Split::Logs => "each log in turn",
-            Split::Thirds => "each third of the log in turn",
-        },
+        split: unseen.split.name(),
         nominal_nm: rms_of(&unseen.nominal),
         extended_nm: rms_of(&unseen.ours),
         plain_nm: rms_of(&unseen.plain),
@@ -399,14 +396,7 @@ fn notes_on<const N: usize>(
     bare: Option<&Scene<N>>,
     names: &JointNames,
 ) -> Vec<String> {
-    let mut notes = Vec::new();
-    let (name, _) = report.better_baseline();
-    if report.ratio() > 1.0 {
-        notes.push(format!(
-            "{name} predicts unseen data better than the extended model, {:.2} times: prefer it, or record more motion",
-            report.ratio()
-        ));
-    }
+    let mut notes: Vec<String> = note_on_baseline(report).into_iter().collect();
     let parts = problem.all_parts();
     for j in 0..N {
         let unknown: Vec<f64> = parts.iter().flat_map(|part| unknown_variance(problem, all, j, *part)).collect();

@@ -13,7 +13,7 @@ use super::problem::Problem;
 use super::selection::LEAST_NATS;
 use super::tempering::kappa;
 use crate::diagnosis::{CauseLabel, Finding};
-use crate::engine::cause_by_cause;
+use crate::engine::{Question, cause_by_cause};
 use crate::noise_level::rms;
 use crate::scene::{Scene, subtracted};
 use crate::{DiagnoseError, DiagnoseSettings, Nominal};
@@ -39,8 +39,13 @@ pub(crate) fn further_causes<const N: usize>(
     step: &dyn Fn(&str, f64) -> Result<(), DiagnoseError>,
 ) -> Result<Vec<Finding>, DiagnoseError> {
     let looked_for = |label: CauseLabel| BEYOND.contains(&label) || BESIDE.contains(&label);
-    let found = cause_by_cause(&looked_for, logs, Scene::of_logs(logs, model, Some(band_hz))?, &[], settings, step)?;
-    let scene = Scene::of_logs(logs, model, Some(band_hz))?;
+    let mut scene = Scene::of_logs(logs, model, Some(band_hz))?;
+    let residual_nm = scene.residual_nm.clone();
+    let question = Question { looked_for: &looked_for, most_kinds: None, plain_fits: None, validate: &[] };
+    let Some(found) = cause_by_cause(&question, logs, &mut scene, settings, step)? else {
+        return Ok(Vec::new());
+    };
+    scene.residual_nm = residual_nm;
     // A second encoder shows springs better than torques do: see `deflection`.
     let news = |finding: &Finding| {
         let by_encoders = finding.label == CauseLabel::JointElasticity && scene.deflection_rad.is_some();

@@ -2,15 +2,14 @@
 
 use nalgebra::{DMatrix, DVector};
 
-use super::columns::{Columns, JointTerm};
+use super::baseline::PlainFits;
+use super::columns::{Columns, JointTerm, PARTS};
 use super::fit::{Start, plain_state, posterior};
 use super::prior::{ArmScale, Family};
 use super::problem::{Place, Problem, State};
 use crate::noise_level::{rms, robust_sd};
 use crate::scene::Scene;
 
-/// Parts of a log in this question.
-const PARTS: usize = 4;
 /// μᵀ S⁻¹ μ of a joint's own friction and offset from which on they are surely others than the model's. Stiction of held joints
 /// reaches some hundreds, a fifth of a joint's friction thousands.
 const SURE: f64 = 1000.0;
@@ -32,8 +31,12 @@ const MUCH_LEFT: f64 = 4.0;
 pub(crate) struct Wrongness {
     /// Whether more than half of the joints differ.
     pub everywhere: bool,
+    /// Whether more than a third have friction or an offset that is surely not the model's.
+    pub in_many_joints: bool,
     /// RMS that all families together leave of each joint (Nm).
     pub left_nm: Vec<f64>,
+    /// What plain fits predict of parts that they were not fitted to; `None` where the log is too short, or all is wrong.
+    pub plain_fits: Option<PlainFits>,
 }
 
 /// Whether more than half of the joints differ from the model: by friction or offset of their own with more beside it, or by more than
@@ -48,7 +51,8 @@ pub(crate) fn wrongness<const N: usize>(scene: &Scene<N>) -> Wrongness {
     let parts = problem.all_parts();
     let families: Vec<Family> = Family::of_gears(problem.scale.link_side).collect();
     let Some((all, _)) = posterior(&problem, &parts, &Start::of(&families)) else {
-        return Wrongness { everywhere: false, left_nm: vec![f64::INFINITY; N] };
+        let plain_fits = PlainFits::of(&problem);
+        return Wrongness { everywhere: false, in_many_joints: false, left_nm: vec![f64::INFINITY; N], plain_fits };
     };
     let samples = problem.columns.samples(&parts).max(1) as f64;
     // A simulated log has no sensors' noise, but interpolation.
@@ -91,5 +95,7 @@ pub(crate) fn wrongness<const N: usize>(scene: &Scene<N>) -> Wrongness {
     };
     let left_nm: Vec<f64> = (0..N).map(|j| rms_nm(&all.state, j)).collect();
     let plain_will_do = (0..N).all(|j| rms_nm(&plain, j) < AS_WELL * left_nm[j].max(noise_nm(j)));
-    Wrongness { everywhere: 2 * leaving > N || (2 * differing > N && !plain_will_do), left_nm }
+    let everywhere = 2 * leaving > N || (2 * differing > N && !plain_will_do);
+    let plain_fits = if everywhere { None } else { PlainFits::of(&problem) };
+    Wrongness { everywhere, in_many_joints: 3 * differing > N, left_nm, plain_fits }
 }

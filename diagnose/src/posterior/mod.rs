@@ -16,6 +16,7 @@ pub(crate) mod problem;
 pub(crate) mod selection;
 mod simulated;
 mod spd;
+pub(crate) mod split;
 mod standstill;
 mod tempering;
 pub(crate) mod unseen;

@@ -310,7 +310,12 @@ impl Problem {
     /// The normal equations over some parts, linear about a state.
     pub fn normal_equations(&self, state: &State, parts: &[usize]) -> NormalEquations {
         let com_m = self.payload_com_m(state);
-        let joints = (0..self.joints()).map(|j| self.joint_system(state, j, &com_m, parts)).collect();
+        let of_loading = [false, true].map(|loaded| {
+            let parts: Vec<usize> = parts.iter().copied().filter(|part| self.loaded(*part) == loaded).collect();
+            self.columns.gram_over(&parts)
+        });
+        let grams = |j: usize| of_loading.each_ref().map(|grams| grams.as_ref().map(|grams| &grams[j]));
+        let joints = (0..self.joints()).map(|j| self.joint_system(state, j, &com_m, grams(j))).collect();
         NormalEquations { joints, samples: self.columns.samples(parts) }
     }
 
@@ -333,7 +338,14 @@ impl Problem {
         map
     }
 
-    fn joint_system(&self, state: &State, j: usize, com_m: &Vector3<f64>, parts: &[usize]) -> JointSystem {
+    /// The equations of one joint from the Gram matrices of its columns without and with payload.
+    fn joint_system(
+        &self,
+        state: &State,
+        j: usize,
+        com_m: &Vector3<f64>,
+        grams: [Option<&DMatrix<f64>>; 2],
+    ) -> JointSystem {
         let columns = &self.columns.joints[j];
         let gain = self.gain(state, j);
         let felt = |place: &Place| *place == Place::Gain(j) || self.direction(j, *place, com_m, true).is_some();
@@ -344,12 +356,7 @@ impl Problem {
             square: 0.0,
             index,
         };
-        for loaded in [false, true] {
-            let mut gram: Option<DMatrix<f64>> = None;
-            for part in parts.iter().filter(|part| self.loaded(**part) == loaded) {
-                let of_part = &self.columns.grams[*part][j];
-                gram = Some(gram.map_or_else(|| of_part.clone(), |sum| sum + of_part));
-            }
+        for (loaded, gram) in [false, true].into_iter().zip(grams) {
             let Some(gram) = gram else { continue };
             // b = y − τ0 + g0 A θ0, columns (1 + g0) A and τ0 + A θ0.
             let change = self.change(state, j, loaded);
@@ -360,12 +367,7 @@ impl Problem {
             let half = gram * &map;
             system.gram += map.tr_mul(&half);
             system.score += half.tr_mul(&target);
-            let of_part: f64 = parts
-                .iter()
-                .filter(|part| self.loaded(**part) == loaded)
-                .map(|part| (target.transpose() * &self.columns.grams[*part][j] * &target)[0])
-                .sum();
-            system.square += of_part.max(0.0);
+            system.square += target.dot(&(gram * &target)).max(0.0);
         }
         system
     }

@@ -8,6 +8,8 @@
 //! is sure of anything; one whitened by an autoregression weighs the high frequencies, where that error is not. So each
 //! sample counts 1/κ.
 
+use crate::evidence::inner;
+
 /// Lags that are summed, over τ_int itself (Sokal's window).
 const WINDOW: f64 = 4.0;
 /// Samples of a segment of the spectrum.
@@ -23,14 +25,13 @@ pub(crate) fn kappa(residual: &[f64]) -> f64 {
 /// τ_int (samples), at least 1.
 pub(crate) fn correlation_time(x: &[f64]) -> f64 {
     let n = x.len();
-    let square: f64 = x.iter().map(|x| x * x).sum();
+    let square = inner(x, x);
     if square <= 0.0 {
         return 1.0;
     }
     let mut time = 1.0;
     for lag in 1..n / 3 {
-        let product: f64 = x[..n - lag].iter().zip(&x[lag..]).map(|(a, b)| a * b).sum();
-        time += 2.0 * product / square;
+        time += 2.0 * inner(&x[..n - lag], &x[lag..]) / square;
         if lag as f64 >= WINDOW * f64::max(time, 1.0) {
             break;
         }
@@ -53,8 +54,10 @@ pub(crate) fn spectral_peak(x: &[f64]) -> f64 {
     let mut segments = 0.0;
     for start in (0..=n - m).step_by(m / 2) {
         let windowed: Vec<f64> = x[start..start + m].iter().zip(&window).map(|(x, w)| x * w).collect();
-        for (f, power) in power.iter_mut().enumerate() {
-            *power += goertzel(&windowed, 2.0 * std::f64::consts::PI * f as f64 / m as f64);
+        for (chunk, power) in power.chunks_mut(LANES).enumerate() {
+            let angle = |lane: usize| 2.0 * std::f64::consts::PI * (LANES * chunk + lane) as f64 / m as f64;
+            let squares = goertzel(&windowed, std::array::from_fn(angle));
+            power.iter_mut().zip(squares).for_each(|(power, square)| *power += square);
         }
         segments += 1.0;
     }
@@ -62,14 +65,19 @@ pub(crate) fn spectral_peak(x: &[f64]) -> f64 {
     (largest / square).max(1.0)
 }
 
-/// Squared magnitude of the Fourier sum at an angle per sample (rad), by Goertzel's recursion.
-fn goertzel(x: &[f64], angle: f64) -> f64 {
-    let twice = 2.0 * angle.cos();
-    let (mut last, mut before) = (0.0, 0.0);
+/// Frequencies side by side.
+const LANES: usize = 8;
+
+/// Squared magnitudes of the Fourier sum at some angles per sample (rad), by Goertzel's recursion.
+fn goertzel(x: &[f64], angles: [f64; LANES]) -> [f64; LANES] {
+    let twice = angles.map(|angle| 2.0 * angle.cos());
+    let (mut last, mut before) = ([0.0; LANES], [0.0; LANES]);
     for x in x {
-        (last, before) = (x + twice * last - before, last);
+        for lane in 0..LANES {
+            (last[lane], before[lane]) = (x + twice[lane] * last[lane] - before[lane], last[lane]);
+        }
     }
-    last * last + before * before - twice * last * before
+    std::array::from_fn(|l| last[l] * last[l] + before[l] * before[l] - twice[l] * last[l] * before[l])
 }
 
 #[cfg(test)]

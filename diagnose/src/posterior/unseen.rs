@@ -9,6 +9,7 @@ use super::fit::{Fit, posterior};
 use super::motion::Motion;
 use super::prior::Family;
 use super::problem::{Problem, State};
+use super::split::{Split, folds};
 
 /// Squared residuals (Nm²) `[part][joint]` of models that were fitted without that part.
 pub(crate) struct Unseen {
@@ -28,32 +29,6 @@ pub(crate) struct Unseen {
     pub deviations: Vec<Vec<Deviation>>,
     /// How the parts were held out.
     pub split: Split,
-}
-
-/// How parts are held out.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Split {
-    /// Each log in turn.
-    Logs,
-    /// Each third of the one log in turn.
-    Thirds,
-}
-
-/// Thirds of a single log.
-const THIRDS: usize = 3;
-
-/// The folds: parts that are held out together. Logs without payload are never held out: they show nothing of it.
-fn folds(problem: &Problem) -> (Split, Vec<Vec<usize>>) {
-    let parts = &problem.columns.parts;
-    let logs = parts.iter().map(|part| part.log).max().map_or(0, |log| log + 1);
-    let loaded: Vec<usize> = (0..logs).filter(|log| !problem.unloaded[*log]).collect();
-    if loaded.len() > 1 {
-        let of = |log: &usize| (0..parts.len()).filter(|part| parts[*part].log == *log).collect();
-        return (Split::Logs, loaded.iter().map(of).collect());
-    }
-    let own: Vec<usize> = (0..parts.len()).filter(|part| loaded.contains(&parts[*part].log)).collect();
-    let edge = |k: usize| k * own.len() / THIRDS;
-    (Split::Thirds, (0..THIRDS).map(|k| own[edge(k)..edge(k + 1)].to_vec()).collect())
 }
 
 /// What one fold says.

@@ -99,7 +99,7 @@ pub fn worth(diagnosis: &Diagnosis, closed_loop: Option<ClosedLoop>) -> String {
         let header =
             ["joint", "model given [Nm]", "extended model [Nm]", "plain least squares [Nm]", "full refit [Nm]"];
         let (name, ratio) = (unseen.better_baseline().0, unseen.ratio());
-        let better = if ratio > 1.0 { " The baseline is better." } else { "" };
+        let better = if unseen.baseline_is_better() { " The baseline is better." } else { "" };
         body += &format!("<h4>Unseen: {} held out, beside plain fits to the same rest</h4>\n", escape(unseen.split));
         body += &table(&header, &[0], rows);
         body += &format!(

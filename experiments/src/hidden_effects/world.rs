@@ -67,13 +67,13 @@ impl Reality {
 
 /// Every link wrong by some percent.
 fn other_links(arm: &Arm<7>, chance: &mut Chance) -> Arm<7> {
-    let mut arm = arm.clone();
-    for link in &mut arm.links {
-        let mut error = || chance.side() * chance.between(LINK_ERROR[0], LINK_ERROR[1]);
-        let gyration_m = (link.inertia_kg_m2.trace() / (2.0 * link.mass_kg.max(1e-9))).max(0.0).sqrt();
-        link.mass_kg *= 1.0 + error();
-        link.com_m += Vector3::from_fn(|_, _| error() * gyration_m);
-        link.inertia_kg_m2 *= 1.0 + error();
-    }
-    arm
+    arm.clone().altered(|arm| {
+        for link in &mut arm.links {
+            let mut error = || chance.side() * chance.between(LINK_ERROR[0], LINK_ERROR[1]);
+            let gyration_m = (link.inertia_kg_m2.trace() / (2.0 * link.mass_kg.max(1e-9))).max(0.0).sqrt();
+            link.mass_kg *= 1.0 + error();
+            link.com_m += Vector3::from_fn(|_, _| error() * gyration_m);
+            link.inertia_kg_m2 *= 1.0 + error();
+        }
+    })
 }

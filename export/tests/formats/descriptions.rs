@@ -46,9 +46,11 @@ fn odd_urdf(possible: bool) -> String {
         return text.to_owned();
     }
     let mut odd = urdf::parse(text, None, None).expect("a URDF").arm::<7>().expect("seven joints");
-    for link in &mut odd.arm.links {
-        link.inertia_kg_m2 = Matrix3::identity() * link.inertia_kg_m2.trace() - link.inertia_kg_m2;
-    }
+    odd.arm = odd.arm.altered(|mechanism| {
+        for link in &mut mechanism.links {
+            link.inertia_kg_m2 = Matrix3::identity() * link.inertia_kg_m2.trace() - link.inertia_kg_m2;
+        }
+    });
     odd.to_urdf()
 }
 
@@ -74,10 +76,11 @@ fn robots() -> Vec<TunedFile> {
     files.push(with_model(odd, IMPOSSIBLE, Some(odd_urdf(false))));
     files.push(with_model(odd, "odd", Some(odd_urdf(true))));
     // A point, and a rod that is askew: bodies without extent in some direction.
-    let mut thin = presets::panda();
-    thin.links[6].inertia_kg_m2 = Matrix3::zeros();
     let turn = Rotation3::from_euler_angles(0.3, -0.7, 1.1).into_inner();
-    thin.links[4].inertia_kg_m2 = turn * Matrix3::from_diagonal(&Vector3::new(0.03, 0.03, 0.0)) * turn.transpose();
+    let thin = presets::panda().altered(|thin| {
+        thin.links[6].inertia_kg_m2 = Matrix3::zeros();
+        thin.links[4].inertia_kg_m2 = turn * Matrix3::from_diagonal(&Vector3::new(0.03, 0.03, 0.0)) * turn.transpose();
+    });
     files.push(with_model("robot: thin.urdf\n", "thin", Some(to_urdf(&thin))));
     let mut arm = presets::panda();
     ODD_NAME.clone_into(&mut arm.name);

@@ -131,8 +131,12 @@ fn panda_python_drives_the_panda_and_loads_our_model() {
         pose
     };
     let flange = framed(&kinematics.flange_rotation, &kinematics.flange_origin);
-    let mut frames: Vec<(usize, Matrix4<f64>)> =
-        [1, 2, 4, 7].map(|j| (j, framed(&kinematics.rotations[j - 1], &kinematics.origins[j - 1]))).into();
+    let mut frames: Vec<(usize, Matrix4<f64>)> = [1, 2, 4, 7]
+        .map(|j| {
+            let (rotation, origin) = kinematics.link(&bare, j - 1);
+            (j, framed(&rotation, &origin))
+        })
+        .into();
     frames.extend([(7, flange), (7, flange * tool)]);
     for (index, (joint_count, pose)) in frames.iter().enumerate() {
         close(&seen["poses"][index], pose.as_slice(), 1e-10);
@@ -140,7 +144,7 @@ fn panda_python_drives_the_panda_and_loads_our_model() {
         let mut jacobian = SMatrix::<f64, 6, 7>::zeros();
         for k in 0..*joint_count {
             let z = kinematics.axis(k);
-            jacobian.fixed_view_mut::<3, 1>(0, k).copy_from(&z.cross(&(origin - kinematics.origins[k])));
+            jacobian.fixed_view_mut::<3, 1>(0, k).copy_from(&z.cross(&(origin - kinematics.link(&bare, k).1)));
             jacobian.fixed_view_mut::<3, 1>(3, k).copy_from(&z);
         }
         close(&seen["zero_jacobians"][index], jacobian.as_slice(), 1e-10);

@@ -6,7 +6,7 @@ use super::ChainRemark;
 use super::assumed;
 use super::frame::Frame;
 use super::joint::ChainJoint;
-use crate::{Arm, JointPlacement, Limits, LinkInertia};
+use crate::{Arm, JointPlacement, Limits, LinkInertia, Mechanism};
 
 /// Torque rate (Nm/s) of joints of which nobody says better; the Panda's.
 const TORQUE_RATE_NM_S: f64 = 1000.0;
@@ -78,10 +78,13 @@ impl SerialChain {
         let mut arm = Arm {
             name: self.name.clone(),
             joint_names: joints.iter().map(|joint| joint.name.clone()).collect(),
-            placements: self.placements.as_slice().try_into().ok()?,
-            links: self.links.as_slice().try_into().ok()?,
-            link_from_flange_rotation: self.link_from_flange.rotation,
-            link_from_flange_translation: self.link_from_flange.translation,
+            mechanism: Mechanism {
+                placements: self.placements.as_slice().try_into().ok()?,
+                links: self.links.as_slice().try_into().ok()?,
+                link_from_flange_rotation: self.link_from_flange.rotation,
+                link_from_flange_translation: self.link_from_flange.translation,
+            }
+            .into(),
             rotor_inertia_kg_m2: each(&|joint| joint.rotor_inertia_kg_m2),
             limits: Limits {
                 q_min_rad: each(&|joint| joint.range_rad[0]),

@@ -4,7 +4,7 @@ use nalgebra::{SVector, Vector3};
 use std::f64::consts::PI;
 
 use super::{Link, links};
-use crate::{Arm, JointNames, Limits, LinkInertia, StandardDh};
+use crate::{Arm, JointNames, Limits, LinkInertia, Mechanism, StandardDh};
 
 /// Names of the joints in the vendor's description.
 const JOINTS: [&str; 6] =
@@ -35,10 +35,13 @@ pub(super) fn arm(numbers: &Numbers) -> Arm<6> {
     Arm {
         name: numbers.name.to_owned(),
         joint_names: JOINTS.into_iter().map(str::to_owned).collect::<JointNames>(),
-        placements: StandardDh::placements(&rows),
-        links: std::array::from_fn(|k| moved(&far[k], &rows[k])),
-        link_from_flange_rotation: flange.rotation,
-        link_from_flange_translation: flange.translation,
+        mechanism: Mechanism {
+            placements: StandardDh::placements(&rows),
+            links: std::array::from_fn(|k| moved(&far[k], &rows[k])),
+            link_from_flange_rotation: flange.rotation,
+            link_from_flange_translation: flange.translation,
+        }
+        .into(),
         rotor_inertia_kg_m2: SVector::from(numbers.rotor_inertia_kg_m2),
         limits: Limits {
             q_min_rad: SVector::from([-2.0 * PI, -2.0 * PI, -PI, -2.0 * PI, -2.0 * PI, -2.0 * PI]),

@@ -98,11 +98,10 @@ const LINKS: [Link; 7] = [
 /// Kinematics as the Panda's (franka_description: one file for both). Limits of position and speed from
 /// franka_description `robots/fr3/joint_limits.yaml`, which has the Panda's for torque; torque rate and rotor inertia are the Panda's too.
 pub fn fr3() -> Arm<7> {
-    let panda = panda();
+    let panda = panda().altered(|mechanism| mechanism.links = links(&LINKS));
     Arm {
         name: "fr3".to_owned(),
         joint_names: JointNames::numbered("fr3_joint", 7),
-        links: links(&LINKS),
         limits: Limits {
             q_min_rad: SVector::from([-2.7437, -1.7837, -2.9007, -3.0421, -2.8065, 0.5445, -3.0159]),
             q_max_rad: SVector::from([2.7437, 1.7837, 2.9007, -0.1518, 2.8065, 4.5169, 3.0159]),

@@ -3,7 +3,7 @@
 use nalgebra::{Matrix3, SVector, Vector3};
 
 use super::{Link, Preset, links};
-use crate::{Arm, JointNames, JointPlacement, Limits};
+use crate::{Arm, JointNames, JointPlacement, Limits, Mechanism};
 
 /// Rows of the rotation of each joint frame at q = 0, and its origin (m), in the link before. Source: drake_models
 /// `iiwa14_no_collision.urdf` (after iiwa_stack); its roll, pitch and yaw are quarter turns, written out here.
@@ -43,13 +43,16 @@ pub fn iiwa14() -> Arm<7> {
     Arm {
         name: "iiwa14".to_owned(),
         joint_names: JointNames::numbered("iiwa_joint_", 7),
-        placements: PLACEMENTS.map(|(rows, origin)| JointPlacement {
-            rotation: Matrix3::from_row_slice(&rows),
-            translation: Vector3::from(origin),
-        }),
-        links: links(&LINKS),
-        link_from_flange_rotation: Matrix3::identity(),
-        link_from_flange_translation: Vector3::new(0.0, 0.0, 0.045),
+        mechanism: Mechanism {
+            placements: PLACEMENTS.map(|(rows, origin)| JointPlacement {
+                rotation: Matrix3::from_row_slice(&rows),
+                translation: Vector3::from(origin),
+            }),
+            links: links(&LINKS),
+            link_from_flange_rotation: Matrix3::identity(),
+            link_from_flange_translation: Vector3::new(0.0, 0.0, 0.045),
+        }
+        .into(),
         rotor_inertia_kg_m2: SVector::from(super::panda::ROTOR_INERTIA),
         limits: Limits {
             q_min_rad: -q_max_rad,

@@ -4,7 +4,7 @@ use nalgebra::{SVector, Vector3};
 use std::f64::consts::FRAC_PI_2;
 
 use super::{Link, Preset, links, quarter_turns_x};
-use crate::{Arm, JointNames, JointPlacement, Limits};
+use crate::{Arm, JointNames, JointPlacement, Limits, Mechanism};
 
 /// Origins of the joints (m) and quarter turns about the parent's x axis. Source: ros_kortex
 /// `GEN3-7DOF-VISION_ARM_URDF_V12.urdf`; its 3.1416 and 1.5708 are meant as π and π/2.
@@ -40,13 +40,16 @@ pub fn kinova_gen3() -> Arm<7> {
     Arm {
         name: "kinova_gen3".to_owned(),
         joint_names: JointNames::numbered("joint_", 7),
-        placements: PLACEMENTS.map(|(origin, turns)| JointPlacement {
-            rotation: quarter_turns_x(turns),
-            translation: Vector3::from(origin),
-        }),
-        links: links(&LINKS),
-        link_from_flange_rotation: quarter_turns_x(2),
-        link_from_flange_translation: Vector3::new(0.0, 0.0, -0.061525),
+        mechanism: Mechanism {
+            placements: PLACEMENTS.map(|(origin, turns)| JointPlacement {
+                rotation: quarter_turns_x(turns),
+                translation: Vector3::from(origin),
+            }),
+            links: links(&LINKS),
+            link_from_flange_rotation: quarter_turns_x(2),
+            link_from_flange_translation: Vector3::new(0.0, 0.0, -0.061525),
+        }
+        .into(),
         rotor_inertia_kg_m2: SVector::from([0.09, 0.09, 0.09, 0.08, 0.013, 0.013, 0.013]),
         limits: Limits {
             q_min_rad: SVector::from([-endless, -2.24, -endless, -2.57, -endless, -2.09, -endless]),

@@ -4,7 +4,7 @@ use nalgebra::{Matrix3, SVector, Vector3};
 use std::f64::consts::{FRAC_PI_2, FRAC_PI_4};
 
 use super::{Preset, links};
-use crate::{Arm, JointNames, JointPlacement, Limits, ModifiedDh};
+use crate::{Arm, JointNames, JointPlacement, Limits, Mechanism, ModifiedDh};
 
 /// Modified DH rows (a (m), d (m), alpha (rad)). Source: vendor kinematics (franka_description), the same for Panda and FR3.
 const DH: [(f64, f64, f64); 7] = [
@@ -41,10 +41,13 @@ pub fn panda() -> Arm<7> {
     Arm {
         name: "panda".to_owned(),
         joint_names: JointNames::numbered("panda_joint", 7),
-        placements: DH.map(|(a_m, d_m, alpha_rad)| JointPlacement::from(ModifiedDh { a_m, d_m, alpha_rad })),
-        links: links(&LINKS),
-        link_from_flange_rotation: Matrix3::identity(),
-        link_from_flange_translation: Vector3::new(0.0, 0.0, FLANGE_D_M),
+        mechanism: Mechanism {
+            placements: DH.map(|(a_m, d_m, alpha_rad)| JointPlacement::from(ModifiedDh { a_m, d_m, alpha_rad })),
+            links: links(&LINKS),
+            link_from_flange_rotation: Matrix3::identity(),
+            link_from_flange_translation: Vector3::new(0.0, 0.0, FLANGE_D_M),
+        }
+        .into(),
         rotor_inertia_kg_m2: SVector::from(ROTOR_INERTIA),
         limits: Limits {
             q_min_rad: SVector::from([-2.8973, -1.7628, -2.8973, -3.0718, -2.8973, -0.0175, -2.8973]),

@@ -4,7 +4,7 @@ use nalgebra::{SVector, Vector3};
 use std::f64::consts::PI;
 
 use super::{Link, Preset, links, quarter_turns_x};
-use crate::{Arm, JointNames, JointPlacement, Limits};
+use crate::{Arm, JointNames, JointPlacement, Limits, Mechanism};
 
 /// Origins of the joints (m) and quarter turns about the parents x axis. Source: xarm_ros
 /// `xarm_description/config/kinematics/default/xarm6_default_kinematics.yaml`; its 1.5708 and the 3.14 of the speed limits are meant as π/2 and π.
@@ -41,13 +41,16 @@ pub fn xarm6() -> Arm<6> {
     Arm {
         name: "xarm6".to_owned(),
         joint_names: JointNames::numbered("joint", 6),
-        placements: PLACEMENTS.map(|(origin, turns)| JointPlacement {
-            rotation: quarter_turns_x(turns),
-            translation: Vector3::from(origin),
-        }),
-        links: links(&LINKS),
-        link_from_flange_rotation: quarter_turns_x(0),
-        link_from_flange_translation: Vector3::zeros(),
+        mechanism: Mechanism {
+            placements: PLACEMENTS.map(|(origin, turns)| JointPlacement {
+                rotation: quarter_turns_x(turns),
+                translation: Vector3::from(origin),
+            }),
+            links: links(&LINKS),
+            link_from_flange_rotation: quarter_turns_x(0),
+            link_from_flange_translation: Vector3::zeros(),
+        }
+        .into(),
         rotor_inertia_kg_m2: tau_max_nm * (0.1 / 50.0),
         limits: Limits {
             q_min_rad: SVector::from([-2.0 * PI, -2.059, -3.927, -2.0 * PI, -1.69297, -2.0 * PI]),

@@ -4,6 +4,7 @@
 
 mod mjcf;
 mod mjcf_random;
+mod odd_chains;
 mod presets;
 mod public_models;
 #[path = "../../../tests/python_witness.rs"]

@@ -33,7 +33,8 @@ fn potential<const N: usize>(preset: &Preset<N>, q: &SVector<f64, N>) -> f64 {
     let at = Kinematics::at(&preset.arm, q);
     let link = |k: usize| {
         let link = &preset.arm.links[k];
-        -link.mass_kg * preset.arm.gravity_m_s2.dot(&(at.origins[k] + at.rotations[k] * link.com_m))
+        let (rotation, origin) = at.link(&preset.arm, k);
+        -link.mass_kg * preset.arm.gravity_m_s2.dot(&(origin + rotation * link.com_m))
     };
     (0..N).map(link).sum()
 }

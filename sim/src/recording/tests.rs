@@ -97,8 +97,7 @@ fn arm_effects_are_inverse_dynamics_of_another_arm() {
     tilted.gravity_m_s2 = Vector3::new(9.81 * s, 0.0, -9.81 * c);
     let mut geared = presets::panda();
     geared.rotor_inertia_kg_m2[4] += 0.05;
-    let mut heavy = presets::panda();
-    heavy.links[3].mass_kg += 0.2;
+    let heavy = presets::panda().altered(|mechanism| mechanism.links[3].mass_kg += 0.2);
     let d = heavy.links[3].com_m * 0.2;
     let o = heavy.links[3].com_m.cross_matrix();
     let i = o * o * -0.2; // a point mass at the centre of mass, about the link origin

@@ -171,7 +171,7 @@ fn show_unseen(diagnosis: &Diagnosis) {
     print(rows);
     let (name, _) = unseen.better_baseline();
     let ratio = unseen.ratio();
-    let better = if ratio > 1.0 { " The baseline is better." } else { "" };
+    let better = if unseen.baseline_is_better() { " The baseline is better." } else { "" };
     paragraph(
         "",
         &format!(
