@@ -78,6 +78,7 @@ pub struct Campaign<const N: usize> {
 
 impl<const N: usize> Campaign<N> {
     /// Starts a campaign in a directory that has none yet.
+    #[inline(never)]
     pub fn create(directory: &Path, tune: ValidTune<N>, clock: Clock) -> Result<Self, CampaignError> {
         let journal = create(directory, &tune.config, RunBy::Tribo, clock)?;
         let trials = vec![None; tune.config.trials];
@@ -87,6 +88,7 @@ impl<const N: usize> Campaign<N> {
 
     /// Goes on with the campaign of a directory; trials recorded stay, be they more than it is to have from now on. What follows
     /// from the journal, `tuned.yaml` above all, is made true again.
+    #[inline(never)]
     pub fn resume(directory: &Path, changes: Changes, clock: Clock) -> Result<Self, CampaignError> {
         let (tune, journal, recorded) = open(directory, changes, RunBy::Tribo, clock)?;
         let path = directory.join("journal.log");
@@ -125,6 +127,7 @@ impl<const N: usize> Campaign<N> {
 
     /// Runs what is left of the campaign, independent trials on the threads of the current rayon pool; writes
     /// `references.yaml` at the beginning and `tuned.yaml` at the end. The result does not depend on the number of threads.
+    #[inline(never)]
     pub fn run(mut self, observer: &mut dyn CampaignObserver) -> Result<CampaignResult, CampaignError> {
         let references = references(&self.tune)?;
         references.write(&self.directory)?;
@@ -172,6 +175,7 @@ impl<const N: usize> Campaign<N> {
     }
 
     /// The trials to run next: as many as depend on no other, or those of one batch that the strategy proposes.
+    #[inline(never)]
     fn next_batch(
         &self,
         next: usize,
@@ -210,6 +214,7 @@ impl<const N: usize> Campaign<N> {
         Ok(batch)
     }
 
+    #[inline(never)]
     fn run_batch(
         &mut self,
         batch: &[(usize, Proposal)],
@@ -269,6 +274,7 @@ impl<const N: usize> Campaign<N> {
 
 /// Makes `tuned.yaml` what follows from the trials: the compensator of the best one; no file if there is none. A file that is right is
 /// left alone.
+#[inline(never)]
 pub(crate) fn write_tuned<const N: usize>(
     directory: &Path,
     tune: &ValidTune<N>,

@@ -18,6 +18,7 @@ pub(crate) struct Chooser<const N: usize> {
 
 impl<const N: usize> Chooser<N> {
     /// What the settings of a campaign ask for.
+    #[inline(never)]
     pub fn of(tune: &ValidTune<N>) -> Result<Self, StrategyError> {
         let identification = Arc::new(Identification::new(tune)?);
         let strategy = tune.config.strategy.build(tune, &identification)?;

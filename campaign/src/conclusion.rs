@@ -33,6 +33,7 @@ impl Conclusion {
     ///
     /// # Errors
     /// A log that cannot be read; an optimiser without an answer.
+    #[inline(never)]
     pub(crate) fn of<const N: usize>(
         tune: &ValidTune<N>,
         Chooser { strategy, identification, .. }: &Chooser<N>,

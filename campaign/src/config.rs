@@ -316,6 +316,7 @@ impl TuneConfig {
     }
 
     /// The pose about which the tool moves (rad): of the file of the truth or of the model that gives poses, else the robot's own.
+    #[inline(never)]
     fn start<const N: usize>(&self, robot: &Robot<N>) -> Result<SVector<f64, N>, ConfigError> {
         let files = [("truth_content", &self.truth_content), ("model_content", &self.model_content)];
         let mut given = files.into_iter().filter_map(|(field, file)| Some((field, file.as_ref()?)));
@@ -362,6 +363,7 @@ impl TuneConfig {
     ///
     /// # Errors
     /// The first field out of its range, or the file that cannot be used.
+    #[inline(never)]
     pub fn validate<const N: usize>(mut self) -> Result<ValidTune<N>, ConfigError> {
         if self.schema != SCHEMA {
             return Err(FieldError::new("schema", &self.schema, SCHEMA).into());

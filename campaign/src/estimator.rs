@@ -107,6 +107,7 @@ impl<const N: usize> AnyEstimator<N> {
     ///
     /// # Errors
     /// A friction that the thermal estimator cannot have.
+    #[inline(never)]
     pub fn for_tuning(
         name: EstimatorName,
         ekf: WrenchEkfSettings,
@@ -194,6 +195,7 @@ impl<const N: usize> AnyEstimator<N> {
         }
     }
 
+    #[inline(never)]
     fn thermal(friction: &FrictionModel<N>, noise_factor: f64) -> Result<Self, EstimatorError> {
         let mut settings = ThermalSettings::without_temperature(friction)?;
         settings.torque_sd_nm *= noise_factor;
@@ -230,6 +232,7 @@ fn momentum<const N: usize>(band: FrictionBand<N>, band_of: BandOf) -> MomentumE
 }
 
 /// Two encoders on springs that nobody has calibrated: the assumed stiffness, to 2 %; all noise multiplied.
+#[inline(never)]
 fn double_encoder<const N: usize>(
     arm: &Arm<N>,
     stiffness_nm_per_rad: [f64; N],
@@ -262,6 +265,7 @@ impl<const N: usize> WrenchEstimator<N> for AnyEstimator<N> {
     }
 
     #[inline]
+    #[inline(never)]
     fn step(&mut self, input: &EstimatorInput<'_, N>) -> WrenchEstimate {
         match self {
             Self::Ekf(ekf) => ekf.step(input),

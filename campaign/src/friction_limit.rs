@@ -43,6 +43,7 @@ impl<const N: usize> FrictionLimit<N> {
     ///
     /// # Errors
     /// A log that cannot be read.
+    #[inline(never)]
     pub fn before(&self, number: usize, logs: &dyn LogSource<N>) -> Result<Option<Allowance<'_>>, StrategyError> {
         let Some((identification, ratio)) = &self.guard else { return Ok(None) };
         let fit = identification.before(number, logs)?;

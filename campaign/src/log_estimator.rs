@@ -103,6 +103,7 @@ impl<const N: usize> LogEstimator<N> {
     }
 
     /// The wrench before tare and prior.
+    #[inline(never)]
     fn raw(&self, name: EstimatorName, noise_factor: f64, log: &RobotLog) -> Result<LogWrench, EstimatorError> {
         let mut estimator = self.any(name, noise_factor)?;
         Ok(wrench_on_log(log, &self.believed, self.smoothing_rad_s, &mut estimator))

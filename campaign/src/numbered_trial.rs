@@ -35,6 +35,7 @@ impl<const N: usize> ValidTune<N> {
     }
 }
 
+#[inline(never)]
 pub(crate) fn run_estimated<const N: usize>(
     tune: &ValidTune<N>,
     trial: &Trial<N>,

@@ -37,6 +37,7 @@ impl References {
 ///
 /// # Errors
 /// A friction that the estimator cannot work with.
+#[inline(never)]
 pub fn references<const N: usize>(tune: &ValidTune<N>) -> Result<References, EstimatorError> {
     let none = FrictionModel::none();
     let no_effects = [JointEffects::default(); N];

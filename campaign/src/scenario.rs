@@ -102,6 +102,7 @@ impl TruthName {
     ///
     /// # Errors
     /// A friction that nobody knows of this robot, or a file about one with another number of joints.
+    #[inline(never)]
     pub fn of<const N: usize>(
         &self,
         robot: &Robot<N>,

@@ -34,6 +34,7 @@ impl<const N: usize> StoredLogs<N> {
 }
 
 impl<const N: usize> LogSource<N> for StoredLogs<N> {
+    #[inline(never)]
     fn log(&self, number: usize) -> Result<Option<TrialLog<N>>, FileError> {
         let recent = self.recent.lock().unwrap_or_else(PoisonError::into_inner);
         match recent.iter().find(|(held, _)| *held == number) {

@@ -72,6 +72,7 @@ impl<const N: usize> Trial<N> {
     }
 
     /// The same trial with springs in the joints of the arm and an encoder on either side of them.
+    #[inline(never)]
     pub fn with_two_encoders(mut self) -> Self {
         // Springs of the truth's own stay what they are.
         let own: Vec<Effect> = self
@@ -89,6 +90,7 @@ impl<const N: usize> Trial<N> {
     }
 
     /// The simulated arm at the start of the trial; `seed` feeds the sensor noise.
+    #[inline(never)]
     pub fn plant(&self, seed: u64) -> BoxFrictionPlant<N> {
         BoxFrictionPlant::new(self.truth.clone(), self.sensors, self.start, seed)
             .with_sub_steps(self.sub_steps)
@@ -97,6 +99,7 @@ impl<const N: usize> Trial<N> {
     }
 
     /// The loop of the trial, whose compensator believes this friction. One that compensates nothing needs no guard.
+    #[inline(never)]
     pub fn control_loop<E: WrenchEstimator<N>>(&self, friction: &FrictionModel<N>, estimator: E) -> ControlLoop<N, E> {
         let settings = LoopSettings {
             impedance: self.impedance,

@@ -28,6 +28,7 @@ const WRENCH: [(&str, usize); 6] = [("fx_n", 3), ("fy_n", 4), ("fz_n", 5), ("mx_
 const ERROR: [(&str, usize); 6] = [("x_m", 3), ("y_m", 4), ("z_m", 5), ("rx_rad", 0), ("ry_rad", 1), ("rz_rad", 2)];
 
 /// Writes a log atomically, to the last bit.
+#[inline(never)]
 pub fn write_trial_log<const N: usize>(path: &Path, log: &TrialLog<N>) -> Result<(), FileError> {
     let mut columns = vec![(Quantity::Time.column_name(0), log.time_s.clone())];
     let measured = [
@@ -77,6 +78,7 @@ pub fn read_own_trial_log<const N: usize>(
 }
 
 /// Reads a log back.
+#[inline(never)]
 pub fn read_trial_log<const N: usize>(path: &Path) -> Result<TrialLog<N>, FileError> {
     let table = read_table(path)?;
     let missing = |what: &str| FileError::Campaign {

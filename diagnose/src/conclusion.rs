@@ -53,6 +53,7 @@ const STANDING: f64 = 0.1;
 const LEAST_MOVING_PARTS: usize = 5;
 
 /// Draws the conclusion.
+#[inline(never)]
 pub(crate) fn conclude<const N: usize>(
     search: &mut Search<'_, '_, N>,
     evaluated: &Evaluated<'_, N>,

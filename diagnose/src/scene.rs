@@ -160,6 +160,7 @@ impl<const N: usize> Scene<N> {
     }
 
     /// The same with a choice of how much wider than the band positions are smoothed.
+    #[inline(never)]
     pub fn smoothed(
         logs: &[RobotLog],
         nominal: &Nominal<N>,

@@ -121,6 +121,7 @@ fn robot_of_joints<const N: usize>(
     }
 }
 
+#[inline(never)]
 fn export_joints<const N: usize>(
     tuned: &TunedFile,
     format: Format,

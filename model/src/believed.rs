@@ -99,6 +99,7 @@ pub fn not_cancelled_sentences(left: &[NotCancelled], names: &JointNames) -> Vec
 }
 
 /// The torques of every joint that a compensator can add, and the effects that are no such torques.
+#[inline(never)]
 pub fn joint_effects<const N: usize>(effects: &[Effect]) -> ([JointEffects; N], Vec<NotCancelled>) {
     let mut joints = [JointEffects::default(); N];
     let mut not_cancelled = Vec::new();

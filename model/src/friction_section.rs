@@ -105,6 +105,7 @@ impl FrictionSection {
     }
 
     /// The friction model; `field` prefixes the path in errors.
+    #[inline(never)]
     pub fn to_model<const N: usize>(&self, field: &str) -> Result<FrictionModel<N>, FieldError> {
         FieldError::check(&format!("{field}.smoothing_rad_s"), self.smoothing_rad_s, 0.0, 1.0)?;
         if self.joints.len() != N {

@@ -123,6 +123,7 @@ impl ModelFile {
     }
 
     /// Checks every field and builds the model; the robot must have N joints.
+    #[inline(never)]
     pub fn validate<const N: usize>(&self) -> Result<Model<N>, FieldError> {
         if self.schema != SCHEMA {
             return Err(FieldError::new("schema", &self.schema, SCHEMA));

@@ -25,6 +25,7 @@ const PANDA_TORQUE_NM: f64 = 87.0;
 
 impl<const N: usize> Robot<N> {
     /// The preset of a name, if there is one with N joints.
+    #[inline(never)]
     pub fn preset(name: &str) -> Option<Self> {
         let preset = presets::find(name)?;
         let Preset { arm, poses_rad, .. } = preset.with_joints::<N>()?.clone();
@@ -33,6 +34,7 @@ impl<const N: usize> Robot<N> {
     }
 
     /// The arm of a URDF or MJCF: poses well away from its singularities, the friction that it gives unless all is zero.
+    #[inline(never)]
     pub fn of_description(described: DescribedArm<N>) -> Self {
         let DescribedArm { arm, coulomb_nm, viscous_nm_s_per_rad, .. } = described;
         let known = coulomb_nm.iter().chain(&viscous_nm_s_per_rad).any(|value| *value > 0.0);

@@ -48,6 +48,7 @@ impl YamlDocument {
     }
 
     /// Parses the document into T; unknown keys are errors where T says so.
+    #[inline(never)]
     pub fn parse<T: DeserializeOwned>(&self) -> Result<T, FileError> {
         serde_saphyr::from_str(&self.text).map_err(|error| {
             let (line, column) = error.location().map_or((1, 1), |at| (at.line(), at.column()));

@@ -104,6 +104,7 @@ pub(crate) struct Hidden<const N: usize> {
 
 impl<const N: usize> Hidden<N> {
     /// Sorts the effects. Those naming a joint or link that the arm lacks are left out: see [`Truth::validate`].
+    #[inline(never)]
     pub fn of(truth: &Truth<N>) -> Self {
         let mut hidden = Self {
             arm: truth.arm.clone(),

@@ -241,6 +241,7 @@ impl<const N: usize> Plant<N> for BoxFrictionPlant<N> {
         Ok(self.sample())
     }
 
+    #[inline(never)]
     fn actuate(&mut self, tau_nm: &SVector<f64, N>) {
         let arm = &self.truth.arm;
         let limit = &arm.limits.tau_max_nm;

@@ -43,6 +43,7 @@ impl Completion {
     ///
     /// # Errors
     /// A log that cannot be read.
+    #[inline(never)]
     pub(super) fn completed<const N: usize>(
         &self,
         finished: &[FinishedTrial],

@@ -124,6 +124,7 @@ impl<const N: usize> GreyBox<N> {
 
     /// J of each of these compensators in each of the last logs, scaled to what the trial of the log cost; none before there is a log of
     /// a trial with compensation that was seen to its end.
+    #[inline(never)]
     fn replayed(
         &self,
         frictions: &[FrictionModel<N>],
@@ -216,6 +217,7 @@ impl<const N: usize> Strategy<N> for GreyBox<N> {
         Ok((number == 0).then(|| Proposal { theta: self.space.zero(), origin: Origin::Constant }))
     }
 
+    #[inline(never)]
     fn better_law(&self, past: Past<'_>, logs: &dyn LogSource<N>) -> Result<Option<LawChange>, StrategyError> {
         let Some((space, identification)) = &self.other_law else { return Ok(None) };
         let next = next(past);
@@ -242,6 +244,7 @@ impl<const N: usize> Strategy<N> for GreyBox<N> {
         Ok((expected_gain > PAYS * repeatability(&costs[0])).then_some(change))
     }
 
+    #[inline(never)]
     fn best(&self, past: Past<'_>, logs: &dyn LogSource<N>) -> Result<Option<BestTrial>, StrategyError> {
         // A trial that cost much more is not the best, whatever the others' logs say of its parameters.
         let complete = self.near_the_best(past.finished);
@@ -263,6 +266,7 @@ impl<const N: usize> Strategy<N> for GreyBox<N> {
         }))
     }
 
+    #[inline(never)]
     fn expected_gain(&self, past: Past<'_>, logs: &dyn LogSource<N>) -> Result<Option<ExpectedGain>, StrategyError> {
         if !past.running.is_empty() {
             return Ok(None);
@@ -297,6 +301,7 @@ impl<const N: usize> Strategy<N> for GreyBox<N> {
         Ok(Some(ExpectedGain { gain, repeatability, best: best.cost }))
     }
 
+    #[inline(never)]
     fn propose(&self, number: usize, past: Past<'_>, logs: &dyn LogSource<N>) -> Result<Proposal, StrategyError> {
         let (Some(fit), Some(first)) =
             (self.identification.before(number, logs)?, self.identification.first_before(number, logs)?)

@@ -58,6 +58,7 @@ impl<const N: usize> Identification<N> {
     ///
     /// # Errors
     /// An estimator that cannot be had.
+    #[inline(never)]
     pub fn new(tune: &ValidTune<N>) -> Result<Self, StrategyError> {
         let space = &tune.space;
         let basis = match space.law {
@@ -98,6 +99,7 @@ impl<const N: usize> Identification<N> {
     ///
     /// # Errors
     /// A log that cannot be read.
+    #[inline(never)]
     pub fn before(&self, number: usize, logs: &dyn LogSource<N>) -> Result<Option<GlsFit<N>>, StrategyError> {
         let number = self.batches.of(number).start;
         let mut fits = self.fits.lock().unwrap_or_else(PoisonError::into_inner);
@@ -185,6 +187,7 @@ impl<const N: usize> Identification<N> {
     ///
     /// # Errors
     /// A log that cannot be read.
+    #[inline(never)]
     pub fn law_check(&self, number: usize, logs: &dyn LogSource<N>) -> Result<Option<LawCheck>, StrategyError> {
         for trial in 0..number {
             let mut checks = self.checks.lock().unwrap_or_else(PoisonError::into_inner);
@@ -208,6 +211,7 @@ impl<const N: usize> Identification<N> {
     ///
     /// # Errors
     /// A log that cannot be read.
+    #[inline(never)]
     pub(super) fn samples(
         &self,
         trial: usize,

@@ -35,6 +35,7 @@ impl<const N: usize> Strategy<N> for IterativeLearning {
         Ok((number == 0).then(|| Proposal { theta: self.space.zero(), origin: Origin::Constant }))
     }
 
+    #[inline(never)]
     fn propose(&self, number: usize, past: Past<'_>, logs: &dyn LogSource<N>) -> Result<Proposal, StrategyError> {
         let last = past.finished.iter().rfind(|trial| trial.number < number);
         let mut theta = last.map_or_else(|| self.space.zero(), |trial| trial.theta.clone());

@@ -233,6 +233,7 @@ impl Layout {
 }
 
 /// Rows `[W_j Φ(qd_j) …, W_j …, g e_z]` of one sample.
+#[inline(never)]
 pub(super) fn fill_rows<const N: usize>(
     rows: &mut DMatrix<f64>,
     sample: &GlsSample<N>,

@@ -120,6 +120,7 @@ impl<const N: usize> Recorder<'_, N> {
     }
 
     /// Adds one cycle that starts at `start_s` (s) of the log; returns the bristles at its end, where the next begins.
+    #[inline(never)]
     fn burst(
         &self,
         trajectory: &dyn JointTrajectory<N>,
