@@ -20,6 +20,8 @@ mod progress;
 mod terminal;
 mod threads;
 
+pub use command::now;
+
 use std::ffi::OsString;
 
 use clap::{CommandFactory, Parser};

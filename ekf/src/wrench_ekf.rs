@@ -102,14 +102,12 @@ impl WrenchEkf {
 
     /// `v ← v + dt (u − Λ⁻¹ h)`, `x ← x ⊕ (dt v + dt²/2 (u − Λ⁻¹ h))`, `h ← h`.
     #[inline]
-    #[inline(never)]
     pub fn predict(&mut self, u: &Vector6<f64>, lambda_inverse: &Matrix6<f64>, dt_s: f64) {
         self.belief = self.predicted(u, lambda_inverse, dt_s);
     }
 
     /// Takes the measured pose; returns `false` and changes nothing if the innovation covariance cannot be factored.
     #[inline]
-    #[inline(never)]
     pub fn update(&mut self, pose: &Pose, measurement_covariance: &Matrix6<f64>) -> bool {
         let predicted = self.belief;
         self.correct(&predicted, pose, measurement_covariance)
@@ -213,7 +211,6 @@ impl<const N: usize> WrenchEstimator<N> for WrenchEkf {
     }
 
     #[inline]
-    #[inline(never)]
     fn step(&mut self, input: &EstimatorInput<'_, N>) -> WrenchEstimate {
         let terms = input.terms;
         let jacobian = &terms.jacobian;

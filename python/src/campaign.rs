@@ -7,6 +7,7 @@ use std::path::{Path, PathBuf};
 
 use pyo3::prelude::*;
 use tribo_campaign::{AnyTune, CampaignError, RecognisedTrial, TuneConfig, UserCampaign, judge_log, recognise_trial};
+use tribo_cli::now;
 use tribo_diagnose::{Diagnosable, Nominal};
 use tribo_logs::recognise::Use;
 use tribo_watch::refresh_report;
@@ -15,7 +16,7 @@ use crate::failure::{bad, raised};
 use crate::interrupt::interruptible;
 use crate::log::PyLog;
 use crate::remarks::believe;
-use crate::tune::{now, settings};
+use crate::tune::settings;
 
 /// Runs the same block for a campaign of either number of joints.
 macro_rules! opened {

@@ -38,7 +38,6 @@ impl<'py> Rows<'py> {
             shape => return Err(bad(format!("{name} has shape {shape:?}; allowed: (n, joints) or (joints,)"))),
         };
         let copy = (!view.is_standard_layout()).then(|| view.iter().copied().collect());
-        drop(view);
         Ok(Self { numbers: copy.map_or(Numbers::There(array), Numbers::Here), leading, joints })
     }
 

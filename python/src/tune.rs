@@ -10,6 +10,7 @@ use tribo_campaign::{
     Campaign, CampaignError, CampaignObserver, CampaignResult, InMemory, TuneConfig, ValidTune, finished_compensator,
     references, run_in_memory,
 };
+use tribo_cli::now;
 use tribo_model::TunedFile;
 use tribo_watch::write_report;
 
@@ -17,12 +18,6 @@ use crate::arm::either;
 use crate::compensator::PyCompensator;
 use crate::failure::{bad, raised};
 use crate::interrupt::interruptible;
-
-/// The time, for the stamps in a journal.
-pub(crate) fn now() -> String {
-    // Optuna reads Python's isoformat, which wants +00:00 in place of Z.
-    jiff::Timestamp::now().strftime("%Y-%m-%dT%H:%M:%S.%6f+00:00").to_string()
-}
 
 /// Puts settings (JSON) over others; whether they say how many trials there are to be.
 ///

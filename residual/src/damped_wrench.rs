@@ -21,7 +21,6 @@ pub(crate) fn weighted_inverse<const N: usize>(
 
 /// R⁻¹ Jᵀ and P.
 #[inline]
-#[inline(never)]
 fn weights<const N: usize>(
     jacobian: &SMatrix<f64, 6, N>,
     covariance_nm2: &SMatrix<f64, N, N>,
@@ -37,7 +36,6 @@ fn weights<const N: usize>(
 
 /// `W r` and P for a torque residual r (Nm); none where R is not positive definite or a number overflows.
 #[inline]
-#[inline(never)]
 pub(crate) fn damped_wrench<const N: usize>(
     jacobian: &SMatrix<f64, 6, N>,
     covariance_nm2: &SMatrix<f64, N, N>,

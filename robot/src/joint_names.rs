@@ -36,8 +36,11 @@ impl JointNames {
         NamedJoint { name, joint }
     }
 
-    /// Several joints, as in a sentence: `panda_joint2 (1) and panda_joint4 (3)`, else `joints 1 and 3`.
+    /// Several joints, as in a sentence: `panda_joint2 (1) and panda_joint4 (3)`, else `joints 1 and 3`; `all joints` where they are more than two.
     pub fn several(&self, joints: &[usize]) -> String {
+        if joints.len() > 2 && joints.iter().copied().eq(0..self.0.len()) {
+            return "all joints".to_owned();
+        }
         let named = joints.iter().all(|joint| self.of(*joint).name.is_some());
         let (before, parts): (_, Vec<String>) = if named || joints.len() == 1 {
             ("", joints.iter().map(|joint| self.of(*joint).to_string()).collect())
@@ -79,6 +82,7 @@ mod tests {
         assert_eq!(names.several(&[0, 2]), "shoulder (0) and wrist (2)");
         assert_eq!(names.several(&[0, 1, 3]), "joints 0, 1 and 3", "one form in one list");
         assert_eq!([names.several(&[1]), names.several(&[])], ["joint 1", "no joint"]);
+        assert_eq!([names.several(&[0, 1, 2]), names.several(&[0, 2, 1])], ["all joints", "joints 0, 2 and 1"]);
         assert_eq!(JointNames::numbered("lbr_A", 2).several(&[0, 1]), "lbr_A1 (0) and lbr_A2 (1)");
     }
 }

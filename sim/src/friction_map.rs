@@ -19,7 +19,6 @@ pub(crate) struct FrictionMap<const N: usize> {
 impl<const N: usize> FrictionMap<N> {
     /// Over a step of h (s), of what each joint answers.
     #[inline]
-    #[inline(never)]
     pub fn of(h: f64, joint: impl Fn(usize) -> SetValued) -> Self {
         let zero = SVector::zeros();
         let mut map = Self { viscous: zero, offset: zero, lower: zero, upper: zero };

@@ -18,7 +18,6 @@ const TOLERANCE_RAD_S: f64 = 1e-12;
 /// b (`momentum`) and impulses in Nm s. `p` enters as a warm start and leaves as the solution; a joint strictly inside its bounds is
 /// stuck and gets the velocity 0 exactly. Returns v [rad/s].
 #[inline]
-#[inline(never)]
 pub(crate) fn solve_friction<const N: usize>(
     a: &SMatrix<f64, N, N>,
     momentum: &SVector<f64, N>,

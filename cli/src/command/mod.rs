@@ -50,8 +50,8 @@ fn opened<const N: usize>(directory: &Path) -> Result<UserCampaign<N>, CampaignE
     Ok(campaign)
 }
 
-/// The time, for the stamps in the journal.
-fn now() -> String {
+/// The time, for the stamps in a journal.
+pub fn now() -> String {
     // Optuna reads Python's isoformat, which wants +00:00 in place of Z.
     jiff::Timestamp::now().strftime("%Y-%m-%dT%H:%M:%S.%6f+00:00").to_string()
 }

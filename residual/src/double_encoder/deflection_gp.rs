@@ -104,7 +104,6 @@ impl DeflectionGp {
     ///
     /// `x` holds the inputs and is scaled in place, `scratch` at least [`Self::inducing_points`] numbers.
     #[inline]
-    #[inline(never)]
     pub(super) fn predict_fast_rad(&self, x: &mut [f64], scratch: &mut [f64], slope: &mut [f64]) -> Posterior {
         for ((x, shift), scale) in x.iter_mut().zip(&self.shift).zip(&self.scale) {
             *x = (*x - shift) / scale;

@@ -198,7 +198,6 @@ impl<const N: usize> WrenchEstimator<N> for DoubleEncoderEstimator<N> {
     }
 
     #[inline]
-    #[inline(never)]
     fn step(&mut self, input: &EstimatorInput<'_, N>) -> WrenchEstimate {
         if let Err(fault) = input.check() {
             return self.state.estimate.held(fault);

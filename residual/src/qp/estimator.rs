@@ -160,7 +160,6 @@ impl<const N: usize> WrenchEstimator<N> for QpEstimator<N> {
     }
 
     #[inline]
-    #[inline(never)]
     fn step(&mut self, input: &EstimatorInput<'_, N>) -> WrenchEstimate {
         if let Err(fault) = input.check() {
             return self.estimate.held(fault);
