@@ -31,7 +31,7 @@ const MUCH_LEFT: f64 = 4.0;
 pub(crate) struct Wrongness {
     /// Whether more than half of the joints differ.
     pub everywhere: bool,
-    /// Whether more than a third have friction or an offset that is surely not the model's.
+    /// Whether more than a third have friction or an offset that is surely not the model's, and those alone do not explain the log.
     pub in_many_joints: bool,
     /// RMS that all families together leave of each joint (Nm).
     pub left_nm: Vec<f64>,
@@ -97,5 +97,5 @@ pub(crate) fn wrongness<const N: usize>(scene: &Scene<N>) -> Wrongness {
     let plain_will_do = (0..N).all(|j| rms_nm(&plain, j) < AS_WELL * left_nm[j].max(noise_nm(j)));
     let everywhere = 2 * leaving > N || (2 * differing > N && !plain_will_do);
     let plain_fits = if everywhere { None } else { PlainFits::of(&problem) };
-    Wrongness { everywhere, in_many_joints: 3 * differing > N, left_nm, plain_fits }
+    Wrongness { everywhere, in_many_joints: 3 * differing > N && !plain_will_do, left_nm, plain_fits }
 }
