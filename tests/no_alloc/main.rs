@@ -14,7 +14,7 @@ use tribo_campaign::{EstimatorName, LogEstimator};
 use tribo_control::{PAPER_PHASES_RAD, SinusoidReference};
 use tribo_fci::{
     Connection, ControlUnit, ControllerMode, CyclicCommand, FciVersion, GeneratorMode, MotionRequest, MoveEnd, Pace,
-    STATE_BYTES_MAX, Server, ServerSettings,
+    STATE_BYTES_MAX, Server, ServerSettings, model,
 };
 use tribo_friction::thermal::{HeatBalance, PolynomialStribeck, TemperatureFactor, ThermalJoint, ThermalLaw};
 use tribo_friction::{Compensator, FrictionBand, JointBand, JointEffects, VelocitySource};
@@ -182,6 +182,15 @@ fn no_period_of_the_control_unit_allocates() {
     assert_eq!(reflexes, 1, "the jump of torque");
 }
 
+/// While it lives, a server runs.
+struct Served<'a>(&'a AtomicBool);
+
+impl Drop for Served<'_> {
+    fn drop(&mut self) {
+        self.0.store(true, Ordering::Relaxed);
+    }
+}
+
 /// The whole loop on a robot behind the Franka Control Interface: state in from the network, torque out.
 #[test]
 fn no_tick_over_the_network_allocates() {
@@ -193,12 +202,15 @@ fn no_tick_over_the_network_allocates() {
         let unit = ControlUnit::new(version, arm.clone(), plant).expect("a simulated arm answers");
         let settings =
             ServerSettings { version, address: Ipv4Addr::LOCALHOST.into(), port: Some(0), pace: Pace::Lockstep };
-        let mut server = Server::bind(settings, unit, Vec::new()).expect("a free port");
+        // A client of version 10 takes the robot's limits from its URDF.
+        let model = if version == FciVersion::V5 { Vec::new() } else { model::urdf(&arm).into_bytes() };
+        let mut server = Server::bind(settings, unit, model).expect("a free port");
         let address = server.address().expect("it is bound").to_string();
         let (stop, never) = (AtomicBool::new(false), AtomicBool::new(false));
         std::thread::scope(|scope| {
-            // Allocations are counted in the thread of the loop alone.
+            // Allocations are counted in the thread of the loop alone; a test that fails must not wait for the server's.
             scope.spawn(|| server.run(&stop, |_| {}));
+            let served = Served(&stop);
             let connection = Connection::open(&address, false).expect("it serves");
             connection.approach(&arm, &presets::panda_ready_pose()).expect("it is there");
             let mut plant = connection.torque_plant(&arm, &never).expect("it is ready");
@@ -212,7 +224,7 @@ fn no_tick_over_the_network_allocates() {
                 }
             });
             let landed = plant.finish();
-            stop.store(true, Ordering::Relaxed);
+            drop(served);
             landed.expect("the robot had no reason to stop");
             assert_eq!((faults, seen.count_total), (0, 0), "{version:?}: {seen:?}");
         });
