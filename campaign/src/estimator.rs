@@ -264,7 +264,7 @@ impl<const N: usize> WrenchEstimator<N> for AnyEstimator<N> {
         }
     }
 
-    #[inline]
+    #[inline(never)]
     fn step(&mut self, input: &EstimatorInput<'_, N>) -> WrenchEstimate {
         match self {
             Self::Ekf(ekf) => ekf.step(input),

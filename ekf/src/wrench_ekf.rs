@@ -210,7 +210,7 @@ impl<const N: usize> WrenchEstimator<N> for WrenchEkf {
         self.place(&terms.base_from_flange);
     }
 
-    #[inline]
+    #[inline(never)]
     fn step(&mut self, input: &EstimatorInput<'_, N>) -> WrenchEstimate {
         let terms = input.terms;
         let jacobian = &terms.jacobian;

@@ -35,7 +35,7 @@ fn weights<const N: usize>(
 }
 
 /// `W r` and P for a torque residual r (Nm); none where R is not positive definite or a number overflows.
-#[inline]
+#[inline(never)]
 pub(crate) fn damped_wrench<const N: usize>(
     jacobian: &SMatrix<f64, 6, N>,
     covariance_nm2: &SMatrix<f64, N, N>,

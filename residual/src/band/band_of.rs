@@ -22,7 +22,7 @@ pub enum BandOf {
 
 impl BandOf {
     /// Bounds (Nm) of friction less the belief (Nm) at qd (rad/s).
-    #[inline]
+    #[inline(never)]
     pub(crate) fn left_nm<const N: usize>(
         self,
         band: &FrictionBand<N>,

@@ -197,7 +197,7 @@ impl<const N: usize> WrenchEstimator<N> for DoubleEncoderEstimator<N> {
             self.torque(&frame.q, &terms.gravity_nm, &self.state.slow_deflection);
     }
 
-    #[inline]
+    #[inline(never)]
     fn step(&mut self, input: &EstimatorInput<'_, N>) -> WrenchEstimate {
         if let Err(fault) = input.check() {
             return self.state.estimate.held(fault);

@@ -153,7 +153,7 @@ impl<const N: usize> WrenchEstimator<N> for MomentumEstimator<N> {
         self.estimate = WrenchEstimate::none_yet();
     }
 
-    #[inline]
+    #[inline(never)]
     fn step(&mut self, input: &EstimatorInput<'_, N>) -> WrenchEstimate {
         if let Err(fault) = input.check() {
             return self.estimate.held(fault);

@@ -52,7 +52,7 @@ impl<const N: usize> MomentumObserver<N> {
     }
 
     /// Takes the sample at the end of a period of `dt_s` (s) during which τ (Nm) acted; returns r (Nm).
-    #[inline]
+    #[inline(never)]
     pub fn step(
         &mut self,
         frame: &SensorFrame<N>,

@@ -94,7 +94,7 @@ impl<const N: usize> BoxQp<N> {
     }
 
     /// Solves for d between the bounds, from the last active set.
-    #[inline]
+    #[inline(never)]
     pub fn solve(&mut self, d: &SVector<f64, N>, lower: &SVector<f64, N>, upper: &SVector<f64, N>) -> BoxSolution<N> {
         let fixed: [bool; N] = std::array::from_fn(|i| lower[i] >= upper[i]);
         for i in 0..N {

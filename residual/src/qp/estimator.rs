@@ -159,7 +159,7 @@ impl<const N: usize> WrenchEstimator<N> for QpEstimator<N> {
         self.estimate = WrenchEstimate::none_yet();
     }
 
-    #[inline]
+    #[inline(never)]
     fn step(&mut self, input: &EstimatorInput<'_, N>) -> WrenchEstimate {
         if let Err(fault) = input.check() {
             return self.estimate.held(fault);

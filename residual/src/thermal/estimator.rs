@@ -154,7 +154,7 @@ impl<const N: usize> ThermalEstimator<N> {
     }
 
     /// Friction at this sample, low-passed like the residual; the mean of both ends of the period, like its bias.
-    #[inline]
+    #[inline(never)]
     fn believe(&self, qd: &SVector<f64, N>, compensation: &SVector<f64, N>, dt_s: f64, share: f64) -> Belief<N> {
         let mut belief = self.belief;
         for j in 0..N {
@@ -259,7 +259,7 @@ impl<const N: usize> WrenchEstimator<N> for ThermalEstimator<N> {
         self.estimate = WrenchEstimate::none_yet();
     }
 
-    #[inline]
+    #[inline(never)]
     fn step(&mut self, input: &EstimatorInput<'_, N>) -> WrenchEstimate {
         if let Err(fault) = input.check() {
             return self.estimate.held(fault);
