@@ -9,6 +9,7 @@ use tribo_model::FileError;
 struct LogsInMemory<const N: usize>(Vec<TrialLog<N>>);
 
 impl<const N: usize> LogSource<N> for LogsInMemory<N> {
+    #[inline(never)]
     fn log(&self, number: usize) -> Result<Option<TrialLog<N>>, FileError> {
         Ok(self.0.get(number).cloned())
     }

@@ -50,11 +50,14 @@ impl YamlDocument {
     /// Parses the document into T; unknown keys are errors where T says so.
     #[inline(never)]
     pub fn parse<T: DeserializeOwned>(&self) -> Result<T, FileError> {
-        serde_saphyr::from_str(&self.text).map_err(|error| {
-            let (line, column) = error.location().map_or((1, 1), |at| (at.line(), at.column()));
-            let message = self.message(&error.to_string(), line);
-            FileError::Syntax { path: self.path.clone(), line, column, message }
-        })
+        serde_saphyr::from_str(&self.text).map_err(|error| self.refused(&error))
+    }
+
+    /// The parser's error with its place.
+    fn refused(&self, error: &serde_saphyr::Error) -> FileError {
+        let (line, column) = error.location().map_or((1, 1), |at| (at.line(), at.column()));
+        let message = self.message(&error.to_string(), line);
+        FileError::Syntax { path: self.path.clone(), line, column, message }
     }
 
     /// Puts file and line onto a range error.

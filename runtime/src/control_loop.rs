@@ -90,7 +90,7 @@ impl<const N: usize, E: WrenchEstimator<N>> ControlLoop<N, E> {
     }
 
     /// One tick, and everything it knew. No heap, no lock, no clock, no panic.
-    #[inline]
+    #[inline(never)]
     pub fn tick<P: Plant<N>>(&mut self, plant: &mut P) -> &TickRecord<N> {
         match plant.sense() {
             Ok(frame) => self.record.frame = frame,
@@ -129,7 +129,7 @@ impl<const N: usize, E: WrenchEstimator<N>> ControlLoop<N, E> {
     }
 
     /// Estimate, then control.
-    #[inline]
+    #[inline(never)]
     fn decide(&mut self) -> Result<(), TickFault> {
         let record = &mut self.record;
         let frame = &record.frame;
