@@ -125,7 +125,7 @@ pub(crate) fn explained<const N: usize>(
     let one_by_one = match few {
         Some(wrong) => {
             let plain_fits = wrong.plain_fits.as_ref();
-            // Where joints are as the model says, or friction and offsets are all there is, small things found beside are pruned at the end.
+            // A search gives up only here: elsewhere it ends soon, and the small causes that it finds beside the true ones are pruned.
             let most_kinds = wrong.in_many_joints.then_some(HOPELESS_KINDS);
             let question = Question { looked_for: &|_| true, most_kinds, plain_fits, validate };
             let mut found = cause_by_cause(&question, logs, &mut scene, settings, &step)?;

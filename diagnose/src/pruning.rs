@@ -18,7 +18,8 @@ const LEAST_RMS_NM: f64 = 2.5e-3;
 /// The same over the torque sensor's noise in the band.
 const LEAST_OVER_NOISE: f64 = 0.25;
 
-/// Evidence of a link before the last over a payload, up to which the payload is told: a body at the flange is ten times as common (2 log 10).
+/// By how much the evidence of a link before the last must exceed that of a payload for the link to be told: a body at the flange is ten times as
+/// common (2 log 10).
 const AS_MUCH: f64 = 4.6;
 
 /// Of two causes with the same torque by physics, tells the likelier story: a payload rather than a heavier last link, a
@@ -42,7 +43,7 @@ pub(crate) fn prefer_likelier<const N: usize>(search: &mut Search<'_, '_, N>) {
         let others = search.others(group);
         let evidence = search.member_evidence(group);
         let likelier = standing_in(search, &others, alike).max_by(|a, b| a.1.total_cmp(&b.1));
-        // Another link than the last gives way to a payload that explains as much, and to nothing less.
+        // Another link than the last gives way to a payload that explains nearly as much, and to nothing less.
         let needed = match likelier {
             Some((rival, _)) if same_by_physics::<N>(own, search.place(rival)) => RIVAL_EVIDENCE,
             Some(_) if own.0 == CauseLabel::LinkInertial => AS_MUCH,

@@ -63,6 +63,7 @@ pub(crate) struct Body {
 }
 
 impl<const N: usize> Canonical<N> {
+    /// Frames and inertias of a mechanism, base to tool.
     #[inline(never)]
     pub fn of(arm: &Mechanism<N>) -> Self {
         let mut joints = [Joint { square: false, sin: 0.0, cos: 1.0, p: Vector3::zeros() }; N];

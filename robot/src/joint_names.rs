@@ -36,7 +36,7 @@ impl JointNames {
         NamedJoint { name, joint }
     }
 
-    /// Several joints, as in a sentence: `panda_joint2 (1) and panda_joint4 (3)`, else `joints 1 and 3`; `all joints` where they are more than two.
+    /// Several joints, as in a sentence: `panda_joint2 (1) and panda_joint4 (3)`, else `joints 1 and 3`; `all joints` of three or more.
     pub fn several(&self, joints: &[usize]) -> String {
         if joints.len() > 2 && joints.iter().copied().eq(0..self.0.len()) {
             return "all joints".to_owned();
