@@ -1,6 +1,5 @@
 //! From logs and a nominal model to a diagnosis.
 
-use std::collections::BTreeSet;
 use std::sync::Arc;
 
 use nalgebra::SVector;
@@ -11,7 +10,7 @@ use tribo_sim::Truth;
 use crate::cause::{Candidate, TorqueRipple, candidates};
 use crate::conclusion::{Evaluated, conclude};
 use crate::deflection::deflections;
-use crate::diagnosis::{CauseLabel, Diagnosis, Finding, JointMisfit, Location};
+use crate::diagnosis::{CauseLabel, Diagnosis, JointMisfit, Location};
 use crate::evidence::joint_fit;
 use crate::noise_level::rms;
 use crate::posterior::baseline::PlainFits;
@@ -19,7 +18,7 @@ use crate::posterior::explain::{Given, explain};
 use crate::posterior::gate::{AS_WELL, wrongness};
 use crate::ripple::{RippleLine, ripples};
 use crate::scene::{Column, Scene, subtracted};
-use crate::search::Search;
+use crate::search::{Search, joints_and_kinds};
 use crate::significance::Chance;
 use crate::system::{EvaluatedColumns, System};
 use crate::{Diagnosable, DiagnoseError, Nominal};
@@ -118,8 +117,10 @@ pub(crate) fn explained<const N: usize>(
             let predicted = unseen.extended_nm.iter().zip(&unseen.plain_nm);
             found.joints.iter().zip(predicted).any(|(joint, (own_nm, plain_nm))| worse_than(joint, *plain_nm, *own_nm))
         });
-        let kinds = found.findings.iter().map(|finding| finding.label).collect::<BTreeSet<CauseLabel>>().len();
-        let everywhere = 2 * joints_named(found) > N && (2 * unexplained > N || kinds > MOST_KINDS || beaten);
+        let places: Vec<(CauseLabel, Location)> =
+            found.findings.iter().map(|finding| (finding.label, finding.location)).collect();
+        let (joints, kinds) = joints_and_kinds(&places);
+        let everywhere = 2 * joints > N && (2 * unexplained > N || kinds > MOST_KINDS || beaten);
         !everywhere && is_model(nominal, &found.extension)
     };
     let one_by_one = match few {
@@ -143,15 +144,6 @@ pub(crate) fn explained<const N: usize>(
     };
     progress("done", 1.0);
     Ok(diagnosis)
-}
-
-/// Joints that have a finding of their own.
-fn joints_named(diagnosis: &Diagnosis) -> usize {
-    let joint = |finding: &Finding| match finding.location {
-        Location::Joint(joint) => Some(joint),
-        _ => None,
-    };
-    diagnosis.findings.iter().filter_map(joint).collect::<BTreeSet<usize>>().len()
 }
 
 /// What is asked of logs, cause by cause.

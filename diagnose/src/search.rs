@@ -43,6 +43,17 @@ const ROUNDS: usize = 4;
 /// Evaluations of a shape refinement.
 const REFINEMENTS: usize = 12;
 
+/// How many joints have causes of their own, and of how many kinds all causes are.
+pub(crate) fn joints_and_kinds(places: &[(CauseLabel, Location)]) -> (usize, usize) {
+    let joint = |(_, location): &(CauseLabel, Location)| match location {
+        Location::Joint(joint) => Some(*joint),
+        _ => None,
+    };
+    let joints: BTreeSet<usize> = places.iter().filter_map(joint).collect();
+    let kinds: BTreeSet<CauseLabel> = places.iter().map(|(label, _)| *label).collect();
+    (joints.len(), kinds.len())
+}
+
 /// The state of the search.
 pub(crate) struct Search<'s, 'a, const N: usize> {
     pub system: &'s mut System<'a, N>,
@@ -204,13 +215,8 @@ impl<'s, 'a, const N: usize> Search<'s, 'a, N> {
     fn is_everywhere(&self, most: usize) -> bool {
         let mut places: Vec<(CauseLabel, Location)> = self.selected.iter().map(|group| self.place(*group)).collect();
         places.retain(|(label, _)| *label != CauseLabel::Unknown);
-        let joint = |(_, location): &(CauseLabel, Location)| match location {
-            Location::Joint(joint) => Some(*joint),
-            _ => None,
-        };
-        let joints: BTreeSet<usize> = places.iter().filter_map(joint).collect();
-        let kinds: BTreeSet<CauseLabel> = places.iter().map(|(label, _)| *label).collect();
-        2 * joints.len() > N && places.len() > 2 * N && kinds.len() > most
+        let (joints, kinds) = joints_and_kinds(&places);
+        2 * joints > N && places.len() > 2 * N && kinds > most
     }
 
     /// The group of most evidence given the selection; a contact window is searched for on the way.
