@@ -2,7 +2,7 @@
 
 import _thread
 import json
-import threading
+import time
 
 import pytest
 import tribo
@@ -49,8 +49,14 @@ def test_a_wrong_log_is_refused_and_a_doubtful_one_warned_of(model, loaded_log):
 
 
 def test_control_c_ends_it(model, loaded_log):
-    timer = threading.Timer(0.2, _thread.interrupt_main)
-    timer.start()
+    heard = []
+
+    def press(stage, _part):
+        heard.append(stage)
+        _thread.interrupt_main()
+        # Long enough for the main thread to be asked: the work must not go on after this.
+        time.sleep(1.0)
+
     with pytest.raises(KeyboardInterrupt):
-        tribo.diagnose([loaded_log, loaded_log.slice(0, 9000)], model)
-    timer.join()
+        tribo.diagnose([loaded_log, loaded_log.slice(0, 9000)], model, progress=press)
+    assert len(heard) == 1
