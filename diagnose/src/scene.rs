@@ -136,6 +136,8 @@ pub(crate) struct Scene<const N: usize> {
     noise_weights: [OnceLock<Vec<f64>>; N],
 }
 
+/// Signals that pass the band filter side by side.
+const SIDE_BY_SIDE: usize = 8;
 /// Output samples over the band: 2.5 per period of its cut-off.
 const SAMPLES_PER_BAND: f64 = 2.5;
 /// Most output samples per joint; longer logs are averaged further.
@@ -384,10 +386,13 @@ impl<const N: usize> Scene<N> {
         for &(c, j) in &acting {
             filtered[c].rows[j] = Some(Vec::with_capacity(self.time_s.len()));
         }
-        for burst in &self.bursts {
+        // Few at a time: on the fine grid they are a hundred times as long as in the band.
+        for (burst, few) in
+            self.bursts.iter().flat_map(|burst| acting.chunks(SIDE_BY_SIDE).map(move |few| (burst, few)))
+        {
             let track = |&(c, j): &(usize, usize)| burst.fine.clone().map(|k| columns[c].at(k, j)).collect();
-            let tracks: Vec<Vec<f64>> = acting.iter().map(track).collect();
-            for (&(c, j), values) in acting.iter().zip(self.chains[burst.log].finish_all(&tracks)) {
+            let tracks: Vec<Vec<f64>> = few.iter().map(track).collect();
+            for (&(c, j), values) in few.iter().zip(self.chains[burst.log].finish_all(&tracks)) {
                 filtered[c].rows[j].get_or_insert_default().extend(values);
             }
         }
@@ -490,8 +495,7 @@ impl<const N: usize> Scene<N> {
         let (mut torque, mut velocity, mut velocity_in_band, mut acceleration) = (0.0, 0.0, 0.0, 0.0);
         for step in 0..STEPS {
             let f = nyquist_hz * (step as f64 + 0.5) / STEPS as f64;
-            let average = average_gain(f / chain.rate_hz, chain.average_samples);
-            let (omega, gain) = (2.0 * std::f64::consts::PI * f, chain.gain(f) * average);
+            let (omega, gain) = (2.0 * std::f64::consts::PI * f, chain.gain(f) * chain.average_gain(f));
             torque += gain.powi(2);
             acceleration += (omega.powi(2) * gain).powi(2);
             velocity += (omega * chain.smoothing_gain(f)).powi(2);
@@ -560,12 +564,6 @@ pub(crate) fn combined<const N: usize>(columns: &[Column<N>; 10], weights: &SVec
         sum
     });
     Column { rows }
-}
-
-/// Gain of the average of m samples at `frequency` (in sample rates).
-fn average_gain(frequency: f64, m: usize) -> f64 {
-    let x = std::f64::consts::PI * frequency;
-    if m <= 1 || x == 0.0 { 1.0 } else { ((m as f64 * x).sin() / (m as f64 * x.sin())).abs() }
 }
 
 /// Cut-off at which the noise of the acceleration, through the inertia, is a tenth of the torque noise in the band.

@@ -259,33 +259,6 @@ fn the_noise_is_the_unit() {
     assert!((0.3..2.0).contains(&mean), "{mean}: {explained:?}");
 }
 
-/// The whole way: an ambiguous log, its proposal, the log of the proposal, one name.
-#[test]
-fn the_proposed_motion_settles_it() {
-    let settings = crate::DiagnoseSettings::default();
-    let diagnosed = |log: RobotLog| crate::diagnose(&[log], &nominal(), &[], &settings, &|_, _| true).unwrap();
-    let effect = Effect::Coulomb { joint: 2, delta_coulomb_nm: 0.15 };
-    // Log only while the arm cruises: its constant friction is an offset.
-    let whole = log(&one_way().path(), std::slice::from_ref(&effect));
-    let kept: Vec<usize> = (0..whole.rows()).filter(|k| (4.0..8.0).contains(&whole.time_s[*k])).collect();
-    let pick = |x: &Vec<f64>| kept.iter().map(|k| x[*k]).collect::<Vec<f64>>();
-    let part = tribo_logs::LogColumns {
-        time_s: pick(&whole.time_s),
-        q_rad: whole.q_rad.iter().map(pick).collect(),
-        dq_rad_s: whole.dq_rad_s.iter().map(pick).collect(),
-        tau_j_nm: whole.tau_j_nm.iter().map(pick).collect(),
-        ..tribo_logs::LogColumns::default()
-    };
-    let before = diagnosed(part.validate().unwrap());
-    assert_eq!(before.verdict, crate::Verdict::Ambiguous);
-    let next = before.next_experiment.unwrap();
-    assert!(next.expected_evidence > 100.0 && next.evidence_of_this_log < 1.0, "{next:?}");
-    let after = diagnosed(log(&path(&next), std::slice::from_ref(&effect)));
-    assert_eq!(after.verdict, crate::Verdict::Named);
-    assert_eq!(after.findings.len(), 1);
-    assert_eq!((after.findings[0].label, after.findings[0].location), (CauseLabel::Coulomb, Location::Joint(2)));
-}
-
 /// Every motion of the library, of one joint and of all, keeps the limits, and stays the same.
 #[test]
 fn the_whole_library_is_safe() {

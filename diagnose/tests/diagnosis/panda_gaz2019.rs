@@ -4,8 +4,6 @@
 //! filters of its own: [.38 .45 .41 .61 .33 .18 .28] Nm without friction, [.27 .46 .31 .32 .15 .09 .07] Nm with the
 //! published friction.
 
-#![allow(clippy::unwrap_used, reason = "tests")]
-
 use std::io::Write;
 use std::path::PathBuf;
 

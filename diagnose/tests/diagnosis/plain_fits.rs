@@ -1,7 +1,5 @@
 //! Plain fits stand beside every answer, whatever the verdict, on the parts that the answer was held out from.
 
-#![allow(clippy::unwrap_used, reason = "a test")]
-
 use tribo_diagnose::{DiagnoseSettings, Diagnosis, Nominal, Verdict, diagnose};
 use tribo_logs::RobotLog;
 use tribo_robot::presets;

@@ -1,7 +1,5 @@
 //! Logs whose truth is known in closed form: sinusoids in every joint, rigid torque by RNEA, friction by its law.
 
-#![allow(clippy::unwrap_used, reason = "tests")]
-
 use nalgebra::SVector;
 use tribo_diagnose::{
     BlockSettings, BlocksError, FrictionReport, FrictionSettings, HeldOutError, JointFitError, ResidualError,

@@ -4,10 +4,7 @@
 //! our reflection the same continuation and the same initial state, so ends are compared too. [`central_difference`] against
 //! `savgol_coeffs` of the highest degree that a window carries, which are the same weights by another way.
 
-#[path = "../../tests/python_witness.rs"]
-mod python_witness;
-
-use python_witness::{answer, numbers, python};
+use crate::python_witness::{answer, numbers, python};
 use rand::{RngExt, SeedableRng};
 use serde_json::{Value, json};
 use tribo_diagnose::filter::{ZeroPhaseLowPass, central_difference};

@@ -1,0 +1,11 @@
+//! Residuals, filters and answers of a diagnosis against closed forms, other programs and logs.
+
+#![allow(clippy::unwrap_used, clippy::panic, reason = "a test fails by panicking, in its helpers too")]
+
+mod closed_form;
+mod next_experiment;
+mod panda_gaz2019;
+mod plain_fits;
+#[path = "../../../tests/python_witness.rs"]
+mod python_witness;
+mod scipy_filters;
