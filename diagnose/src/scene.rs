@@ -255,6 +255,7 @@ impl<const N: usize> Scene<N> {
     fn append(&mut self, log: usize, rigid: &TorqueResidual<N>) -> Result<(), ResidualError> {
         let nominal = &self.nominal;
         let link_arm = nominal.arm.clone().link_side();
+        self.samples.reserve_exact(rigid.motion().iter().map(Vec::len).sum());
         for (index, (motion, torque)) in rigid.motion().iter().zip(rigid.raw_torque_nm()).enumerate() {
             let start = self.samples.len();
             let link_nm = match rigid.link_torque_nm().filter(|_| self.transmission) {

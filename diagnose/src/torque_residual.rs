@@ -213,8 +213,7 @@ pub(crate) fn motion_of<const N: usize>(burst: &RobotLog, chain: &SignalChain) -
     let qd: [Vec<f64>; N] = std::array::from_fn(|j| central_difference(&q[j], dt_s));
     let qdd: [Vec<f64>; N] = std::array::from_fn(|j| central_difference(&qd[j], dt_s));
     let at = |columns: &[Vec<f64>], k: usize| SVector::from_fn(|j, _| columns[j][k]);
-    let stamps = burst.time_s.iter().enumerate();
-    let whole: Vec<_> =
-        stamps.map(|(k, &time_s)| MotionSample { time_s, q: at(&q, k), qd: at(&qd, k), qdd: at(&qdd, k) }).collect();
-    chain.settled(&whole).to_vec()
+    let rows: Vec<usize> = (0..burst.rows()).collect();
+    let sample = |&k: &usize| MotionSample { time_s: burst.time_s[k], q: at(&q, k), qd: at(&qd, k), qdd: at(&qdd, k) };
+    chain.settled(&rows).iter().map(sample).collect()
 }

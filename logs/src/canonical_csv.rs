@@ -28,13 +28,13 @@ use crate::summary::LogSummary;
 /// # Errors
 /// [`LogError`] naming the file and, where there is one, line, column and value.
 pub fn read_csv(path: impl AsRef<Path>) -> Result<(RobotLog, LogSummary), LogError> {
-    canonical(&LogFile::new(path.as_ref()))
+    canonical(&LogFile::new(path.as_ref()), None)
 }
 
-/// Reads canonical CSV, plain or gzip.
-pub(crate) fn canonical(file: &LogFile) -> Result<(RobotLog, LogSummary), LogError> {
+/// Reads canonical CSV, plain or gzip; stretches of it where it has more than `most_rows`.
+pub(crate) fn canonical(file: &LogFile, most_rows: Option<usize>) -> Result<(RobotLog, LogSummary), LogError> {
     let (reader, packed) = file.open_text("CSV")?;
-    canonical_rows(reader, file.path, if packed { LogFormat::CsvGz } else { LogFormat::Csv })?.into_log()
+    canonical_rows(reader, file.path, if packed { LogFormat::CsvGz } else { LogFormat::Csv })?.into_log(most_rows)
 }
 
 /// Reads canonical CSV text; `path` is the name that errors show.
@@ -42,7 +42,7 @@ pub(crate) fn canonical(file: &LogFile) -> Result<(RobotLog, LogSummary), LogErr
 /// # Errors
 /// As [`read_csv`].
 pub fn read_csv_from(reader: impl BufRead, path: &Path) -> Result<(RobotLog, LogSummary), LogError> {
-    canonical_rows(reader, path, LogFormat::Csv)?.into_log()
+    canonical_rows(reader, path, LogFormat::Csv)?.into_log(None)
 }
 
 /// The rows of canonical CSV text, header read.

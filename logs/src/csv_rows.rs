@@ -17,6 +17,8 @@ use crate::error::LogError;
 use crate::format::LogFormat;
 use crate::header::Header;
 use crate::log::{LogColumns, RobotLog};
+use crate::parquet_table::ROWS_PER_GROUP;
+use crate::stretches::Stretches;
 use crate::summary::LogSummary;
 
 /// The unit of the first column.
@@ -110,17 +112,23 @@ impl<'p, R: BufRead> CsvRows<'p, R> {
         Ok(most)
     }
 
-    /// All rows left, by columns in the order of the header.
-    pub fn into_columns(mut self) -> Result<(LogColumns, CsvEnd), LogError> {
+    /// All rows left, or evenly spread stretches of them where there are more than `most_rows`, by columns in the order of the header.
+    pub fn into_columns(mut self, most_rows: Option<usize>) -> Result<(LogColumns, CsvEnd), LogError> {
         let mut columns = vec![Vec::new(); self.layout.columns.len()];
-        self.append_to(&mut columns, usize::MAX)?;
+        let mut stretches = Stretches::of(most_rows);
+        while self.append_to(&mut columns, ROWS_PER_GROUP)? == ROWS_PER_GROUP {
+            stretches.thin(&mut columns);
+        }
+        stretches.thin(&mut columns);
+        columns.iter_mut().for_each(Vec::shrink_to_fit);
+        self.warnings.extend(stretches.remark());
         Ok((self.header.assemble(columns), self.end()))
     }
 
-    /// The whole log.
-    pub fn into_log(self) -> Result<(RobotLog, LogSummary), LogError> {
+    /// The log, whole or in stretches.
+    pub fn into_log(self, most_rows: Option<usize>) -> Result<(RobotLog, LogSummary), LogError> {
         let (path, format) = (self.path, self.format);
-        let (mut columns, mut end) = self.into_columns()?;
+        let (mut columns, mut end) = self.into_columns(most_rows)?;
         if columns.dq_rad_s.is_empty() {
             end.warnings.push(differentiate(&mut columns));
         }

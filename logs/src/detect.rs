@@ -33,6 +33,7 @@ use crate::parquet_log::parquet;
 use crate::quantity::Quantity;
 use crate::read_options::ReadOptions;
 use crate::source::{LogFile, peek};
+use crate::stretches::Stretches;
 use crate::summary::LogSummary;
 
 /// Tells the format of a file or directory.
@@ -156,8 +157,8 @@ pub fn read_from(
 }
 
 fn read_as(file: &LogFile, format: LogFormat, options: &ReadOptions) -> Result<(RobotLog, LogSummary), LogError> {
-    let ReadOptions { map, joints } = options;
-    match (format, map.as_ref()) {
+    let ReadOptions { map, joints, most_rows } = options;
+    let (log, mut summary) = match (format, map.as_ref()) {
         (LogFormat::Mcap | LogFormat::Bag, map) => {
             let wanted = wanted_of_bag(file, map, joints)?;
             if format == LogFormat::Mcap { mcap(file, wanted) } else { bag(file, wanted) }
@@ -169,13 +170,17 @@ fn read_as(file: &LogFile, format: LogFormat, options: &ReadOptions) -> Result<(
         }
         (_, Some(map)) => foreign(file, format, Some(map), joints),
         (LogFormat::Csv | LogFormat::CsvGz, None) => {
-            canonical(file).or_else(|error| instead(file, format, joints, error))
+            canonical(file, *most_rows).or_else(|error| instead(file, format, joints, error))
         }
         (LogFormat::Parquet, None) => parquet(file).or_else(|error| instead(file, format, joints, error)),
         (LogFormat::PandaGaz, None) => read_panda_gaz(file.path),
         (LogFormat::KinovaGen3, None) => kinova_gen3(file),
-        (LogFormat::Libfranka, None) => libfranka_rows(file)?.into_log(),
-    }
+        (LogFormat::Libfranka, None) => libfranka_rows(file)?.into_log(*most_rows),
+    }?;
+    let mut stretches = Stretches::of(*most_rows);
+    let Some(kept) = stretches.kept(&log.time_s) else { return Ok((log, summary)) };
+    summary.warnings.extend(stretches.remark());
+    Ok((log.rows_where(&kept)?, summary))
 }
 
 /// What a map says of a bag: the topic and the joints; its fields are known.

@@ -73,7 +73,7 @@ pub fn read_kinova_gen3(path: impl AsRef<Path>) -> Result<(RobotLog, LogSummary)
 /// Reads one CSV of the data set, plain or gzip.
 pub(crate) fn kinova_gen3(file: &LogFile) -> Result<(RobotLog, LogSummary), LogError> {
     let path = file.path;
-    let (mut columns, end) = rows(file)?.into_columns()?;
+    let (mut columns, end) = rows(file)?.into_columns(None)?;
     let mut warnings = end.warnings;
 
     // What was measured.

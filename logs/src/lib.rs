@@ -66,6 +66,7 @@ mod resample;
 mod ros2_layout;
 mod seal;
 mod source;
+mod stretches;
 mod summary;
 
 pub use atomic::{write_atomic, write_new};

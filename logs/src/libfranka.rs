@@ -78,7 +78,7 @@ pub(crate) fn is_libfranka(names: &[String]) -> bool {
 /// # Errors
 /// As [`read_csv`](crate::read_csv); missing columns are called by their libfranka names.
 pub fn read_libfranka(path: impl AsRef<Path>) -> Result<(RobotLog, LogSummary), LogError> {
-    libfranka_rows(&LogFile::new(path.as_ref()))?.into_log()
+    libfranka_rows(&LogFile::new(path.as_ref()))?.into_log(None)
 }
 
 /// The rows of a file, header read. Where only the command tells the torque, the file is read before up to the first row that

@@ -220,6 +220,12 @@ impl RobotLog {
         self.0.map(|_, column| kept.iter().map(|row| column[*row]).collect()).validate()
     }
 
+    /// The rows of which `kept` says so.
+    pub(crate) fn rows_where(&self, kept: &[bool]) -> Result<Self, LogError> {
+        let pick = |column: &[f64]| column.iter().zip(kept).filter(|(_, kept)| **kept).map(|(x, _)| *x).collect();
+        self.0.map(|_, column| pick(column)).validate()
+    }
+
     /// Time from the first to the last stamp (s).
     #[must_use]
     pub fn duration_s(&self) -> f64 {

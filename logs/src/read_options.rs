@@ -9,6 +9,9 @@ pub struct ReadOptions {
     pub map: Option<ColumnMap>,
     /// Names of the arm's joints, base to tool, where they are known: columns and messages that name joints are matched by them.
     pub joints: Vec<String>,
+    /// Rows from which on evenly spread stretches of ten seconds stand for the whole log; none reads every row. Of CSV files no more than these and
+    /// 65 536 rows are ever in memory.
+    pub most_rows: Option<usize>,
 }
 
 impl From<ColumnMap> for ReadOptions {

@@ -42,7 +42,7 @@ pub(crate) fn read_log(
         Some(text) if is_text => Some(ColumnMap::from_yaml(text, Path::new("map")).map_err(raised)?),
         Some(given) => Some(ColumnMap::given(given).map_err(raised)?),
     };
-    let options = ReadOptions { map, joints };
+    let options = ReadOptions { map, joints, most_rows: None };
     let found = py.detach(|| match content {
         Some(bytes) => read_from(bytes, &path, &options),
         None => read(&path, &options),

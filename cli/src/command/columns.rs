@@ -22,7 +22,7 @@ impl Columns {
                 None => next,
             });
         }
-        Ok(ReadOptions { map, joints })
+        Ok(ReadOptions { map, joints, most_rows: None })
     }
 }
 

@@ -5,7 +5,9 @@
 use std::fs;
 
 use crate::common::{bits, synthetic_log};
-use tribo_logs::{LogFormat, Quantity, Table, read_log, read_table, write_csv, write_parquet, write_table};
+use tribo_logs::{
+    LogFormat, Quantity, ReadOptions, Table, read, read_log, read_table, write_csv, write_parquet, write_table,
+};
 
 #[test]
 fn logs_survive_csv_gzip_and_parquet_bit_for_bit() {
@@ -29,6 +31,30 @@ fn logs_survive_csv_gzip_and_parquet_bit_for_bit() {
             write().unwrap();
             assert_eq!(fs::read(&path).unwrap(), first, "{name} is deterministic");
         }
+    }
+}
+
+/// Whether rows are left out while a file is read, or after it: the same stretches stand for it.
+#[test]
+fn a_long_log_is_read_in_stretches_whatever_its_format() {
+    let directory = tempfile::tempdir().unwrap();
+    let mut columns = synthetic_log(2, 70_000, false).into_columns();
+    columns.time_s = (0..70_000).map(|k| 3.0 + 1e-3 * f64::from(k)).collect();
+    let log = columns.validate().unwrap();
+    let (csv, parquet) = (directory.path().join("a.csv"), directory.path().join("a.parquet"));
+    write_csv(&csv, &log).unwrap();
+    write_parquet(&parquet, &log).unwrap();
+    let some = ReadOptions { most_rows: Some(30_000), ..ReadOptions::default() };
+    for path in [csv, parquet] {
+        let (few, summary) = read(&path, &some).unwrap();
+        // Of seven stretches the first and the fifth.
+        assert_eq!(few.rows(), 20_000);
+        for (at, from) in [(0, 0), (10_000, 40_000)] {
+            assert_eq!(bits(&few.slice(at..at + 10_000).unwrap()), bits(&log.slice(from..from + 10_000).unwrap()));
+        }
+        assert!(summary.warnings.iter().any(|warning| warning.starts_with("one of every 4 stretches of 10 s")));
+        let (whole, summary) = read(&path, &ReadOptions { most_rows: Some(70_000), ..ReadOptions::default() }).unwrap();
+        assert_eq!((whole, summary.warnings), (log.clone(), Vec::new()));
     }
 }
 

@@ -412,7 +412,8 @@ fn table(log: &RobotLog) -> Vec<Row> {
 fn read(row: &Row) -> Result<(RobotLog, LogSummary), String> {
     let map =
         if row.map.is_empty() { None } else { Some(row.map.parse::<ColumnMap>().map_err(|error| error.to_string())?) };
-    let options = ReadOptions { map, joints: row.joints.iter().map(|name| (*name).to_owned()).collect() };
+    let joints = row.joints.iter().map(|name| (*name).to_owned()).collect();
+    let options = ReadOptions { map, joints, most_rows: None };
     read_from(row.content.clone(), Path::new("foreign"), &options).map_err(|error| error.to_string())
 }
 
