@@ -61,7 +61,7 @@ const MEMORY_PERIODS: f64 = 2.0;
 /// amplitude there), D the central difference of 8th order. tau passes S as well, so where the dynamics are linear both
 /// sides see one and the same filter. What S and D guess at the ends of a burst (`settle_s`) is dropped before B, which
 /// then treats equal signals equally up to its own ends (`trim_s`). Where samples are averaged anyway, B first takes a log that is
-/// much faster than its band to ten times the band ([`Decimation`]).
+/// much faster than its band to ten times the band, by three box averages.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SignalChain {
     /// Cut-off of the band filter B (Hz).
