@@ -496,7 +496,8 @@ impl<const N: usize> Scene<N> {
         let (mut torque, mut velocity, mut velocity_in_band, mut acceleration) = (0.0, 0.0, 0.0, 0.0);
         for step in 0..STEPS {
             let f = nyquist_hz * (step as f64 + 0.5) / STEPS as f64;
-            let (omega, gain) = (2.0 * std::f64::consts::PI * f, chain.gain(f) * chain.average_gain(f));
+            let average = average_gain(f / chain.rate_hz, chain.average_samples);
+            let (omega, gain) = (2.0 * std::f64::consts::PI * f, chain.gain(f) * average);
             torque += gain.powi(2);
             acceleration += (omega.powi(2) * gain).powi(2);
             velocity += (omega * chain.smoothing_gain(f)).powi(2);
@@ -565,6 +566,12 @@ pub(crate) fn combined<const N: usize>(columns: &[Column<N>; 10], weights: &SVec
         sum
     });
     Column { rows }
+}
+
+/// Gain of the average of m samples at `frequency` (in sample rates).
+fn average_gain(frequency: f64, m: usize) -> f64 {
+    let x = std::f64::consts::PI * frequency;
+    if m <= 1 || x == 0.0 { 1.0 } else { ((m as f64 * x).sin() / (m as f64 * x.sin())).abs() }
 }
 
 /// Cut-off at which the noise of the acceleration, through the inertia, is a tenth of the torque noise in the band.

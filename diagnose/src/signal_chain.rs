@@ -5,7 +5,7 @@ use std::fmt;
 use tribo_logs::{GAP_TOLERANCE, RobotLog, median_period_s};
 
 use crate::ResidualError;
-use crate::filter::{Decimation, ZeroPhaseLowPass};
+use crate::filter::ZeroPhaseLowPass;
 
 /// What the caller chooses.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -43,11 +43,8 @@ const TRIM_PERIODS: f64 = 0.5;
 const LEAST_TRIM_S: f64 = 0.05;
 /// Longest default gap, in periods of the band.
 pub(crate) const GAP_PERIODS: f64 = 0.1;
-/// Knots per period of the smoother's cut-off, see [`crate::filter`]: regressors are then right to 1e-3 there and to 2e-5 at half of it, which
-/// is above the band.
-const KNOTS_PER_PERIOD: f64 = 8.0;
-/// Least rate after decimation over the band: what is folded into the band has then passed a gain of 1e-3.
-const DECIMATED_OVER_BAND: f64 = 10.0;
+/// Knots per period of the smoother's cut-off, see [`crate::filter`]: regressors are then right to 2e-5 up to there.
+const KNOTS_PER_PERIOD: f64 = 16.0;
 /// Distance at which a filtered sample has forgotten another, in periods of the band.
 const MEMORY_PERIODS: f64 = 2.0;
 
@@ -60,8 +57,7 @@ const MEMORY_PERIODS: f64 = 2.0;
 /// S and B are zero-phase Butterworth filters of third order per pass, at `smoothing_hz` and `band_hz` (each at half
 /// amplitude there), D the central difference of 8th order. tau passes S as well, so where the dynamics are linear both
 /// sides see one and the same filter. What S and D guess at the ends of a burst (`settle_s`) is dropped before B, which
-/// then treats equal signals equally up to its own ends (`trim_s`). Where samples are averaged anyway, B first takes a log that is
-/// much faster than its band to ten times the band, by three box averages.
+/// then treats equal signals equally up to its own ends (`trim_s`).
 #[derive(Clone, Debug, PartialEq)]
 pub struct SignalChain {
     /// Cut-off of the band filter B (Hz).
@@ -79,11 +75,7 @@ pub struct SignalChain {
     /// Samples averaged into one.
     pub average_samples: usize,
     smoother: ZeroPhaseLowPass,
-    decimation: Decimation,
-    /// B at the rate after decimation.
     band: ZeroPhaseLowPass,
-    /// B at the full rate.
-    full_rate_band: ZeroPhaseLowPass,
 }
 
 impl SignalChain {
@@ -104,8 +96,6 @@ impl SignalChain {
             return Err(ResidualError::NothingAveraged);
         }
         let smoothing_hz = f64::min(smoothing_over_band * band_hz, highest_hz);
-        let factor = (rate_hz / (DECIMATED_OVER_BAND * band_hz)).floor().max(1.0) as usize;
-        let factor = factor.min(average_samples);
         Ok(Self {
             band_hz,
             smoothing_hz,
@@ -113,11 +103,9 @@ impl SignalChain {
             longest_gap_s,
             settle_s: SETTLE_PERIODS / smoothing_hz,
             trim_s: f64::max(LEAST_TRIM_S, TRIM_PERIODS / band_hz),
-            average_samples: average_samples / factor * factor,
+            average_samples,
             smoother: ZeroPhaseLowPass::butterworth(ORDER, smoothing_hz, rate_hz)?,
-            decimation: Decimation::by(factor),
-            band: ZeroPhaseLowPass::butterworth(ORDER, band_hz, rate_hz / factor as f64)?,
-            full_rate_band: ZeroPhaseLowPass::butterworth(ORDER, band_hz, rate_hz)?,
+            band: ZeroPhaseLowPass::butterworth(ORDER, band_hz, rate_hz)?,
         })
     }
 
@@ -131,27 +119,9 @@ impl SignalChain {
         MEMORY_PERIODS / self.band_hz + self.average_samples as f64 / self.rate_hz
     }
 
-    /// Gain of the whole chain on a measured torque at `frequency_hz`, up to half the rate of the log, averaging aside.
+    /// Gain of the whole chain on a measured torque at `frequency_hz`, averaging aside.
     pub fn gain(&self, frequency_hz: f64) -> f64 {
-        let decimated = self.decimation.gain(frequency_hz / self.rate_hz);
-        self.smoother.gain(frequency_hz) * decimated * self.band.gain(frequency_hz)
-    }
-
-    /// Gain of the average on a signal in the band at `frequency_hz`.
-    pub(crate) fn average_gain(&self, frequency_hz: f64) -> f64 {
-        let x = std::f64::consts::PI * frequency_hz / self.decimated_rate_hz();
-        let m = self.averaged() as f64;
-        if m <= 1.0 || x == 0.0 { 1.0 } else { ((m * x).sin() / (m * x.sin())).abs() }
-    }
-
-    /// Rate of B (Hz).
-    fn decimated_rate_hz(&self) -> f64 {
-        self.rate_hz / self.decimation.factor() as f64
-    }
-
-    /// Samples averaged after decimation.
-    fn averaged(&self) -> usize {
-        self.average_samples / self.decimation.factor()
+        self.smoother.gain(frequency_hz) * self.band.gain(frequency_hz)
     }
 
     /// Gain of the smoother alone, which velocities pass, at `frequency_hz`.
@@ -161,9 +131,7 @@ impl SignalChain {
 
     /// Shortest burst that leaves something (s): what both ends lose, and one period of the band or one average.
     pub fn shortest_burst_s(&self) -> f64 {
-        let decimated_s = (self.decimation.taps() - 1) as f64 / self.rate_hz;
-        let ends_s = 2.0 * (self.settle_s + self.trim_s) + decimated_s;
-        ends_s + f64::max(self.band_hz.recip(), self.average_samples as f64 / self.rate_hz)
+        2.0 * (self.settle_s + self.trim_s) + f64::max(self.band_hz.recip(), self.average_samples as f64 / self.rate_hz)
     }
 
     /// S x for several x of one burst.
@@ -178,44 +146,34 @@ impl SignalChain {
 
     /// x without what the smoother guessed at the ends.
     pub(crate) fn settled<'a, T>(&self, x: &'a [T]) -> &'a [T] {
-        without_ends(x, (self.settle_s * self.rate_hz).round() as usize)
+        self.without_ends(x, self.settle_s)
     }
 
     /// B x for settled x, ends trimmed, averaged: one burst of a column.
     pub(crate) fn finish(&self, x: &[f64]) -> Vec<f64> {
-        self.trim_and_average(&self.band.filter(&self.decimation.apply(x)))
+        self.trim_and_average(&self.band.filter(x))
     }
 
     /// B x for several settled x of one burst, ends trimmed, averaged.
     pub(crate) fn finish_all(&self, signals: &[Vec<f64>]) -> Vec<Vec<f64>> {
-        if self.decimation.factor() == 1 {
-            return self.band.filter_all(signals).iter().map(|x| self.trim_and_average(x)).collect();
-        }
-        let decimated: Vec<Vec<f64>> = signals.iter().map(|x| self.decimation.apply(x)).collect();
-        self.band.filter_all(&decimated).iter().map(|x| self.trim_and_average(x)).collect()
-    }
-
-    /// The stamps of what [`Self::finish`] makes of a burst, from its settled ones.
-    pub(crate) fn finished_stamps(&self, time_s: &[f64]) -> Vec<f64> {
-        self.trim_and_average(&self.decimation.apply(time_s))
+        self.band.filter_all(signals).iter().map(|x| self.trim_and_average(x)).collect()
     }
 
     /// B x for settled x, as long as x.
     pub(crate) fn in_band(&self, x: &[f64]) -> Vec<f64> {
-        self.full_rate_band.filter(x)
+        self.band.filter(x)
     }
 
-    /// x after B without its ends, averaged.
-    fn trim_and_average(&self, x: &[f64]) -> Vec<f64> {
-        let trimmed = without_ends(x, (self.trim_s * self.decimated_rate_hz()).round() as usize);
-        let parts = trimmed.chunks_exact(self.averaged());
+    /// Settled x without its ends, averaged.
+    pub(crate) fn trim_and_average(&self, x: &[f64]) -> Vec<f64> {
+        let parts = self.without_ends(x, self.trim_s).chunks_exact(self.average_samples);
         parts.map(|part| part.iter().sum::<f64>() / part.len() as f64).collect()
     }
-}
 
-/// x without so many samples at each end.
-fn without_ends<T>(x: &[T], end: usize) -> &[T] {
-    x.get(end..x.len().saturating_sub(end)).unwrap_or_default()
+    fn without_ends<'a, T>(&self, x: &'a [T], end_s: f64) -> &'a [T] {
+        let end = (end_s * self.rate_hz).round() as usize;
+        x.get(end..x.len().saturating_sub(end)).unwrap_or_default()
+    }
 }
 
 impl fmt::Display for SignalChain {

@@ -127,7 +127,7 @@ impl<const N: usize> TorqueResidual<N> {
         };
         for burst in kept {
             let start = residual.time_s.len();
-            residual.time_s.extend(residual.chain.finished_stamps(residual.chain.settled(&burst.time_s)));
+            residual.time_s.extend(residual.chain.trim_and_average(residual.chain.settled(&burst.time_s)));
             residual.bursts.push(start..residual.time_s.len());
             let smoothed = residual.chain.smooth_all(&burst.tau_j_nm);
             let settled: Vec<Vec<f64>> = smoothed.iter().map(|x| residual.chain.settled(x).to_vec()).collect();
