@@ -9,7 +9,7 @@ use tribo_friction::law::smooth_sign;
 use tribo_logs::RobotLog;
 use tribo_robot::{Kinematics, link_regressor, mass_matrix, rnea};
 
-use crate::filter::{Knots, central_difference};
+use crate::filter::{Knots, LANES, central_difference};
 use crate::noise_level::{resolution, sensor_share, white_noise_sd};
 use crate::signal_chain::SMOOTHING_OVER_BAND;
 use crate::{DiagnoseError, MotionSample, Nominal, ResidualError, ResidualSettings, SignalChain, TorqueResidual};
@@ -136,8 +136,6 @@ pub(crate) struct Scene<const N: usize> {
     noise_weights: [OnceLock<Vec<f64>>; N],
 }
 
-/// Signals that pass the band filter side by side.
-const SIDE_BY_SIDE: usize = 8;
 /// Output samples over the band: 2.5 per period of its cut-off.
 const SAMPLES_PER_BAND: f64 = 2.5;
 /// Most output samples per joint; longer logs are averaged further.
@@ -387,14 +385,14 @@ impl<const N: usize> Scene<N> {
         for &(c, j) in &acting {
             filtered[c].rows[j] = Some(Vec::with_capacity(self.time_s.len()));
         }
-        // Few at a time: on the fine grid they are a hundred times as long as in the band.
-        for (burst, few) in
-            self.bursts.iter().flat_map(|burst| acting.chunks(SIDE_BY_SIDE).map(move |few| (burst, few)))
-        {
+        for burst in &self.bursts {
             let track = |&(c, j): &(usize, usize)| burst.fine.clone().map(|k| columns[c].at(k, j)).collect();
-            let tracks: Vec<Vec<f64>> = few.iter().map(track).collect();
-            for (&(c, j), values) in few.iter().zip(self.chains[burst.log].finish_all(&tracks)) {
-                filtered[c].rows[j].get_or_insert_default().extend(values);
+            // No more at a time than the filter takes: on the fine grid they are long.
+            for few in acting.chunks(LANES) {
+                let tracks: Vec<Vec<f64>> = few.iter().map(track).collect();
+                for (&(c, j), values) in few.iter().zip(self.chains[burst.log].finish_all(&tracks)) {
+                    filtered[c].rows[j].get_or_insert_default().extend(values);
+                }
             }
         }
         filtered

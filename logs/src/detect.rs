@@ -180,7 +180,8 @@ fn read_as(file: &LogFile, format: LogFormat, options: &ReadOptions) -> Result<(
     let mut stretches = Stretches::of(*most_rows);
     let Some(kept) = stretches.kept(&log.time_s) else { return Ok((log, summary)) };
     summary.warnings.extend(stretches.remark());
-    Ok((log.rows_where(&kept)?, summary))
+    let few = log.rows_where(&kept).map_err(|error| error.in_file(file.path))?;
+    Ok((few, summary))
 }
 
 /// What a map says of a bag: the topic and the joints; its fields are known.

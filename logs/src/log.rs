@@ -216,8 +216,8 @@ impl RobotLog {
     /// # Errors
     /// [`LogError::TooFewRows`] if fewer than two rows are left.
     pub fn without_rows(&self, left_out: &[usize]) -> Result<Self, LogError> {
-        let kept: Vec<usize> = (0..self.rows()).filter(|row| left_out.binary_search(row).is_err()).collect();
-        self.0.map(|_, column| kept.iter().map(|row| column[*row]).collect()).validate()
+        let kept: Vec<bool> = (0..self.rows()).map(|row| left_out.binary_search(&row).is_err()).collect();
+        self.rows_where(&kept)
     }
 
     /// The rows of which `kept` says so.

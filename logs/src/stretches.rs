@@ -9,8 +9,8 @@ const STRETCH_S: f64 = 10.0;
 /// row k stays  where  floor((t_k − t_0) / 10 s) mod every = 0
 /// ```
 ///
-/// A log may come in pieces: what is kept of a part of it is what is kept of it in the whole, until `every` is doubled. Leaves out: rows that follow
-/// one another in less than a stretch are never thinned.
+/// A log may come in pieces: each doubling of `every` takes rows out of what is there, and never asks for one that is gone. The rows of one stretch
+/// stay together, however many they are.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Stretches {
     most_rows: usize,
@@ -25,6 +25,9 @@ impl Stretches {
 
     /// Which rows stay, by their stamps (s); none while all do.
     pub fn kept(&mut self, time_s: &[f64]) -> Option<Vec<bool>> {
+        if self.every == 1 && time_s.len() <= self.most_rows {
+            return None;
+        }
         let (first_s, last_s) = time_s.first().zip(time_s.last())?;
         let stretch = |stamp_s: &f64| ((stamp_s - first_s) / STRETCH_S) as u64;
         loop {

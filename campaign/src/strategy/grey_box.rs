@@ -41,7 +41,7 @@ const PAYS: f64 = 0.1;
 /// The same of a later trial that takes the place of an earlier one as the best: a replay takes the motion as it was, and what it promises below
 /// this comes true no more often than not.
 const OUTDOES: f64 = 0.4;
-/// Trial from which on parameters are fitted to two logs, the second of them of an arm that moves as it will.
+/// Trial from which on parameters are fitted to two logs, the second of them of a compensated arm.
 const TWO_LOGS: usize = 2;
 /// Largest correction where the law does not explain the first log, as a part of the parameter and of its prior deviation [-].
 const WIDE: [f64; 2] = [0.5, 0.2];
@@ -261,8 +261,8 @@ impl<const N: usize> Strategy<N> for GreyBox<N> {
         let best = least.and_then(|(_, least, costs)| {
             let equal = least + OUTDOES * repeatability(costs);
             let mut equals = expected.filter(|(_, cost, _)| *cost <= equal);
-            let first = equals.next()?;
-            if first.0.number < TWO_LOGS { equals.next().or(Some(first)) } else { Some(first) }
+            let on_two_logs = equals.clone().find(|(trial, ..)| trial.number >= TWO_LOGS);
+            on_two_logs.or_else(|| equals.next())
         });
         Ok(best.map(|(trial, cost, costs)| BestTrial {
             trial: trial.number,

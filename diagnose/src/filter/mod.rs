@@ -6,4 +6,5 @@ mod zero_phase;
 
 pub use central_difference::central_difference;
 pub(crate) use knots::Knots;
+pub(crate) use zero_phase::LANES;
 pub use zero_phase::{FilterError, ZeroPhaseLowPass};

@@ -73,7 +73,7 @@ enum Way {
 }
 
 /// Signals filtered side by side: a recursion waits for itself, eight of them hardly wait.
-const LANES: usize = 8;
+pub(crate) const LANES: usize = 8;
 /// The same where few are left over.
 const FEW_LANES: usize = 4;
 

@@ -29,7 +29,7 @@ use crate::threads;
 use files::Outputs;
 pub(super) use files::write_text;
 
-/// Rows of a log of which a diagnosis takes all: nearly seven minutes at 1 kHz. More say little that these do not, and an hour would ask for gigabytes.
+/// Rows of a log that a diagnosis takes whole: nearly seven minutes at 1 kHz. More rows add little, and an hour of them takes gigabytes of memory.
 const MOST_ROWS: usize = 400_000;
 
 /// Diagnoses and prints.
