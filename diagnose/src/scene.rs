@@ -11,7 +11,6 @@ use tribo_robot::{Kinematics, link_regressor, mass_matrix, rnea};
 
 use crate::filter::{Knots, LANES, central_difference};
 use crate::noise_level::{resolution, sensor_share, white_noise_sd};
-use crate::signal_chain::SMOOTHING_OVER_BAND;
 use crate::{DiagnoseError, MotionSample, Nominal, ResidualError, ResidualSettings, SignalChain, TorqueResidual};
 
 /// One stamp on the uniform grid of a burst, before the band filter.
@@ -155,18 +154,8 @@ const HIGHEST_BAND: f64 = 0.3;
 
 impl<const N: usize> Scene<N> {
     /// Filters the logs and evaluates the nominal model along them; `band_hz` `None` chooses the band from the noise.
-    pub fn of_logs(logs: &[RobotLog], nominal: &Nominal<N>, band_hz: Option<f64>) -> Result<Self, DiagnoseError> {
-        Self::smoothed(logs, nominal, band_hz, SMOOTHING_OVER_BAND)
-    }
-
-    /// The same with a choice of how much wider than the band positions are smoothed.
     #[inline(never)]
-    pub fn smoothed(
-        logs: &[RobotLog],
-        nominal: &Nominal<N>,
-        band_hz: Option<f64>,
-        smoothing_over_band: f64,
-    ) -> Result<Self, DiagnoseError> {
+    pub fn of_logs(logs: &[RobotLog], nominal: &Nominal<N>, band_hz: Option<f64>) -> Result<Self, DiagnoseError> {
         for (index, log) in logs.iter().enumerate() {
             if log.joints() != N {
                 return Err(DiagnoseError::JointCount { log: index, got: log.joints(), expected: N });
@@ -233,7 +222,7 @@ impl<const N: usize> Scene<N> {
             let by_band = log_rate_hz / (SAMPLES_PER_BAND * band_hz);
             let by_size = duration_s * log_rate_hz / MOST_SAMPLES;
             let average_samples = by_band.max(by_size).floor().max(1.0) as usize;
-            let settings = ResidualSettings { band_hz, longest_gap_s: None, average_samples, smoothing_over_band };
+            let settings = ResidualSettings { band_hz, average_samples, ..ResidualSettings::default() };
             let rigid = TorqueResidual::without_model(log, &settings)?;
             scene.append(index, &rigid)?;
             match (rigid.deflection_rad(), &mut deflection) {

@@ -19,7 +19,7 @@ pub struct ResidualSettings {
     /// Samples averaged into one after filtering; 1 keeps the rate of the log. Columns are averaged likewise.
     pub average_samples: usize,
     /// Cut-off of the position smoother over the band. 3 leaves 99.9 % of an amplitude at the band, and velocities that follow
-    /// a sharp reversal; 1 makes velocities as smooth as the torques, which suits logs that the robot has filtered itself.
+    /// a sharp reversal; 1 makes velocities as smooth as the torques.
     pub smoothing_over_band: f64,
 }
 
@@ -32,7 +32,7 @@ impl Default for ResidualSettings {
 /// Order of each pass of both filters: the roll-off of both passes is then that of order six.
 const ORDER: usize = 3;
 /// Cut-off of the position smoother over the band: the smoother leaves 99.9 % of an amplitude at the band.
-pub(crate) const SMOOTHING_OVER_BAND: f64 = 3.0;
+const SMOOTHING_OVER_BAND: f64 = 3.0;
 /// Highest cut-off over the sample rate. The 8th-order difference errs by 0.6 % at 0.2 and by 23 % here.
 const HIGHEST_CUTOFF: f64 = 0.35;
 /// Time after which the smoother has forgotten the end of a burst (but for 1e-4), in periods of its cut-off.

@@ -41,8 +41,6 @@ pub(crate) struct Given<'g> {
 const BAND_HZ: f64 = 10.0;
 /// Widest band over the rate of a log: beyond it differences of positions are no accelerations.
 const WIDEST_BAND: f64 = 0.2;
-/// Cut-off of the position smoother over the band.
-const SMOOTHING_OVER_BAND: f64 = 1.0;
 /// Most times that causes beyond the families are looked for.
 const FURTHER_ROUNDS: usize = 3;
 /// Most findings.
@@ -121,13 +119,12 @@ pub(crate) fn explain<const N: usize>(
     let band_hz = settings.band_hz.unwrap_or_else(|| BAND_HZ.min(WIDEST_BAND * slowest_hz));
     let all_logs: Vec<RobotLog> = given.logs.iter().chain(given.unloaded).cloned().collect();
     let unloaded: Vec<bool> = (0..all_logs.len()).map(|k| k >= given.logs.len()).collect();
-    // Fitted behind a narrower smoother than everything is judged behind.
     let in_band = |logs: &[RobotLog], model: &Nominal<N>| Scene::of_logs(logs, model, Some(band_hz));
     let fitted_around =
         |further: &[Finding], before: Option<&Scene<N>>| -> Result<(Scene<N>, Problem, Fitted), DiagnoseError> {
             step("columns", 0.15)?;
             let around = with(nominal, &effects_of(further), true);
-            let mut scene = Scene::smoothed(&all_logs, &around, Some(band_hz), SMOOTHING_OVER_BAND)?;
+            let mut scene = in_band(&all_logs, &around)?;
             before.into_iter().for_each(|before| scene.borrow_regressors(before));
             let scale = ArmScale::of(&scene);
             let columns = Columns::of(&scene, &scale, PARTS);
@@ -168,9 +165,11 @@ pub(crate) fn explain<const N: usize>(
     step("extended model", 0.85)?;
     let mut extension = effects_of(&further);
     extension.extend(written::effects(&scene, &problem, &all.state));
-    let before_scene = in_band(given.logs, nominal)?;
+    let fitted_to_the_same = further.is_empty() && given.unloaded.is_empty();
+    let before = if fitted_to_the_same { None } else { Some(in_band(given.logs, nominal)?) };
+    let before_scene = before.as_ref().unwrap_or(&scene);
     // Two encoders show springs and gaps without any torque model.
-    let seen: Vec<Finding> = deflections(&before_scene)
+    let seen: Vec<Finding> = deflections(before_scene)
         .iter()
         .map(|found| deflection_finding(found, &before_scene.nominal.arm.joint_names, settings.seed))
         .collect();
@@ -213,7 +212,7 @@ pub(crate) fn explain<const N: usize>(
         full_nm: rms_of(&unseen.full),
     };
     let held_out = [report.nominal_nm.clone(), report.extended_nm.clone()];
-    let joints = misfits_of_squares(&before_scene, &before_scene.residual_nm, &left_nm, &held_out);
+    let joints = misfits_of_squares(before_scene, &before_scene.residual_nm, &left_nm, &held_out);
     let sum = |row: &[f64]| row.iter().sum::<f64>();
     let pairs: Vec<[f64; 2]> =
         unseen.nominal.iter().zip(&unseen.ours).map(|(before, after)| [sum(before), sum(after)]).collect();
@@ -256,7 +255,7 @@ pub(crate) fn explain<const N: usize>(
         findings,
         joint_names: scene.nominal.arm.joint_names.clone(),
         joints,
-        pattern: plots::cross_joint_pattern(&before_scene, &before_scene.residual_nm),
+        pattern: plots::cross_joint_pattern(before_scene, &before_scene.residual_nm),
         gain_heldout,
         gain_heldout_ci95,
         validation,
@@ -266,7 +265,7 @@ pub(crate) fn explain<const N: usize>(
         predictive_sd_nm,
         assumptions: assumptions(&scene, &all),
         notes,
-        overview: plots::overview(&before_scene, &before_scene.residual_nm),
+        overview: plots::overview(before_scene, &before_scene.residual_nm),
         band_hz: scene.chains.first().map_or(0.0, |chain| chain.band_hz),
         rate_hz: scene.chains.first().map_or(0.0, |chain| chain.output_rate_hz()),
         samples: before_scene.time_s.len(),
