@@ -136,84 +136,137 @@ fn strongest_line<const N: usize>(
     left: &[f64],
     joint: usize,
 ) -> Option<RippleLine> {
-    // Score of every order: WᵀW r summed over bins of the angle, then a Fourier sum over the bins.
-    let doubly = doubly_whitened(whitening, bursts, left);
-    let (low, high) = q.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), q| (l.min(*q), h.max(*q)));
-    let range = high - low;
-    let cell = 2.0 * PI / range.max(1e-3);
-    let lowest = LOWEST_ORDER.max(CELLS * cell);
-    if lowest > 0.5 * HIGHEST_ORDER {
-        return None;
-    }
-    let width = 2.0 * PI / (HIGHEST_ORDER * BINS_PER_PERIOD);
-    let mut bins = vec![0.0; (range / width).ceil() as usize + 1];
-    q.iter().zip(&doubly).for_each(|(q, value)| bins[((q - low) / width) as usize] += value);
-
-    let step = 0.4 * cell;
-    let orders: Vec<f64> =
-        (0..).map(|i| lowest + f64::from(i) * step).take_while(|order| *order <= HIGHEST_ORDER).collect();
-    let norm = OrderNorm::new(scene, whitening, joint);
-    let power_of = |bins: &[f64], order: f64| {
-        let (sine, cosine) = fourier_sum(bins, order * width, order * (low + 0.5 * width));
-        2.0 * (sine * sine + cosine * cosine) / norm.at(order)
-    };
-    let power: Vec<f64> = orders.iter().map(|order| power_of(&bins, *order)).collect();
-
-    // The peak that stands out most from its surroundings.
-    let half = ((BACKGROUND_CELLS * cell / step) as usize).max(20);
-    let background = |power: &[f64], i: usize| {
-        let mut around: Vec<f64> = power[i.saturating_sub(half)..(i + half).min(power.len())].to_vec();
-        (median(&mut around).unwrap_or(CHI2_MEDIAN) / CHI2_MEDIAN).max(1.0)
-    };
-    let peak = (0..orders.len()).max_by(|a, b| power[*a].total_cmp(&power[*b]))?;
-    let peak = (0..orders.len())
+    let spectrum = Spectrum::of(scene, whitening, bursts, q, left, joint)?;
+    let bins = spectrum.binned(left);
+    let power: Vec<f64> = spectrum.orders.iter().map(|order| spectrum.power_of(&bins, *order)).collect();
+    // Short strokes smear a line over its surroundings, so that it need not be the one that stands out most from them.
+    let peak = (0..power.len()).max_by(|a, b| power[*a].total_cmp(&power[*b]))?;
+    let prominent = (0..power.len())
         .filter(|i| power[*i] > 0.2 * power[peak])
-        .map(|i| (i, power[i] / background(&power, i)))
+        .map(|i| (i, power[i] / spectrum.background(&power, i)))
         .max_by(|a, b| a.1.total_cmp(&b.1))?
         .0;
-
-    // Order refined between the neighbours, then both coefficients by least squares on the whitened columns.
-    let order = maximum_near(|order| power_of(&bins, order), orders[peak], step);
-    let columns = [
-        q.iter().map(|q| (order * q).sin()).collect::<Vec<f64>>(),
-        q.iter().map(|q| (order * q).cos()).collect::<Vec<f64>>(),
-    ];
-    let whiten = |x: &[f64]| bursts.iter().flat_map(|burst| whitening.apply(&x[burst.clone()])).collect::<Vec<f64>>();
-    let (white, target) = (columns.each_ref().map(|column| whiten(column)), whiten(left));
-    let square = DMatrix::from_fn(2, 2, |a, b| inner(&white[a], &white[b]));
-    let score = DVector::from_fn(2, |a, _| inner(&white[a], &target));
-    let norms = DVector::from_fn(2, |a, _| square[(a, a)].sqrt());
-    let fit = solve_truncated(&square, &score, &norms, 1e-6);
-    let clipped_target: Vec<f64> = target.iter().copied().map(clipped).collect();
-    let clipped_score = DVector::from_fn(2, |a, _| inner(&white[a], &clipped_target));
-    let explained = solve_truncated(&square, &clipped_score, &norms, 1e-6).explained;
-    let n = target.len().max(2) as f64;
-
-    // The background without the line itself: short strokes smear it over many orders.
-    let rest: Vec<f64> = (0..left.len())
-        .map(|k| left[k] - fit.coefficients[0] * columns[0][k] - fit.coefficients[1] * columns[1][k])
-        .collect();
-    let mut bins_rest = vec![0.0; bins.len()];
-    q.iter()
-        .zip(doubly_whitened(whitening, bursts, &rest))
-        .for_each(|(q, value)| bins_rest[((q - low) / width) as usize] += value);
-    let near = peak.saturating_sub(half)..(peak + half).min(orders.len());
-    let around: Vec<f64> = orders[near].iter().map(|order| power_of(&bins_rest, *order)).collect();
-    let background = background(&around, around.len() / 2);
-    let evidence = explained / background - 3.0 * n.ln() - 2.0 * (orders.len() as f64 * N as f64).ln();
-    let variance = 2.0 * background / square.trace().max(1e-300);
-    let line = RippleLine {
-        joint,
-        cycles_per_rev: order,
-        sine_nm: fit.coefficients[0],
-        cosine_nm: fit.coefficients[1],
-        standard_error_nm: variance.sqrt(),
-        order_error: cell * 0.4 / (explained / background).max(1.0).sqrt(),
-        evidence,
-    };
+    let mut peaks = vec![prominent, peak];
+    peaks.dedup();
+    let lines = peaks.into_iter().map(|peak| spectrum.line(&bins, peak));
+    let line = lines.max_by(|a, b| a.evidence.total_cmp(&b.evidence))?;
     let rms = line.amplitude_nm() / 2f64.sqrt();
     let strong = rms > LEAST_RMS_NM && rms > LEAST_OVER_NOISE * scene.torque_floor_nm[joint];
-    (evidence > LEAST_EVIDENCE && strong).then_some(line)
+    (line.evidence > LEAST_EVIDENCE && strong).then_some(line)
+}
+
+/// Order spectrum of what is left of a joint: the score WᵀW r of every order, summed over bins of the angle, then a Fourier sum over the
+/// bins.
+struct Spectrum<'s> {
+    whitening: &'s Whitening,
+    bursts: &'s [Range<usize>],
+    q: &'s [f64],
+    left: &'s [f64],
+    joint: usize,
+    joints: usize,
+    norm: OrderNorm,
+    /// Least angle (rad) and width of a bin (rad).
+    low: f64,
+    width: f64,
+    bins: usize,
+    /// Order resolution 2π/range, and the step of the orders below.
+    cell: f64,
+    step: f64,
+    orders: Vec<f64>,
+}
+
+impl<'s> Spectrum<'s> {
+    /// The orders of a joint; `None` where it moves too little to tell any.
+    fn of<const N: usize>(
+        scene: &Scene<N>,
+        whitening: &'s Whitening,
+        bursts: &'s [Range<usize>],
+        q: &'s [f64],
+        left: &'s [f64],
+        joint: usize,
+    ) -> Option<Self> {
+        let (low, high) = q.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), q| (l.min(*q), h.max(*q)));
+        let range = high - low;
+        let cell = 2.0 * PI / range.max(1e-3);
+        let lowest = LOWEST_ORDER.max(CELLS * cell);
+        if lowest > 0.5 * HIGHEST_ORDER {
+            return None;
+        }
+        let width = 2.0 * PI / (HIGHEST_ORDER * BINS_PER_PERIOD);
+        let bins = (range / width).ceil() as usize + 1;
+        let step = 0.4 * cell;
+        let orders =
+            (0..).map(|i| lowest + f64::from(i) * step).take_while(|order| *order <= HIGHEST_ORDER).collect();
+        let norm = OrderNorm::new(scene, whitening, joint);
+        Some(Self { whitening, bursts, q, left, joint, joints: N, norm, low, width, bins, cell, step, orders })
+    }
+
+    /// Scores of a residual, bin by bin of the angle.
+    fn binned(&self, residual: &[f64]) -> Vec<f64> {
+        let mut bins = vec![0.0; self.bins];
+        let doubly = doubly_whitened(self.whitening, self.bursts, residual);
+        self.q.iter().zip(doubly).for_each(|(q, value)| bins[((q - self.low) / self.width) as usize] += value);
+        bins
+    }
+
+    fn power_of(&self, bins: &[f64], order: f64) -> f64 {
+        let (sine, cosine) = fourier_sum(bins, order * self.width, order * (self.low + 0.5 * self.width));
+        2.0 * (sine * sine + cosine * cosine) / self.norm.at(order)
+    }
+
+    /// Orders on either side of one that are its surroundings.
+    fn half(&self) -> usize {
+        ((BACKGROUND_CELLS * self.cell / self.step) as usize).max(20)
+    }
+
+    /// Power of the surroundings of an order, 1 for white noise.
+    fn background(&self, power: &[f64], i: usize) -> f64 {
+        let half = self.half();
+        let mut around: Vec<f64> = power[i.saturating_sub(half)..(i + half).min(power.len())].to_vec();
+        (median(&mut around).unwrap_or(CHI2_MEDIAN) / CHI2_MEDIAN).max(1.0)
+    }
+
+    /// The line at a peak: order refined between the neighbours, then both coefficients by least squares on the whitened columns.
+    fn line(&self, bins: &[f64], peak: usize) -> RippleLine {
+        let (q, left) = (self.q, self.left);
+        let order = maximum_near(|order| self.power_of(bins, order), self.orders[peak], self.step);
+        let columns = [
+            q.iter().map(|q| (order * q).sin()).collect::<Vec<f64>>(),
+            q.iter().map(|q| (order * q).cos()).collect::<Vec<f64>>(),
+        ];
+        let whiten = |x: &[f64]| {
+            self.bursts.iter().flat_map(|burst| self.whitening.apply(&x[burst.clone()])).collect::<Vec<f64>>()
+        };
+        let (white, target) = (columns.each_ref().map(|column| whiten(column)), whiten(left));
+        let square = DMatrix::from_fn(2, 2, |a, b| inner(&white[a], &white[b]));
+        let score = DVector::from_fn(2, |a, _| inner(&white[a], &target));
+        let norms = DVector::from_fn(2, |a, _| square[(a, a)].sqrt());
+        let fit = solve_truncated(&square, &score, &norms, 1e-6);
+        let clipped_target: Vec<f64> = target.iter().copied().map(clipped).collect();
+        let clipped_score = DVector::from_fn(2, |a, _| inner(&white[a], &clipped_target));
+        let explained = solve_truncated(&square, &clipped_score, &norms, 1e-6).explained;
+        let n = target.len().max(2) as f64;
+
+        // The background without the line itself: short strokes smear it over many orders.
+        let rest: Vec<f64> = (0..left.len())
+            .map(|k| left[k] - fit.coefficients[0] * columns[0][k] - fit.coefficients[1] * columns[1][k])
+            .collect();
+        let bins_rest = self.binned(&rest);
+        let near = peak.saturating_sub(self.half())..(peak + self.half()).min(self.orders.len());
+        let around: Vec<f64> = self.orders[near].iter().map(|order| self.power_of(&bins_rest, *order)).collect();
+        let background = self.background(&around, around.len() / 2);
+        let tried = (self.orders.len() as f64 * self.joints as f64).ln();
+        let variance = 2.0 * background / square.trace().max(1e-300);
+        RippleLine {
+            joint: self.joint,
+            cycles_per_rev: order,
+            sine_nm: fit.coefficients[0],
+            cosine_nm: fit.coefficients[1],
+            standard_error_nm: variance.sqrt(),
+            order_error: self.cell * 0.4 / (explained / background).max(1.0).sqrt(),
+            evidence: explained / background - 3.0 * n.ln() - 2.0 * tried,
+        }
+    }
 }
 
 /// A whitened residual no farther out than a few standard deviations: what reversals leave over is no ripple.

@@ -51,19 +51,26 @@ pub(crate) fn further_causes<const N: usize>(
         let by_encoders = finding.label == CauseLabel::JointElasticity && scene.deflection_rad.is_some();
         BEYOND.contains(&finding.label) && !by_encoders
     };
-    let mut candidates: Vec<Finding> = found.findings.into_iter().filter(news).collect();
+    let (mut candidates, known): (Vec<Finding>, Vec<Finding>) = found.findings.into_iter().partition(news);
+    let mut beside: Vec<Finding> = known.into_iter().filter(|finding| BESIDE.contains(&finding.label)).collect();
     let mut left = scene.residual_nm.clone();
     let mut kept = Vec::new();
     loop {
+        // Warm friction is less than that of the families, cold friction more: what they take back at its joint is part of the cause, as
+        // far as it is worth nothing by itself.
         let worth = |finding: &Finding| {
-            let after = without(&scene, &left, finding)?;
-            Some((evidence(problem, &left, &after, parameters(finding.label)), after))
+            let mut taken_back = beside.iter().filter(|other| other.location == finding.location);
+            let known = taken_back.try_fold(left.clone(), |left, other| without(&scene, &left, other))?;
+            let by_itself = evidence(problem, &left, &known, 0).max(0.0);
+            let after = without(&scene, &known, finding)?;
+            Some((evidence(problem, &left, &after, parameters(finding.label)) - by_itself, after))
         };
         let best = candidates.iter().enumerate().filter_map(|(i, finding)| Some((i, worth(finding)?)));
         let best = best.max_by(|a, b| a.1.0.total_cmp(&b.1.0));
         let Some((i, (nats, after))) = best.filter(|(_, (nats, _))| *nats > LEAST_NATS) else { return Ok(kept) };
         left = after;
         let mut finding = candidates.remove(i);
+        beside.retain(|other| other.location != finding.location);
         finding.evidence = 2.0 * nats;
         kept.push(finding);
     }
