@@ -43,6 +43,9 @@ const MUCH_LEFT: f64 = 4.0;
 const MOST_KINDS: usize = 3;
 /// Kinds of causes in most joints beyond which a search that goes on would not be believed, whatever is taken back at its end.
 const HOPELESS_KINDS: usize = MOST_KINDS + 1;
+/// What causes in most joints predict worse than least squares of friction, offsets and all links, mean of the joints' ratios, from which on
+/// they are others.
+const BEHIND_FULL_FIT: f64 = 1.1;
 /// Inflation beyond which the search is repeated with deflated evidence.
 const INFLATED: f64 = 1.15;
 
@@ -113,9 +116,16 @@ pub(crate) fn explained<const N: usize>(
         let unexplained = |(joint, all_nm): &(&JointMisfit, &f64)| worse_than(joint, **all_nm, joint.rms_after_nm);
         let unexplained = found.joints.iter().zip(all_nm).filter(unexplained).count();
         // Least squares of friction and offset is a witness: where it predicts a joint better, the joint's causes are others.
+        // So is that of friction, offsets and all links, unbounded as it is: causes that are the right ones predict no worse.
         let beaten = found.unseen.as_ref().is_some_and(|unseen| {
             let predicted = unseen.extended_nm.iter().zip(&unseen.plain_nm);
-            found.joints.iter().zip(predicted).any(|(joint, (own_nm, plain_nm))| worse_than(joint, *plain_nm, *own_nm))
+            let ratios = unseen.extended_nm.iter().zip(&unseen.full_nm).map(|(own_nm, full_nm)| own_nm / full_nm);
+            ratios.sum::<f64>() > BEHIND_FULL_FIT * N as f64
+                || found
+                    .joints
+                    .iter()
+                    .zip(predicted)
+                    .any(|(joint, (own_nm, plain_nm))| worse_than(joint, *plain_nm, *own_nm))
         });
         let places: Vec<(CauseLabel, Location)> =
             found.findings.iter().map(|finding| (finding.label, finding.location)).collect();
