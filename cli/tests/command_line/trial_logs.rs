@@ -21,6 +21,12 @@ fn a_trial_is_converted_estimated_and_diagnosed() {
     let wrench = run(at.path(), "estimate c/trials/0001.parquet --robot panda --residual momentum --json").ok().json();
     assert_eq!(wrench["schema"], "tribo.estimate/1", "{wrench}");
 
+    // What its reader noticed of a log stands in the answer, not on the terminal alone.
+    std::fs::write(at.path().join("cut.csv"), text.trim_end()).unwrap();
+    let noted = run(at.path(), "diagnose cut.csv --robot panda --json -q").ok().json();
+    let note = noted["notes"][0].as_str().unwrap();
+    assert!(note.starts_with("cut.csv: line ") && note.contains("has no line ending"), "{note}");
+
     // Two ways from the same friction to its size.
     let tuned = run(at.path(), "export c --format json -q").ok().stdout;
     let tuned: serde_json::Value = serde_json::from_str(&tuned).unwrap();

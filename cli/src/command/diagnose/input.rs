@@ -4,24 +4,42 @@ use std::path::{Path, PathBuf};
 
 use serde_json::{Value, json};
 use tribo_logs::recognise::{Use, recognise};
-use tribo_logs::{Mapping, ReadOptions, RobotLog};
+use tribo_logs::{LogSummary, Mapping, ReadOptions, RobotLog};
 
 use super::super::believe::{Refused, believe};
 use super::super::read_log;
 use crate::arguments::{Common, Diagnose};
 use crate::failure::BadInput;
 
-/// The logs with their names; suspicions about them go to standard error.
+/// What an answer says of the logs that it rests on.
+#[derive(Clone, Debug, Default)]
+pub struct Readings {
+    /// Which columns were read as which, log by log.
+    pub read_as: Vec<Value>,
+    /// What their readers noticed, such as rows that were left out.
+    pub warnings: Vec<String>,
+}
+
+impl Readings {
+    fn add(&mut self, name: &str, summary: &LogSummary) {
+        let mapping = summary.mapping.as_ref().map_or(Value::Null, Mapping::to_json);
+        self.read_as.push(json!({"log": name, "read_as": mapping}));
+        self.warnings.extend(summary.warnings.iter().map(|warning| format!("{name}: {warning}")));
+    }
+}
+
+/// The logs with their names; suspicions about them go to standard error at once, and into `readings`.
 pub fn logs(
     paths: &[PathBuf],
     options: &ReadOptions,
     refused: Refused,
     common: &Common,
-    read_as: &mut Vec<Value>,
+    readings: &mut Readings,
 ) -> anyhow::Result<Vec<(String, RobotLog)>> {
     let mut one = |path: &PathBuf| {
-        let (name, log, mapping) = log(path, options, refused, common)?;
-        read_as.push(json!({"log": name, "read_as": mapping}));
+        let name = path.display().to_string();
+        let (log, summary) = log(path, options, refused, common)?;
+        readings.add(&name, &summary);
         Ok((name, log))
     };
     paths.iter().map(&mut one).collect()
@@ -32,7 +50,7 @@ fn log(
     options: &ReadOptions,
     refused: Refused,
     common: &Common,
-) -> anyhow::Result<(String, RobotLog, Value)> {
+) -> anyhow::Result<(RobotLog, LogSummary)> {
     let (log, summary) = read_log(path, options, common)?;
     if !common.quiet {
         for warning in &summary.warnings {
@@ -43,8 +61,7 @@ fn log(
         }
     }
     believe(path, &recognise(&log), Use::Diagnosis, refused, common.quiet)?;
-    let mapping = summary.mapping.as_ref().map_or(Value::Null, Mapping::to_json);
-    Ok((path.display().to_string(), log, mapping))
+    Ok((log, summary))
 }
 
 /// Refuses a log that is given twice: counted twice it would be evidence for anything, and validated on itself too.

@@ -27,6 +27,7 @@ use crate::output::print_json;
 use crate::progress::{StageProgress, stop_on_signal};
 use crate::threads;
 use files::Outputs;
+use input::Readings;
 pub(super) use files::write_text;
 
 /// Rows of a log that a diagnosis takes whole: nearly seven minutes at 1 kHz. More rows add little, and an hour of them takes gigabytes of memory.
@@ -83,10 +84,10 @@ pub(super) fn diagnosed(arguments: &Diagnose, common: &Common) -> anyhow::Result
     let refused = Refused::unless(arguments.anyway);
     let names = joint_names(&choice, given.as_ref().map(|(file, _)| file));
     let options = ReadOptions { most_rows: Some(MOST_ROWS), ..arguments.columns.options(names)? };
-    let mut read_as = Vec::new();
-    let logs = input::logs(&arguments.logs, &options, refused, common, &mut read_as)?;
-    let validate = input::logs(&arguments.validate, &options, refused, common, &mut read_as)?;
-    let reference = input::logs(&arguments.reference, &options, refused, common, &mut read_as)?;
+    let mut readings = Readings::default();
+    let logs = input::logs(&arguments.logs, &options, refused, common, &mut readings)?;
+    let validate = input::logs(&arguments.validate, &options, refused, common, &mut readings)?;
+    let reference = input::logs(&arguments.reference, &options, refused, common, &mut readings)?;
     if let Some(band_hz) = arguments.band_hz.filter(|band_hz| !(*band_hz > 0.0 && band_hz.is_finite())) {
         return Err(BadInput(format!("--band-hz is {band_hz}; allowed: greater than 0")).into());
     }
@@ -109,7 +110,7 @@ pub(super) fn diagnosed(arguments: &Diagnose, common: &Common) -> anyhow::Result
         believe(Path::new(name), &remarks, Use::Diagnosis, refused, common.quiet)?;
     }
     let unloaded = reference.into_iter().map(|(_, log)| log).collect();
-    let held = Held { names, session, validate, unloaded, model_name: choice.name(model.robot()), model_file, read_as };
+    let held = Held { names, session, validate, unloaded, model_name: choice.name(model.robot()), model_file, readings };
     match &model {
         AnyModel::Six(model) => run_with(arguments, common, &outputs, &held, model),
         AnyModel::Seven(model) => run_with(arguments, common, &outputs, &held, model),
@@ -125,8 +126,7 @@ struct Held {
     unloaded: Vec<RobotLog>,
     model_name: String,
     model_file: ModelFile,
-    /// Which columns were read as which, log by log.
-    read_as: Vec<Value>,
+    readings: Readings,
 }
 
 fn run_with<const N: usize>(
@@ -150,7 +150,10 @@ where
         diagnose_with_reference(&held.session, &held.unloaded, &nominal, &held.validate, &settings, &report)
     });
     let diagnosis = match result {
-        Ok(diagnosis) => diagnosis,
+        Ok(mut diagnosis) => {
+            diagnosis.notes.splice(0..0, held.readings.warnings.iter().cloned());
+            diagnosis
+        }
         Err(DiagnoseError::Cancelled) => {
             progress.finish();
             return Err(Stopped::empty_handed().into());
@@ -164,7 +167,7 @@ where
     // The extended model, what it is worth, and the files.
     let extended = held.model_file.extended(&diagnosis.effects());
     let valid = extended.validate::<N>();
-    let mut extras = Extras { read_as: held.read_as.clone(), ..Extras::default() };
+    let mut extras = Extras { read_as: held.readings.read_as.clone(), ..Extras::default() };
     let mut gain = None;
     if let Some(asked) = arguments.band_hz.filter(|asked| (asked - diagnosis.band_hz).abs() > 1e-6 * asked) {
         let used = diagnosis.band_hz;
