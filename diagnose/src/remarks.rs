@@ -59,9 +59,9 @@ const AS_GOOD: f64 = 1.1;
 pub(crate) fn note_on_baseline(unseen: &Unseen) -> Option<String> {
     let ((name, _), ratio) = (unseen.better_baseline(), unseen.ratio());
     let advice = if ratio < AS_GOOD { "about as good" } else { "prefer it, or record more motion" };
-    unseen.baseline_is_better().then(|| {
-        format!("{name} predicts unseen data better than the extended model, {ratio:.2} times: {advice}")
-    })
+    unseen
+        .baseline_is_better()
+        .then(|| format!("{name} predicts unseen data better than the extended model, {ratio:.2} times: {advice}"))
 }
 
 pub(crate) fn notes_of<const N: usize>(scene: &Scene<N>) -> Vec<String> {

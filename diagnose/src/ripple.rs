@@ -195,8 +195,7 @@ impl<'s> Spectrum<'s> {
         let width = 2.0 * PI / (HIGHEST_ORDER * BINS_PER_PERIOD);
         let bins = (range / width).ceil() as usize + 1;
         let step = 0.4 * cell;
-        let orders =
-            (0..).map(|i| lowest + f64::from(i) * step).take_while(|order| *order <= HIGHEST_ORDER).collect();
+        let orders = (0..).map(|i| lowest + f64::from(i) * step).take_while(|order| *order <= HIGHEST_ORDER).collect();
         let norm = OrderNorm::new(scene, whitening, joint);
         Some(Self { whitening, bursts, q, left, joint, joints: N, norm, low, width, bins, cell, step, orders })
     }

@@ -44,8 +44,9 @@ pub enum Effect {
         /// Speed at which three quarters are reached, w [rad/s].
         width_rad_s: f64,
     },
-    /// `A (clip((qd + ℓ qdd)/w) − clip(qd/w))`, clip to ±1: dry friction that turns round before the joint does, as the soft constraint of a physics
-    /// engine makes it (see [`crate::SoftFriction`]). It is nothing at constant speed.
+    /// `A (clip((qd + ℓ qdd)/w) − s)`, clip to ±1: dry friction that turns round before the joint does, as the soft constraint of a physics engine
+    /// makes it (see [`crate::SoftFriction`]). It is nothing at constant speed; where A is the whole dry friction, the ramp takes the place of the
+    /// smooth sign s.
     FrictionLead {
         /// Joint.
         joint: usize,

@@ -1,7 +1,7 @@
 //! The effects of a truth, sorted by where they act.
 
 use nalgebra::{SVector, Vector3};
-use tribo_friction::law::{sign_lead, smooth_sign};
+use tribo_friction::law::{leading_sign, smooth_sign};
 use tribo_friction::{BristlePart, Curve, JointEffects, JointFriction, MAX_BRISTLES, Ripple};
 use tribo_robot::{Arm, LinkInertia, Payload, Wrench, so3};
 
@@ -46,9 +46,9 @@ pub(crate) struct FrictionLead {
 }
 
 impl FrictionLead {
-    /// `A (clip((qd + ℓ qdd)/w) − clip(qd/w))` (Nm) at qd [rad/s] and qdd [rad/s²] of the joint.
-    pub fn torque_nm(&self, qd: f64, qdd: f64) -> f64 {
-        self.amplitude_nm * sign_lead(qd, qdd, self.width_rad_s, self.lead_s)
+    /// `A (clip((qd + ℓ qdd)/w) − s)` (Nm), `s = tanh(qd/smoothing)`, at qd [rad/s] and qdd [rad/s²] of the joint.
+    pub fn torque_nm(&self, qd: f64, qdd: f64, smoothing_rad_s: f64) -> f64 {
+        self.amplitude_nm * (leading_sign(qd, qdd, self.width_rad_s, self.lead_s) - smooth_sign(qd, smoothing_rad_s))
     }
 }
 

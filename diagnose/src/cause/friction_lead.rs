@@ -1,13 +1,13 @@
 //! Dry friction that turns round before the joint does.
 
-use tribo_friction::law::sign_lead;
+use tribo_friction::law::leading_sign;
 use tribo_sim::Effect;
 
 use super::Candidate;
 use crate::diagnosis::{CauseLabel, Location};
 use crate::scene::{FineColumn, Scene};
 
-/// `A (clip((qd + ℓ qdd)/w) − clip(qd/w))`. Shape w, ℓ. Known to the selection as a family of all joints
+/// `A (clip((qd + ℓ qdd)/w) − s)`. Shape w, ℓ. Known to the selection as a family of all joints
 /// ([`crate::posterior`]), not joint by joint: a whole arm is simulated with soft friction, or none of it.
 pub(super) struct FrictionLead {
     pub joint: usize,
@@ -24,7 +24,7 @@ impl<const N: usize> Candidate<N> for FrictionLead {
 
     fn columns(&self, scene: &Scene<N>, shape: &[f64]) -> Vec<FineColumn<N>> {
         let (j, width_rad_s, lead_s) = (self.joint, shape[0], shape[1]);
-        vec![scene.joint_column(j, |at| sign_lead(at.qd[j], at.qdd[j], width_rad_s, lead_s))]
+        vec![scene.joint_column(j, |at| leading_sign(at.qd[j], at.qdd[j], width_rad_s, lead_s) - at.sign[j])]
     }
 
     fn effect(&self, _scene: &Scene<N>, shape: &[f64], coefficients: &[f64]) -> Option<Effect> {

@@ -6,7 +6,7 @@ use std::sync::{Arc, Mutex};
 
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
-use tribo_friction::law::{sign_lead, smooth_sign};
+use tribo_friction::law::{leading_sign, smooth_sign};
 use tribo_sim::SOFT_FRICTION_LEAD_S;
 
 use super::prior::{ArmScale, CURVE_WIDTHS, PRESLIDING_RAD, RIPPLES};
@@ -32,7 +32,7 @@ pub(crate) enum JointTerm {
     Rotor,
     /// z_x − s.
     Presliding(usize),
-    /// clip((qd + ℓ qdd)/w) − clip(qd/w).
+    /// clip((qd + ℓ qdd)/w) − s.
     Lead(usize),
     /// sin(n q).
     Sine(usize),
@@ -293,7 +293,7 @@ fn own_columns<const N: usize>(scene: &Scene<N>, j: usize, scale: &ArmScale) -> 
             }
             JointTerm::Lead(k) => {
                 let width_rad_s = scale.lead_width_rad_s(j, k);
-                of(&|at| sign_lead(at.qd[j], at.qdd[j], width_rad_s, SOFT_FRICTION_LEAD_S))
+                of(&|at| leading_sign(at.qd[j], at.qdd[j], width_rad_s, SOFT_FRICTION_LEAD_S) - at.sign[j])
             }
             JointTerm::Sine(k) => of(&|at| waves(k).map_or(0.0, |n| (n * at.q[j]).sin())),
             JointTerm::Cosine(k) => of(&|at| waves(k).map_or(0.0, |n| (n * at.q[j]).cos())),

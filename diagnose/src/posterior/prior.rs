@@ -118,8 +118,9 @@ impl Family {
 
 /// Widths of the friction curves over the joint's largest speed [-]: gears bend anywhere from creeping to full speed.
 pub(crate) const CURVE_WIDTHS: [f64; 3] = [0.02, 0.08, 0.3];
-/// Dry friction at whose widths a leading friction is looked for, over the joint's torque [-].
-const LEAD_LOSS: [f64; 3] = [0.003, 0.01, 0.03];
+/// Dry friction at whose widths a leading friction is looked for, over the joint's torque [-]: from that of a strong base to that of a wrist of
+/// a low-cost arm.
+const LEAD_LOSS: [f64; 3] = [0.003, 0.015, 0.075];
 /// Distances of presliding (rad): what harmonic drives show at the joint.
 pub(crate) const PRESLIDING_RAD: [f64; 3] = [1e-3, 3e-3, 1e-2];
 /// Waves per revolution beside the slowest ripple of a joint, itself among them. Gears, torque sensors and cables repeat with

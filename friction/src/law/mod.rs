@@ -88,12 +88,10 @@ impl JointFriction {
     }
 }
 
-/// `clip((qd + ℓ qdd)/w) − clip(qd/w)`, clip to ±1: what a ramp that leads its velocity by ℓ (s) adds to one that does not; qd and w in
-/// rad/s, qdd in rad/s².
+/// `clip((qd + ℓ qdd)/w)`, clip to ±1: the sign of a velocity as a ramp that leads it by ℓ (s); qd and w in rad/s, qdd in rad/s².
 #[inline]
-pub fn sign_lead(qd: f64, qdd: f64, width_rad_s: f64, lead_s: f64) -> f64 {
-    let ramp = |qd: f64| (qd / width_rad_s.max(f64::MIN_POSITIVE)).clamp(-1.0, 1.0);
-    ramp(qd + lead_s * qdd) - ramp(qd)
+pub fn leading_sign(qd: f64, qdd: f64, width_rad_s: f64, lead_s: f64) -> f64 {
+    ((qd + lead_s * qdd) / width_rad_s.max(f64::MIN_POSITIVE)).clamp(-1.0, 1.0)
 }
 
 /// tanh(qd/smoothing), or the hard sign (sign(0) = 0) when the smoothing is not positive.

@@ -90,7 +90,7 @@ impl<const N: usize> TrueTorque<'_, N> {
             );
         }
         for lead in &self.hidden.leads {
-            tau[lead.joint] += lead.torque_nm(motor.qd[lead.joint], motor.qdd[lead.joint]);
+            tau[lead.joint] += lead.torque_nm(motor.qd[lead.joint], motor.qdd[lead.joint], self.smoothing_rad_s);
         }
         if let Some(extra) = self.extra {
             tau += extra(log_s, &motor.q, &motor.qd, &motor.qdd);

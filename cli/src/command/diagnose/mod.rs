@@ -27,8 +27,8 @@ use crate::output::print_json;
 use crate::progress::{StageProgress, stop_on_signal};
 use crate::threads;
 use files::Outputs;
-use input::Readings;
 pub(super) use files::write_text;
+use input::Readings;
 
 /// Rows of a log that a diagnosis takes whole: nearly seven minutes at 1 kHz. More rows add little, and an hour of them takes gigabytes of memory.
 const MOST_ROWS: usize = 400_000;
@@ -110,7 +110,8 @@ pub(super) fn diagnosed(arguments: &Diagnose, common: &Common) -> anyhow::Result
         believe(Path::new(name), &remarks, Use::Diagnosis, refused, common.quiet)?;
     }
     let unloaded = reference.into_iter().map(|(_, log)| log).collect();
-    let held = Held { names, session, validate, unloaded, model_name: choice.name(model.robot()), model_file, readings };
+    let held =
+        Held { names, session, validate, unloaded, model_name: choice.name(model.robot()), model_file, readings };
     match &model {
         AnyModel::Six(model) => run_with(arguments, common, &outputs, &held, model),
         AnyModel::Seven(model) => run_with(arguments, common, &outputs, &held, model),
