@@ -18,6 +18,8 @@ use crate::diagnosis::{CauseLabel, Location};
 use crate::evidence::{Conditional, Gain, Selection, gain_given};
 use crate::system::System;
 
+/// Time that two windows share over the time of either from which on they are one push.
+const SAME_PUSH: f64 = 0.5;
 /// Evidence that a cause must add.
 pub(crate) const LEAST_EVIDENCE: f64 = 10.0;
 /// Evidence below which a selected cause is deleted again.
@@ -223,13 +225,25 @@ impl<'s, 'a, const N: usize> Search<'s, 'a, N> {
     fn best_addition(&mut self, fruitless: &[(CauseLabel, Location)]) -> Option<(usize, f64)> {
         let selected = self.selected.clone();
         let columns = self.system.columns_of(&selected);
-        if let Some((log, start_s, end_s)) = best_window(self.system, &columns) {
+        if let Some((log, start_s, end_s)) = best_window(self.system, &columns)
+            .filter(|(log, start_s, end_s)| self.is_new_push(*log, [*start_s, *end_s]))
+        {
             let contact: Arc<dyn Candidate<N>> = Arc::new(ExternalContact { log: Some(log) });
             let shape = vec![start_s, end_s];
             let evaluated = self.system.evaluate(contact.as_ref(), &shape);
             self.system.push(contact, shape, evaluated);
         }
         self.best_of(&Conditional::on(self.system, &columns), &selected, fruitless)
+    }
+
+    /// Whether a window is no selected one over again: two that share most of their time are one push, whose edges are no steps.
+    fn is_new_push(&self, log: usize, [start_s, end_s]: [f64; 2]) -> bool {
+        self.selected.iter().map(|group| &self.system.groups[*group]).all(|group| {
+            let [first_s, last_s] = group.shape[..] else { return true };
+            let shared_s = end_s.min(last_s) - start_s.max(first_s);
+            let both_s = end_s.max(last_s) - start_s.min(first_s);
+            group.candidate.log() != Some(log) || shared_s < SAME_PUSH * both_s
+        })
     }
 
     fn best_of(

@@ -21,6 +21,7 @@ mod help_texts;
 mod kill_and_resume;
 mod listen;
 mod live;
+mod mujoco_arm;
 mod old_processor;
 mod optuna_reads_the_journal;
 mod other_arms;

@@ -23,6 +23,10 @@ impl<const N: usize> Candidate<N> for ExternalContact {
         Location::Arm
     }
 
+    fn log(&self) -> Option<usize> {
+        self.log
+    }
+
     fn columns(&self, scene: &Scene<N>, shape: &[f64]) -> Vec<FineColumn<N>> {
         let mut columns = vec![vec![SVector::<f64, N>::zeros(); scene.samples.len()]; 6];
         for burst in scene.bursts.iter().filter(|burst| self.log.is_none_or(|log| log == burst.log)) {

@@ -53,6 +53,11 @@ pub(crate) trait Candidate<const N: usize>: Send + Sync {
     /// Where.
     fn location(&self) -> Location;
 
+    /// The log that it acts in; `None` for what acts in all.
+    fn log(&self) -> Option<usize> {
+        None
+    }
+
     /// Why this scene cannot show it, if so.
     fn unavailable(&self, _scene: &Scene<N>) -> Option<String> {
         None

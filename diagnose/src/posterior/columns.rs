@@ -7,7 +7,7 @@ use std::sync::{Arc, Mutex};
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 use tribo_friction::law::{leading_sign, smooth_sign};
-use tribo_sim::SOFT_FRICTION_LEAD_S;
+use tribo_sim::{Effect, SOFT_FRICTION_LEAD_S};
 
 use super::prior::{ArmScale, CURVE_WIDTHS, PRESLIDING_RAD, RIPPLES};
 use super::standstill;
@@ -186,11 +186,13 @@ impl Columns {
             }
         }
         // Where a joint turns back the noise of its velocity is torque noise too; where it stands, so is its dry friction.
+        let pushed = push_weights(scene);
         let weights: Vec<Vec<f64>> = (0..N)
             .into_par_iter()
             .map(|j| {
                 let standing = standstill::weights(scene, j, &joints[j]);
-                scene.noise_weights(j).iter().zip(standing).map(|(noise, standing)| noise * standing).collect()
+                let own = scene.noise_weights(j).iter().zip(standing);
+                own.zip(&pushed).map(|((noise, standing), pushed)| noise * standing * pushed).collect()
             })
             .collect();
         joints.iter_mut().zip(&weights).for_each(|(joint, weights)| {
@@ -258,6 +260,23 @@ impl Columns {
         self.combined(joint, weights, parts).into_iter().zip(of_rows).map(|(x, weight)| x / weight).collect()
     }
 }
+
+/// Weight of each output sample by the pushes that the model has: what happens during a push tells of the push, and hardly of the arm.
+fn push_weights<const N: usize>(scene: &Scene<N>) -> Vec<f64> {
+    let mut weights = vec![1.0; scene.time_s.len()];
+    for effect in &scene.nominal.effects {
+        let Effect::ExternalContact { start_s, end_s, .. } = effect else { continue };
+        for burst in &scene.bursts {
+            let memory_s = scene.chains[burst.log].memory_s();
+            let during = |time_s: f64| time_s > start_s - memory_s && time_s < end_s + memory_s;
+            burst.out.clone().filter(|k| during(scene.time_s[*k])).for_each(|k| weights[k] = PUSHED);
+        }
+    }
+    weights
+}
+
+/// Weight of a sample during a push.
+const PUSHED: f64 = 1e-2;
 
 /// Each log in as many contiguous parts.
 fn parts_of<const N: usize>(scene: &Scene<N>, parts_per_log: usize) -> Vec<Part> {

@@ -138,9 +138,11 @@ pub(crate) fn explain<const N: usize>(
     // What any user reaches, before anything is known of further causes.
     let baselines = Baselines::of(&problem, &problem.all_parts());
     let mut untouched: Option<Unseen> = None;
+    // As they are without any push in the model.
+    let weights: Vec<Vec<f64>> = (0..N).map(|j| problem.columns.row_weights(j).to_vec()).collect();
     for _ in 0..FURTHER_ROUNDS {
         let model = with(nominal, &written::effects(&scene, &problem, &found.all.state), true);
-        let next = further_causes(given.logs, &model, &problem, band_hz, settings, step)?;
+        let next = further_causes(given.logs, &model, &weights, band_hz, settings, step)?;
         let places =
             |of: &[Finding]| of.iter().map(|finding| (finding.label, finding.location)).collect::<BTreeSet<_>>();
         let known = places(&next) == places(&further);

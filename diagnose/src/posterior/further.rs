@@ -9,7 +9,6 @@
 
 use tribo_logs::RobotLog;
 
-use super::problem::Problem;
 use super::selection::LEAST_NATS;
 use super::tempering::kappa;
 use crate::diagnosis::{CauseLabel, Finding};
@@ -29,11 +28,12 @@ const BEYOND: [CauseLabel; 5] = [
 /// Labels that the search may use beside them, which the families then take back.
 const BESIDE: [CauseLabel; 3] = [CauseLabel::Coulomb, CauseLabel::Viscous, CauseLabel::TorqueOffset];
 
-/// Findings with their effects, strongest first, that `model` lacks: the nominal model with all families at their posterior mean.
+/// Findings with their effects, strongest first, that `model` lacks: the nominal model with all families at their posterior mean; `weights` are those
+/// of every joint's rows.
 pub(crate) fn further_causes<const N: usize>(
     logs: &[RobotLog],
     model: &Nominal<N>,
-    problem: &Problem,
+    weights: &[Vec<f64>],
     band_hz: f64,
     settings: &DiagnoseSettings,
     step: &dyn Fn(&str, f64) -> Result<(), DiagnoseError>,
@@ -61,9 +61,9 @@ pub(crate) fn further_causes<const N: usize>(
         let worth = |finding: &Finding| {
             let mut taken_back = beside.iter().filter(|other| other.location == finding.location);
             let known = taken_back.try_fold(left.clone(), |left, other| without(&scene, &left, other))?;
-            let by_itself = evidence(problem, &left, &known, 0).max(0.0);
+            let by_itself = evidence(weights, &left, &known, 0).max(0.0);
             let after = without(&scene, &known, finding)?;
-            Some((evidence(problem, &left, &after, parameters(finding.label)) - by_itself, after))
+            Some((evidence(weights, &left, &after, parameters(finding.label)) - by_itself, after))
         };
         let best = candidates.iter().enumerate().filter_map(|(i, finding)| Some((i, worth(finding)?)));
         let best = best.max_by(|a, b| a.1.0.total_cmp(&b.1.0));
@@ -84,16 +84,14 @@ fn without<const N: usize>(scene: &Scene<N>, left: &[Vec<f64>; N], finding: &Fin
 
 /// By how much the log is likelier (nat), every row with the weight that it has in the fit.
 fn evidence<const N: usize>(
-    problem: &Problem,
+    weights: &[Vec<f64>],
     before: &[Vec<f64>; N],
     after: &[Vec<f64>; N],
     parameters: usize,
 ) -> f64 {
     let (mut gain, mut counted) = (0.0, 0.0);
     for j in 0..N {
-        let weighted = |x: &[f64]| -> Vec<f64> {
-            x.iter().zip(problem.columns.row_weights(j)).map(|(x, weight)| x * weight).collect()
-        };
+        let weighted = |x: &[f64]| -> Vec<f64> { x.iter().zip(&weights[j]).map(|(x, weight)| x * weight).collect() };
         let (with, without) = (weighted(&after[j]), weighted(&before[j]));
         let count = with.len() as f64 / kappa(&with);
         gain += count * (rms(&without) / rms(&with).max(f64::MIN_POSITIVE)).ln();
