@@ -225,9 +225,7 @@ impl<'s, 'a, const N: usize> Search<'s, 'a, N> {
     fn best_addition(&mut self, fruitless: &[(CauseLabel, Location)]) -> Option<(usize, f64)> {
         let selected = self.selected.clone();
         let columns = self.system.columns_of(&selected);
-        if let Some((log, start_s, end_s)) = best_window(self.system, &columns)
-            .filter(|(log, start_s, end_s)| self.is_new_push(*log, [*start_s, *end_s]))
-        {
+        if let Some((log, start_s, end_s)) = best_window(self.system, &columns) {
             let contact: Arc<dyn Candidate<N>> = Arc::new(ExternalContact { log: Some(log) });
             let shape = vec![start_s, end_s];
             let evaluated = self.system.evaluate(contact.as_ref(), &shape);
@@ -236,13 +234,18 @@ impl<'s, 'a, const N: usize> Search<'s, 'a, N> {
         self.best_of(&Conditional::on(self.system, &columns), &selected, fruitless)
     }
 
-    /// Whether a window is no selected one over again: two that share most of their time are one push, whose edges are no steps.
-    fn is_new_push(&self, log: usize, [start_s, end_s]: [f64; 2]) -> bool {
-        self.selected.iter().map(|group| &self.system.groups[*group]).all(|group| {
-            let [first_s, last_s] = group.shape[..] else { return true };
-            let shared_s = end_s.min(last_s) - start_s.max(first_s);
-            let both_s = end_s.max(last_s) - start_s.min(first_s);
-            group.candidate.log() != Some(log) || shared_s < SAME_PUSH * both_s
+    /// Whether a push is one of the selected over again: two that share most of their time are one, whose edges are no steps.
+    fn repeats_a_push(&self, group: usize, selected: &[usize]) -> bool {
+        let window = |group: usize| match (self.place(group).0, &self.system.groups[group].shape[..]) {
+            (CauseLabel::ExternalContact, [start_s, end_s]) => Some([*start_s, *end_s]),
+            _ => None,
+        };
+        let log = |group: usize| self.system.groups[group].candidate.log();
+        let Some([start_s, end_s]) = window(group) else { return false };
+        selected.iter().filter(|other| log(**other) == log(group)).filter_map(|other| window(*other)).any(|other| {
+            let shared_s = end_s.min(other[1]) - start_s.max(other[0]);
+            let either_s = end_s.max(other[1]) - start_s.min(other[0]);
+            shared_s > SAME_PUSH * either_s
         })
     }
 
@@ -262,6 +265,7 @@ impl<'s, 'a, const N: usize> Search<'s, 'a, N> {
             .into_par_iter()
             .filter(|group| !selected.contains(group) && !taken.contains(&self.place(*group)))
             .filter(|group| self.nameless || self.place(*group).0 != CauseLabel::Unknown)
+            .filter(|group| !self.repeats_a_push(*group, selected))
             .filter_map(|group| self.evidence(given, group).map(|(evidence, _)| (group, evidence)))
             .reduce_with(|a, b| if (b.1, a.0) > (a.1, b.0) { b } else { a })
     }
