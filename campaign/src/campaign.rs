@@ -5,19 +5,19 @@ use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex};
 
 use rayon::prelude::*;
-use tribo_logs::{seal_of, write_atomic};
+use tribo_logs::seal_of;
 
 use crate::campaign_directory::{Changes, RunBy, create, open};
 use crate::chooser::Chooser;
 use crate::journal::{Clock, Ended, Journal, JournalTrial, finish, finished_trial, seal};
 use crate::stored_logs::StoredLogs;
-use crate::strategy::{BestTrial, FinishedTrial, LawChange, Past, Proposal, RunningTrial, StrategyError};
+use crate::strategy::{FinishedTrial, LawChange, Past, Proposal, RunningTrial, StrategyError};
 use crate::trial_store::{trial_log_path, write_trial_log};
-use crate::tuned::finished_compensator;
+use crate::tuned::write_tuned;
 use crate::{
     CampaignError, Conclusion, EarlyStop, ParameterSpace, References, TuneConfig, ValidTune, references, run_numbered,
 };
-use tribo_model::{FileError, read_text, to_yaml};
+use tribo_model::FileError;
 
 /// Somebody who watches a campaign; called in the order in which trials finish.
 pub trait CampaignObserver: Send {
@@ -270,30 +270,4 @@ impl<const N: usize> Campaign<N> {
         });
         Ok(self.journal.set_params(number, params)?)
     }
-}
-
-/// Makes `tuned.yaml` what follows from the trials: the compensator of the best one; no file if there is none. A file that is right is
-/// left alone.
-#[inline(never)]
-pub(crate) fn write_tuned<const N: usize>(
-    directory: &Path,
-    tune: &ValidTune<N>,
-    trials: &[FinishedTrial],
-    best: Option<&BestTrial>,
-    uncompensated_cost: Option<f64>,
-) -> Result<(), FileError> {
-    let best = best.and_then(|best| Some((best, trials.iter().find(|trial| trial.number == best.trial)?)));
-    let path = directory.join("tuned.yaml");
-    let Some((best, trial)) = best else {
-        return match std::fs::remove_file(&path) {
-            Err(error) if error.kind() != std::io::ErrorKind::NotFound => Err(FileError::io(&path)(error)),
-            _ => Ok(()),
-        };
-    };
-    let file = finished_compensator(tune, &trial.theta, best, uncompensated_cost);
-    let text = to_yaml(&file).map_err(FileError::io(&path))?;
-    if read_text(&path).is_ok_and(|there| there == text) {
-        return Ok(());
-    }
-    Ok(write_atomic(&path, |file| file.write_all(text.as_bytes()))?)
 }

@@ -98,4 +98,4 @@ pub use trial::{Trial, TrialOutcome, run_trial, run_trial_observed, run_trial_on
 pub use trial_log::TrialLog;
 pub use trial_store::{read_own_trial_log, read_trial_log, trial_log_path, write_trial_log};
 pub use tribo_runtime::SETTLE_S;
-pub use tuned::{finished_compensator, trial_compensator};
+pub use tuned::{finished_compensator, refresh_tuned, trial_compensator};

@@ -1,10 +1,13 @@
 //! What a campaign tuned, as a file.
 
+use std::path::Path;
+
 use tribo_friction::Compensator;
-use tribo_model::TunedFile;
+use tribo_logs::write_atomic;
+use tribo_model::{FileError, TunedFile, read_text, to_yaml};
 
 use crate::ValidTune;
-use crate::strategy::BestTrial;
+use crate::strategy::{BestTrial, FinishedTrial};
 
 /// The compensator of a trial, with parameters θ; nothing is said of its cost.
 pub fn trial_compensator<const N: usize>(tune: &ValidTune<N>, trial: usize, theta: &[f64]) -> TunedFile {
@@ -22,4 +25,37 @@ pub fn finished_compensator<const N: usize>(
 ) -> TunedFile {
     let BestTrial { trial, cost, sd, .. } = *best;
     TunedFile { cost: Some(cost), cost_sd: sd, uncompensated_cost, ..trial_compensator(tune, trial, theta) }
+}
+
+/// Makes `tuned.yaml` what follows from the trials: the compensator of the best one; no file if there is none.
+#[inline(never)]
+pub(crate) fn write_tuned<const N: usize>(
+    directory: &Path,
+    tune: &ValidTune<N>,
+    trials: &[FinishedTrial],
+    best: Option<&BestTrial>,
+    uncompensated_cost: Option<f64>,
+) -> Result<(), FileError> {
+    let best = best.and_then(|best| Some((best, trials.iter().find(|trial| trial.number == best.trial)?)));
+    let tuned = best.map(|(best, trial)| finished_compensator(tune, &trial.theta, best, uncompensated_cost));
+    refresh_tuned(directory, tuned.as_ref())
+}
+
+/// Makes `tuned.yaml` of a campaign this compensator, or removes it where there is none. A file that is right is left alone.
+///
+/// # Errors
+/// A directory that cannot be written.
+pub fn refresh_tuned(directory: &Path, tuned: Option<&TunedFile>) -> Result<(), FileError> {
+    let path = directory.join("tuned.yaml");
+    let Some(tuned) = tuned else {
+        return match std::fs::remove_file(&path) {
+            Err(error) if error.kind() != std::io::ErrorKind::NotFound => Err(FileError::io(&path)(error)),
+            _ => Ok(()),
+        };
+    };
+    let text = to_yaml(tuned).map_err(FileError::io(&path))?;
+    if read_text(&path).is_ok_and(|there| there == text) {
+        return Ok(());
+    }
+    Ok(write_atomic(&path, |file| file.write_all(text.as_bytes()))?)
 }

@@ -3,20 +3,16 @@
 use nalgebra::{SVector, Vector6};
 use serde::{Deserialize, Serialize};
 
+use crate::oscillation_energy::{OSCILLATION_MEMORY_S, OscillationEnergy};
+
 /// Time constant with which the energy balance of the motion and the drift are forgotten (s): longer than it takes the motion to
 /// turn round, since unmodelled weight gives back what it takes.
 const MOTION_MEMORY_S: f64 = 10.0;
-/// Time constant with which the energy of an oscillation and its swings are forgotten (s).
-const OSCILLATION_MEMORY_S: f64 = 1.0;
-/// What is slower than this is motion, what is faster oscillation (Hz).
-const OSCILLATION_HZ: f64 = 1.0;
 /// Five standard deviations of a velocity differentiated and filtered at 50 Hz, over its mean change from tick to tick [-].
 const NOISE: f64 = 8.0;
 /// Time over which a compensation is withdrawn (s).
 const WITHDRAWAL_S: f64 = 0.1;
-/// Part of the work done on the motion that stick and slip may turn into oscillation [-].
-const STICK_SLIP: f64 = 0.1;
-/// Work of the compensator over the surplus of an oscillation, at least [-]: what it did not put in is not its fault.
+/// Work of the compensator over what an oscillation gains, at least [-]: what it did not put in is not its fault.
 const PUT_IN: f64 = 1.2;
 
 /// Bounds of a [`CompensationGuard`] and of what may be tried on a robot at all; energies and drift are those of an arm with the
@@ -119,7 +115,7 @@ pub struct GuardInput<'a, const N: usize> {
 ///
 /// ```text
 /// motion       E_c = ∫ qdᵀ tau_c dt,   E = ∫ (hᵀ v + qdᵀ tau_null) dt,   E_f = E_c + E       ratio E_c/E_f, surplus −E
-/// oscillation  E_o = ∫ (hᵀ v_fast + qdᵀ tau_null) dt,   v_fast = v above 1 Hz                surplus −E_o − 0.1 ∫ |hᵀ (v − v_fast)| dt
+/// oscillation  [`OscillationEnergy`]                                            surplus of what it gains
 /// drift        x = ∫ (I − J#J) qd dt
 /// swings       changes of side of qd − qd_reference, beyond ± swing
 /// ```
@@ -137,11 +133,9 @@ pub struct CompensationGuard<const N: usize> {
     settings: GuardSettings,
     compensated_j: f64,
     left_j: f64,
-    slow_twist: Vector6<f64>,
-    oscillation_j: f64,
-    /// Compensator's work and work done on the motion, of the memory of oscillations.
+    oscillation: OscillationEnergy<N>,
+    /// Compensator's work, of the memory of oscillations.
     lately_compensated_j: f64,
-    motion_j: f64,
     drift_rad: SVector<f64, N>,
     side: SVector<f64, N>,
     swings: SVector<f64, N>,
@@ -162,10 +156,8 @@ impl<const N: usize> CompensationGuard<N> {
             settings,
             compensated_j: 0.0,
             left_j: 0.0,
-            slow_twist: Vector6::zeros(),
-            oscillation_j: 0.0,
+            oscillation: OscillationEnergy::new(),
             lately_compensated_j: 0.0,
-            motion_j: 0.0,
             drift_rad: zero,
             side: zero,
             swings: zero,
@@ -200,16 +192,12 @@ impl<const N: usize> CompensationGuard<N> {
             return self.trip;
         }
         let (keep, keep_fast) = (1.0 - dt_s / MOTION_MEMORY_S, 1.0 - dt_s / OSCILLATION_MEMORY_S);
-        self.slow_twist += (input.twist - self.slow_twist) * (2.0 * std::f64::consts::PI * OSCILLATION_HZ * dt_s);
         let damped_w = input.qd.dot(input.nullspace_torque);
         let compensated_w = input.qd.dot(input.compensation);
         self.compensated_j = keep * self.compensated_j + compensated_w * dt_s;
         self.lately_compensated_j = keep_fast * self.lately_compensated_j + compensated_w * dt_s;
         self.left_j = keep * self.left_j + (input.wrench.dot(input.twist) + damped_w) * dt_s;
-        let slow_w = input.wrench.dot(&self.slow_twist);
-        let fast_w = input.wrench.dot(input.twist) - slow_w + damped_w;
-        self.motion_j = keep_fast * self.motion_j + slow_w.abs() * dt_s;
-        self.oscillation_j = keep_fast * self.oscillation_j + fast_w * dt_s;
+        self.oscillation.observe(input);
         self.drift_rad = self.drift_rad * keep + input.nullspace_qd * dt_s;
         self.swings *= keep_fast;
         let weight = (1.0 / self.ticks.max(1.0)).max(1.0 - keep_fast);
@@ -232,8 +220,8 @@ impl<const N: usize> CompensationGuard<N> {
         let settings = &self.settings;
         if let Some(joint) = (0..N).find(|&joint| self.swings[joint] > settings.swings) {
             Some(GuardTrip::LimitCycle { joint })
-        } else if -self.oscillation_j > settings.oscillation_j + STICK_SLIP * self.motion_j
-            && self.lately_compensated_j > -PUT_IN * self.oscillation_j
+        } else if self.oscillation.surplus_j() > settings.oscillation_j
+            && self.lately_compensated_j > PUT_IN * self.oscillation.gained_j()
         {
             Some(GuardTrip::Oscillation)
         } else if self.drift_rad.norm() > settings.drift_rad {

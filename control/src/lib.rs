@@ -46,6 +46,7 @@ mod compensation_guard;
 mod impedance;
 mod joint_tracking;
 mod limiter;
+mod oscillation_energy;
 mod pose_error;
 mod pseudo_inverse;
 mod reference;

@@ -26,7 +26,7 @@ use crate::parquet_log::table_metadata;
 use crate::parquet_table::{ROWS_PER_GROUP, TableWriter};
 use crate::quantity::Quantity;
 use crate::read_options::ReadOptions;
-use crate::recognise::recognise;
+use crate::recognise::{Remark, Severity, recognise};
 use crate::source::LogFile;
 use crate::summary::LogSummary;
 
@@ -176,7 +176,7 @@ fn in_batches(
     mut go_on: impl FnMut() -> Result<(), LogError>,
 ) -> Result<LogSummary, LogError> {
     let mut batch = vec![Vec::new(); rows.header.positions.len()];
-    let (mut time_s, mut remarks) = (Vec::new(), None);
+    let (mut time_s, mut remarks, mut first) = (Vec::new(), Vec::<Remark>::new(), true);
     loop {
         batch.iter_mut().for_each(Vec::clear);
         let count = rows.append_to(&mut batch, ROWS_PER_GROUP)?;
@@ -184,10 +184,17 @@ fn in_batches(
         if count > 0 {
             sink.write(&batch.iter().map(Vec::as_slice).collect::<Vec<_>>())?;
         }
-        if remarks.is_none() {
-            let first = std::mem::replace(&mut batch, vec![Vec::new(); rows.header.positions.len()]);
-            remarks = Some(recognise(&rows.header.assemble(first)));
+        let done = std::mem::replace(&mut batch, vec![Vec::new(); rows.header.positions.len()]);
+        // A rest of the log is too short to be judged alone.
+        if first || count >= ROWS_PER_GROUP / 4 {
+            for remark in recognise(&rows.header.assemble(done)) {
+                // Said once of each joint; the first batch that shows it has the figures.
+                if !remarks.iter().any(|said| said.fault == remark.fault && said.joints == remark.joints) {
+                    remarks.push(remark);
+                }
+            }
         }
+        first = false;
         go_on()?;
         if count < ROWS_PER_GROUP {
             break;
@@ -203,7 +210,8 @@ fn in_batches(
     let end = rows.end();
     let mut summary = LogSummary::of_rows(format, joints, &time_s, present, end.dropped_repeats, end.unknown);
     summary.warnings.extend(end.warnings);
-    summary.remarks = remarks.unwrap_or_default();
+    remarks.sort_by_key(|remark| remark.severity == Severity::Warn);
+    summary.remarks = remarks;
     Ok(summary)
 }
 

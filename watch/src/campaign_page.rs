@@ -15,8 +15,9 @@ use super::{
     CampaignSnapshot, CampaignWatch, LoopTimes, Surrogate, TrialSnapshot, WatchedTrial, any_loop_times, arm_figures,
     campaign_figures, surrogate_figures, trial_figures,
 };
+use tribo_campaign::journal::Journal;
 use tribo_campaign::strategy::BestTrial;
-use tribo_campaign::{CampaignError, References};
+use tribo_campaign::{CampaignError, References, refresh_tuned};
 use tribo_model::FileError;
 
 /// Slices of the belief in the report: the most relevant parameters.
@@ -40,9 +41,18 @@ pub fn write_report(directory: &Path, out: Option<&Path>, loop_time: bool) -> Re
     if simulated && References::read(directory).is_none() {
         watch.set_references(watch.tune().references()?);
     }
-    let snapshot = watch.poll()?;
-    let campaign = snapshot
-        .ok_or_else(|| FileError::Campaign { path: directory.to_owned(), message: "has no journal yet".to_owned() })?;
+    let campaign = {
+        let idle = Journal::hold_if_idle(directory);
+        let campaign = watch.poll()?.ok_or_else(|| FileError::Campaign {
+            path: directory.to_owned(),
+            message: "has no journal yet".to_owned(),
+        })?;
+        // Somebody who was killed may have left another one; a directory that cannot be written keeps what it has.
+        if idle.is_some() && (directory.join("tuned.yaml").exists() || campaign.trials_by_user()) {
+            let _ = refresh_tuned(directory, campaign.tuned().as_ref());
+        }
+        campaign
+    };
     // Without enough trials, or with a kernel matrix beyond repair, the report does without the belief.
     let surrogate = Surrogate::of(&campaign).ok().flatten();
     let best = match campaign.best() {

@@ -8,7 +8,6 @@ use serde_json::{Value, json};
 use tribo_logs::seal_of;
 
 use super::{JudgedLog, Learnt, UserTrials};
-use crate::campaign::write_tuned;
 use crate::campaign_directory::{Changes, RunBy, check_trials, create, open};
 use crate::chooser::Chooser;
 use crate::journal::{Clock, Ended, Journal, JournalTrial, TrialState, finish, finished_trial, seal, theta};
@@ -16,7 +15,7 @@ use crate::stored_logs::StoredLogs;
 use crate::strategy::{
     BestTrial, BeyondBox, FinishedTrial, LawChange, LogSource, Origin, Past, Proposal, RunningTrial, StrategyError,
 };
-use crate::tuned::trial_compensator;
+use crate::tuned::{trial_compensator, write_tuned};
 use crate::{
     AbortReason, CampaignError, Conclusion, Cost, CostAccumulator, EarlyStop, StopBelow, TrialLog, ValidTune,
     trial_log_path, write_trial_log,
@@ -91,8 +90,8 @@ impl<const N: usize> UserCampaign<N> {
         Ok(Self { directory: directory.to_owned(), tune, user_trials, journal, trials, seals, chooser })
     }
 
-    /// Opens the campaign of a directory; waits while another process holds it. `tuned.yaml`, which follows from the journal, is written anew where
-    /// somebody was killed before it was.
+    /// Opens the campaign of a directory; waits while another process holds it. `tuned.yaml` and `early_stop.yaml`, which follow from the journal, are
+    /// written anew where somebody was killed before they were.
     ///
     /// # Errors
     /// No campaign, one whose trials Tribo runs, or a damaged one.
@@ -112,14 +111,17 @@ impl<const N: usize> UserCampaign<N> {
         Ok(campaign)
     }
 
-    /// Writes what follows from the journal.
-    fn refresh(&mut self) -> Result<(), CampaignError> {
+    /// Writes what follows from the journal; why the campaign ended, if it has.
+    fn refresh(&mut self) -> Result<Option<EarlyStop>, CampaignError> {
         let finished: Vec<FinishedTrial> = self.finished().cloned().collect();
         let best = self.conclude(&finished)?.best;
         let zero = self.tune.space.zero();
         let uncompensated = finished.iter().find(|trial| trial.aborted.is_none() && trial.theta == zero);
         let uncompensated_cost = uncompensated.map(|trial| trial.cost.total());
-        Ok(write_tuned(&self.directory, &self.tune, &finished, best.as_ref(), uncompensated_cost)?)
+        write_tuned(&self.directory, &self.tune, &finished, best.as_ref(), uncompensated_cost)?;
+        let early_stop = self.early_stop()?;
+        EarlyStop::leave(early_stop.as_ref(), &self.directory)?;
+        Ok(early_stop)
     }
 
     /// What the trials amount to, as the journal has it, or worked out where trials have come or gone since.
@@ -396,8 +398,8 @@ impl<const N: usize> UserCampaign<N> {
             Some(Entry::Finished(_)) if !reason.trim().is_empty() => {
                 self.journal.withdraw(number, reason)?;
                 self.set(number, Entry::Withdrawn);
-                EarlyStop::leave(None, &self.directory)?;
-                return self.refresh();
+                self.refresh()?;
+                return Ok(());
             }
             Some(Entry::Finished(_)) => "say why: --reason \"...\"".to_owned(),
             Some(Entry::Running(..)) => format!("trial {number} has not been told; to give it up: --give-up"),
@@ -423,9 +425,7 @@ impl<const N: usize> UserCampaign<N> {
         finish(&mut self.journal, &trial, &ended)?;
         self.seals.extend(ended.seal.map(|seal| (number, seal)));
         self.set(number, Entry::Finished(trial.clone()));
-        let early_stop = self.early_stop()?;
-        EarlyStop::leave(early_stop.as_ref(), &self.directory)?;
-        self.refresh()?;
+        let early_stop = self.refresh()?;
         let finished: Vec<FinishedTrial> = self.finished().cloned().collect();
         let conclusion = self.conclude(&finished)?;
         Ok(Told { trial, aborted_at_s: ended.aborted_at_s, conclusion, finished: finished.len(), early_stop })
@@ -434,6 +434,12 @@ impl<const N: usize> UserCampaign<N> {
     /// Parameters of which the last logs speak for more than may be tried.
     pub fn beyond_box(&self) -> &[BeyondBox] {
         self.journal.study().conclusion.as_ref().map_or(&[], |conclusion| &conclusion.beyond_box)
+    }
+
+    /// What the logs say of the arm beside the best trial ([`Conclusion::remarks`]).
+    pub fn remarks(&self) -> Vec<String> {
+        let names = &self.tune.trial.model.joint_names;
+        self.journal.study().conclusion.as_ref().map_or_else(Vec::new, |conclusion| conclusion.remarks(names))
     }
 
     /// The best trial so far.

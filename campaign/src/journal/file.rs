@@ -134,6 +134,13 @@ impl Journal {
         journal.replayed()
     }
 
+    /// Keeps others from writing to the journal of a campaign until the file is dropped, if nobody does right now. Nothing is written.
+    pub fn hold_if_idle(directory: &Path) -> Option<File> {
+        let file = File::open(directory.join("journal.log")).ok()?;
+        file.try_lock().ok()?;
+        Some(file)
+    }
+
     fn unlocked(path: &Path, clock: Clock) -> Result<Self, FileError> {
         let file = OpenOptions::new().read(true).append(true).open(path).map_err(FileError::io(path))?;
         Ok(Self { path: path.to_owned(), file, clock, study: StudyRecord::default() })

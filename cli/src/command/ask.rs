@@ -159,8 +159,8 @@ fn ask<const N: usize>(mut campaign: UserCampaign<N>, arguments: &Ask, common: &
         if let Some(change) = campaign.law_change().filter(|change| change.from_trial == asked.number) {
             message!("tribo: {change}");
         }
-        for beyond in campaign.beyond_box() {
-            message!("tribo: {}", beyond.sentence(&campaign.tune().trial.model.joint_names));
+        for remark in campaign.remarks() {
+            message!("tribo: {remark}");
         }
         let chosen = asked.origin;
         message!(

@@ -8,13 +8,12 @@ use tribo_campaign::{
     AbortReason, JudgedLog, RecognisedTrial, Told, TuneConfig, UserCampaign, judge_log, recognise_trial,
 };
 use tribo_diagnose::{Diagnosable, Nominal};
+use tribo_logs::RobotLog;
 use tribo_logs::recognise::Use;
-use tribo_logs::{RobotLog, read};
 use tribo_watch::refresh_report;
 
 use super::believe::{Refused, believe};
-use super::columns::show_proposal;
-use super::{expected, learnt, opened, show_remarks};
+use super::{expected, learnt, opened, read_log, show_remarks};
 use crate::arguments::{Common, Tell};
 use crate::failure::BadInput;
 use crate::output::{print, print_json, significant, table};
@@ -25,8 +24,7 @@ pub fn run(arguments: &Tell, common: &Common) -> anyhow::Result<()> {
     // Read before the campaign is held: a log may be a pipe, and others ask and tell while it is waited for.
     let log = match &arguments.log {
         Some(path) => {
-            let (log, summary) = read(path, &arguments.columns.options(Vec::new())?)?;
-            show_proposal(path, &summary, common.quiet);
+            let (log, _) = read_log(path, &arguments.columns.options(Vec::new())?, common)?;
             Some((path.as_path(), log))
         }
         None => None,

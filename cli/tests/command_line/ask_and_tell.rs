@@ -139,6 +139,15 @@ fn a_campaign_ends_when_nothing_is_left_to_gain() {
     assert!(watched.stderr.is_empty() || !watched.stderr.contains("error"), "{watched:?}");
     let report = std::fs::read_to_string(at.path().join("mine/report.html")).unwrap();
     assert!(report.contains("ended early: nothing left to gain"), "the badge");
+    // A `tell` that was killed before it had said so is made good, and what another campaign left is not believed.
+    let (early_stop, said) = (at.path().join("mine/early_stop.yaml"), |path: &Path| std::fs::read(path).ok());
+    let ended = said(&early_stop).expect("why it ended");
+    for left in [None, Some("trials: 3\nexpected_gain: 7\nleast_gain: 9\nrepeatability: 1\n")] {
+        std::fs::remove_file(&early_stop).unwrap();
+        left.map_or(Ok(()), |text| std::fs::write(&early_stop, text)).unwrap();
+        assert_eq!(run(at.path(), "ask mine").code, Some(2));
+        assert!(said(&early_stop).as_ref() == Some(&ended), "{left:?}");
+    }
     // All the same, once; and from now on until all trials are told.
     ask_and_run(at.path(), 3, "--anyway", "trial");
     run(at.path(), "tell mine trial.csv -q").ok();
@@ -413,4 +422,22 @@ fn a_log_has_to_say_what_the_compensator_added() {
         let ratio = told["cost"].as_f64().unwrap() / tuned["trials"][number]["cost"].as_f64().unwrap();
         assert!((ratio - 1.0).abs() < 0.1, "trial {number}: {ratio}");
     }
+}
+
+/// A tool of half a kilogram that nobody told of is said wherever the campaign is shown: the friction law does not explain the robot.
+#[test]
+fn a_law_that_does_not_explain_the_robot_is_said_by_every_command() {
+    let at = scratch();
+    let payload = "effects:\n- {cause: payload, mass_kg: 0.5, com_m: [0, 0, 0.05], inertia_kg_m2: [1.0e-3, 0, 0, 1.0e-3, 0, 1.0e-3]}\n";
+    std::fs::write(at.path().join("heavy.yaml"), format!("schema: tribo.model/1\nrobot: panda\n{payload}")).unwrap();
+    let said = |text: &str| text.contains("something else is at work in this robot");
+    let tuned = run(at.path(), "tune --truth heavy.yaml --trials 2 --out tuned").ok();
+    assert!(said(&tuned.stdout) || said(&tuned.stderr), "{tuned:?}");
+    ask_and_run(at.path(), 0, "--truth heavy.yaml", "trial");
+    let told = run(at.path(), "tell mine trial.csv").ok();
+    assert!(said(&told.stdout) || said(&told.stderr), "{told:?}");
+    let asked = run(at.path(), "ask mine").ok();
+    assert!(said(&asked.stderr), "{asked:?}");
+    run(at.path(), "report mine -q").ok();
+    assert!(said(&std::fs::read_to_string(at.path().join("mine/report.html")).unwrap()));
 }

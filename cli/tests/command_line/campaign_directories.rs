@@ -256,7 +256,7 @@ fn what_follows_from_the_journal_is_made_true_again() {
     let exported = run(at.path(), "export mine --format json").ok();
     assert_eq!(exported.json()["trial"], 1, "{exported:?}");
     assert!(exported.stderr.contains("mine/tuned.yaml is not what the journal says"), "{exported:?}");
-    for call in ["ask mine --trial 0", "tell mine trial.parquet --trial 0", "ask mine -q"] {
+    for call in ["ask mine --trial 0", "tell mine trial.parquet --trial 0", "report mine -q", "ask mine -q"] {
         kill();
         run(at.path(), call);
         assert!(file("tuned.yaml") == fresh[0], "{call} left tuned.yaml stale");

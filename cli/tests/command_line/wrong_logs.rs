@@ -96,6 +96,25 @@ fn a_wrong_log_is_no_trial() {
         false => x,
     });
     refused(at, "tell mine mostly.csv", &["their friction costs nothing"]);
+    // Torques that say nothing of the motion: noise, and a column that was never filled in.
+    let noise = |k: f64| 5.0 * ((12.9898 * k).sin() * 43758.5453).fract();
+    let row = std::cell::Cell::new(0.0);
+    mutilated(at, "good.csv", "noise.csv", |name, x| {
+        row.set(row.get() + 1.0);
+        if torque(name) { noise(row.get()) } else { x }
+    });
+    refused(at, "tell mine noise.csv", &["torque_unexplained", "no more of these torques than a constant would"]);
+    mutilated(at, "good.csv", "zero.csv", |name, x| if torque(name) { 0.0 } else { x });
+    refused(
+        at,
+        "tell mine zero.csv",
+        &["torque_unexplained", "all joints: the joints turn and their torque is the same in every row"],
+    );
+    // The torques of three joints, each in the place of the next.
+    let order = [("tau_J_d_1", "a"), ("tau_J_d_5", "tau_J_d_1"), ("tau_J_d_3", "tau_J_d_5"), ("a", "tau_J_d_3")];
+    let cycled = order.iter().fold(first.clone(), |text, (from, to)| text.replacen(from, to, 1));
+    std::fs::write(at.join("one.csv"), cycled).unwrap();
+    refused(at, "tell mine one.csv", &["joint_order", "panda_joint2 (1), panda_joint4 (3) and panda_joint6 (5)"]);
     mutilated(at, "good.csv", "frozen.csv", |name, x| if name == "q_1" { at_start(name) } else { x });
     refused(at, "tell mine frozen.csv", &["frozen_encoder", "the position of joint 1 keeps one value"]);
     mutilated(at, "good.csv", "speeds.csv", |name, x| if name.starts_with("dq") { -x } else { x });
@@ -105,6 +124,27 @@ fn a_wrong_log_is_no_trial() {
     let told = run(at, "tell mine good.csv --json").ok();
     assert!(told.stderr.is_empty(), "{told:?}");
     assert!(told.json()["cost"].as_f64().unwrap() > 1.0);
+}
+
+/// The same of arms whose wrists hardly feel their friction.
+#[test]
+fn a_turned_joint_is_no_trial_of_any_arm() {
+    let scratch = scratch();
+    let at = scratch.path();
+    for (robot, joints) in [("xarm7", [2, 5]), ("ur10e", [0, 1]), ("kinova_gen3", [3, 4]), ("iiwa14", [0, 4])] {
+        run(at, &format!("ask {robot} --robot {robot} --trials 3 --out zero.yaml -q")).ok();
+        run(at, &format!("simulate {robot}/campaign.yaml --trial 0 --compensation zero.yaml --log good.csv -q")).ok();
+        for joint in joints {
+            let column = format!("tau_J_d_{joint}");
+            mutilated(at, "good.csv", "one.csv", |name, x| if name == column { -x } else { x });
+            refused(at, &format!("tell {robot} one.csv"), &["_sign", &format!("({joint})")]);
+            let columns = [format!("q_{joint}"), format!("dq_{joint}")];
+            mutilated(at, "good.csv", "one.csv", |name, x| if columns.contains(&name.to_owned()) { -x } else { x });
+            refused(at, &format!("tell {robot} one.csv"), &["_sign", &format!("({joint})")]);
+        }
+        let told = run(at, &format!("tell {robot} good.csv --json")).ok();
+        assert!(told.json()["cost"].as_f64().unwrap() > 1.0, "{told:?}");
+    }
 }
 
 #[test]

@@ -14,6 +14,7 @@ use tribo_robot::{Arm, gravity_torque, inverse_dynamics_regressor, rnea};
 
 use super::hypothesis::Hypothesis;
 use super::samples::{Instant, Samples};
+use super::{MOVES, NOTHING};
 
 /// Shared parameters: gravity, mass, first moment.
 const SHARED: usize = 7;
@@ -59,6 +60,18 @@ pub(super) struct Fit<const N: usize> {
 }
 
 impl<const N: usize> Fit<N> {
+    /// Joints that move, of whose torque it says no more than a constant would.
+    pub fn explains_nothing_of(&self) -> Vec<usize> {
+        (0..N).filter(|&j| self.moves[j] > MOVES && self.unexplained[j] > NOTHING).collect()
+    }
+
+    /// Whether these are most joints of an arm that moves as a whole: where one joint moves after the other, or alone, a push or a small
+    /// error of the model is all that most torques show.
+    pub fn explains_nothing(&self) -> bool {
+        let moving = self.moves.iter().filter(|share| **share > MOVES).count();
+        moving + 1 >= N && 2 * self.explains_nothing_of().len() > N
+    }
+
     /// Whether another fit leaves this many times less of all torques together (RMS).
     pub fn leaves_over(&self, other: &Self, times: f64) -> bool {
         let squares = |fit: &Self| fit.left.iter().map(|x| x * x).sum::<f64>();

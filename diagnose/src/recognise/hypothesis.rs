@@ -24,6 +24,12 @@ pub(super) enum Change {
     PositionsSwapped(usize, usize),
     /// Positions and torques do.
     JointsSwapped(usize, usize),
+    /// The torques of three joints do: the first stands in the place of the second, that in the third's, that in the first's.
+    TorquesCycled([usize; 3]),
+    /// Their positions do.
+    PositionsCycled([usize; 3]),
+    /// Positions and torques do.
+    JointsCycled([usize; 3]),
     /// Joints come from the tool to the base.
     JointsReversed,
     /// Positions are in degrees.
@@ -84,6 +90,12 @@ impl<const N: usize> Hypothesis<N> {
                 new.torque.swap(*a, *b);
                 new.position.swap(*a, *b);
             }
+            Change::TorquesCycled(joints) => cycle_back(&mut new.torque, joints),
+            Change::PositionsCycled(joints) => cycle_back(&mut new.position, joints),
+            Change::JointsCycled(joints) => {
+                cycle_back(&mut new.torque, joints);
+                cycle_back(&mut new.position, joints);
+            }
             Change::JointsReversed => {
                 new.torque.reverse();
                 new.position.reverse();
@@ -137,6 +149,7 @@ pub(super) fn of_torques<const N: usize>() -> Vec<Change> {
     let mut changes = vec![Change::AllTorqueSigns];
     changes.extend((0..N).map(Change::TorqueSign));
     changes.extend(pairs::<N>().map(|(a, b)| Change::TorquesSwapped(a, b)));
+    changes.extend(cycles::<N>().map(Change::TorquesCycled));
     changes
 }
 
@@ -145,6 +158,7 @@ pub(super) fn of_motion<const N: usize>(nominal: &Nominal<N>) -> Vec<Change> {
     let mut changes = vec![Change::Degrees, Change::JointsReversed, Change::NoGravity];
     changes.extend((0..N).flat_map(|j| [Change::PositionSign(j), Change::AxisSign(j), Change::JointDegrees(j)]));
     changes.extend(pairs::<N>().flat_map(|(a, b)| [Change::PositionsSwapped(a, b), Change::JointsSwapped(a, b)]));
+    changes.extend(cycles::<N>().flat_map(|joints| [Change::PositionsCycled(joints), Change::JointsCycled(joints)]));
     let (own, size) = (nominal.arm.gravity_m_s2, nominal.arm.gravity_m_s2.norm());
     let axes = [Vector3::x(), Vector3::y(), Vector3::z()];
     let directions = axes.into_iter().flat_map(|axis| [axis * size, -axis * size]);
@@ -165,4 +179,14 @@ pub(super) fn of_motion<const N: usize>(nominal: &Nominal<N>) -> Vec<Change> {
 
 fn pairs<const N: usize>() -> impl Iterator<Item = (usize, usize)> {
     (0..N).flat_map(|a| (a + 1..N).map(move |b| (a, b)))
+}
+
+/// Three joints each, in both directions of going round.
+fn cycles<const N: usize>() -> impl Iterator<Item = [usize; 3]> {
+    pairs::<N>().flat_map(|(a, b)| (b + 1..N).flat_map(move |c| [[a, b, c], [a, c, b]]))
+}
+
+/// Puts back what went round: the column of the second joint holds the first, that of the third the second, that of the first the third.
+fn cycle_back<T: Copy>(columns: &mut [T], [a, b, c]: &[usize; 3]) {
+    (columns[*a], columns[*b], columns[*c]) = (columns[*b], columns[*c], columns[*a]);
 }

@@ -59,6 +59,11 @@ const IMPLAUSIBLE_NATS: f64 = 40.0;
 /// Gain (nats) that convinces where a joint is explained of which the log as it is leaves as much as a constant would.
 const DECISIVE_NATS: f64 = 60.0;
 const AS_A_CONSTANT: f64 = 0.7;
+/// Part of the variance of a torque that is left where the arm says nothing of it: on good logs in which all joints move, of half of them
+/// at most.
+const NOTHING: f64 = 0.9;
+/// Part of the variance that is left of a turned joint's torque at most where the gain decides.
+const HALF: f64 = 0.5;
 /// By how much more a hypothesis may leave of any torque that is not explained well.
 const NO_WORSE: f64 = 1.1;
 
@@ -76,13 +81,26 @@ pub(crate) fn by_the_arm<const N: usize>(log: &RobotLog, nominal: &Nominal<N>) -
     }
     let nominal = nominal.with_rigid_effects_in_the_arm();
     let Some(samples) = Samples::<N>::of(log) else { return Vec::new() };
+    let names = &nominal.arm.joint_names;
+    let constant = samples.constant_torques();
+    if !constant.is_empty() {
+        return vec![words::constant(constant, names)];
+    }
     let mut believed = Hypothesis::as_it_is(&nominal);
-    let mut remarks = Vec::new();
-    for _ in 0..MOST_CHANGES {
+    let (mut changes, mut remarks) = (Vec::new(), Vec::new());
+    while changes.len() < MOST_CHANGES {
         let Some(round) = Round::of(&samples, &believed, &nominal) else { break };
-        let Some(found) = round.found() else { break };
-        remarks.push(words::remark(&found, &nominal.arm.joint_names));
+        let found = round.found();
+        // What another hypothesis does not explain either is not named by it.
+        let best = found.as_ref().map_or(&round.before, |found| &found.after);
+        if changes.is_empty() && best.explains_nothing() {
+            remarks.push(words::unexplained(&round.before, names));
+            break;
+        }
+        let Some(found) = found.filter(|found| !changes.contains(&found.change)) else { break };
+        remarks.push(words::remark(&found, names));
         believed = believed.with(&found.change, &nominal);
+        changes.push(found.change);
     }
     remarks
 }
@@ -197,7 +215,8 @@ impl<const N: usize> Round<N> {
         let (Change::TorqueSign(j) | Change::PositionSign(j)) = change else { return false };
         let left = |fit: &Fit<N>| fit.unexplained[*j];
         let moves = self.before.moves[*j] > MOVES;
-        moves && left(&self.before) > AS_A_CONSTANT && left(after) < WELL_ENOUGH && !self.worsens(after)
+        let enough = if self.before.nats - after.nats > DECISIVE_NATS { HALF } else { WELL_ENOUGH };
+        moves && left(&self.before) > AS_A_CONSTANT && left(after) < enough && !self.worsens(after)
     }
 }
 

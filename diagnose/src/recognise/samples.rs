@@ -15,6 +15,10 @@ const HIGHEST_BAND: f64 = 0.3;
 const MOST: usize = 240;
 /// Rows of the log that are looked at, from its start: five minutes at 1 kHz.
 const MOST_ROWS: usize = 300_000;
+/// Turning of a joint that takes torque (rad).
+const TURNS_RAD: f64 = 0.02;
+/// Rounding of a smoother over a constant torque [-].
+const SAME: f64 = 1e-9;
 /// Fewest instants that a judgement needs.
 const LEAST: usize = 20;
 
@@ -64,5 +68,18 @@ impl<const N: usize> Samples<N> {
         let step = instants.len().div_ceil(MOST).max(1);
         let instants: Vec<Instant<N>> = instants.into_iter().step_by(step).filter(finite).collect();
         (instants.len() >= LEAST).then_some(Self { instants, duration_s })
+    }
+
+    /// Joints that turn while their torque stays the same to its last digits, as a column that was never filled in.
+    pub fn constant_torques(&self) -> Vec<usize> {
+        let range = |of: &dyn Fn(&Instant<N>) -> f64| {
+            let values = self.instants.iter().map(of);
+            values.clone().fold(f64::MIN, f64::max) - values.fold(f64::MAX, f64::min)
+        };
+        let constant = |j: &usize| {
+            let size_nm = self.instants.iter().map(|at| at.tau_nm[*j].abs()).fold(1.0, f64::max);
+            range(&|at| at.q[*j]) > TURNS_RAD && range(&|at| at.tau_nm[*j]) < SAME * size_nm
+        };
+        (0..N).filter(constant).collect()
     }
 }

@@ -4,8 +4,35 @@ use tribo_logs::recognise::{Fault, Remark};
 use tribo_robot::JointNames;
 use tribo_sim::TorqueSide;
 
+use super::fit::Fit;
 use super::hypothesis::Change;
 use super::{ARM_GAIN, Found};
+
+/// The remark on torques that never change.
+pub(super) fn constant(joints: Vec<usize>, names: &JointNames) -> Remark {
+    Remark::refuse(
+        Fault::TorqueUnexplained,
+        joints.clone(),
+        format!("{}: the joints turn and their torque is the same in every row", names.several(&joints)),
+        "look at the torque columns: it seems that nothing was ever written to them".to_owned(),
+    )
+}
+
+/// The remark on torques of which the arm says nothing.
+pub(super) fn unexplained<const N: usize>(fit: &Fit<N>, names: &JointNames) -> Remark {
+    let joints = fit.explains_nothing_of();
+    let left: Vec<String> = joints.iter().map(|j| format!("{:.2}", fit.left[*j])).collect();
+    Remark::refuse(
+        Fault::TorqueUnexplained,
+        joints.clone(),
+        format!(
+            "{}: rigid arm and friction say no more of these torques than a constant would, {} Nm are left",
+            names.several(&joints),
+            left.join(", ")
+        ),
+        "look at the torque columns, at their noise and at the robot that is named".to_owned(),
+    )
+}
 
 /// The remark on a finding.
 pub(super) fn remark<const N: usize>(found: &Found<N>, names: &JointNames) -> Remark {
@@ -81,6 +108,37 @@ pub(super) fn remark<const N: usize>(found: &Found<N>, names: &JointNames) -> Re
             vec![*a, *b],
             format!("the log fits the model with {} in each other's place: {}", names.several(&[*a, *b]), in_all()),
             format!("exchange the columns of {}", names.several(&[*a, *b])),
+        ),
+        Change::TorquesCycled([a, b, c]) => refuse(
+            Fault::JointOrder,
+            vec![*a, *b, *c],
+            format!(
+                "the torques of {} fit the model when each is moved to the next: {}",
+                names.several(&[*a, *b, *c]),
+                in_all()
+            ),
+            format!(
+                "column tau_J_{b} holds the torque of {}, tau_J_{c} that of {}, tau_J_{a} that of {}",
+                names.of(*a),
+                names.of(*b),
+                names.of(*c)
+            ),
+        ),
+        Change::PositionsCycled([a, b, c]) | Change::JointsCycled([a, b, c]) => refuse(
+            Fault::JointOrder,
+            vec![*a, *b, *c],
+            format!(
+                "the log fits the model when the {} of {} are moved each to the next: {}",
+                if matches!(found.change, Change::JointsCycled(_)) { "columns" } else { "positions" },
+                names.several(&[*a, *b, *c]),
+                in_all()
+            ),
+            format!(
+                "column q_{b} holds the position of {}, q_{c} that of {}, q_{a} that of {}",
+                names.of(*a),
+                names.of(*b),
+                names.of(*c)
+            ),
         ),
         Change::JointsReversed => refuse(
             Fault::JointOrder,

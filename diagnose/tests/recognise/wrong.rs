@@ -32,11 +32,17 @@ fn rows(log: &LogColumns, time_s: f64) -> usize {
     log.time_s.partition_point(|t| *t < log.time_s[0] + time_s)
 }
 
+/// Moves the columns of joints 1, 3 and 5 each to the next of them.
+fn moved_on(columns: &mut [Vec<f64>]) {
+    columns.swap(1, 3);
+    columns.swap(1, 5);
+}
+
 const fn refused(name: &'static str, spoil: fn(&mut LogColumns, usize), expected: &'static [Fault]) -> Way {
     Way { name, spoil, expected, severity: Severity::Refuse }
 }
 
-const WAYS: [Way; 27] = [
+const WAYS: [Way; 32] = [
     refused(
         "degrees, all",
         |l, _| {
@@ -95,6 +101,41 @@ const WAYS: [Way; 27] = [
             l.tau_j_nm.swap(j, j + 1);
         },
         &[Fault::JointOrder],
+    ),
+    refused("torques of three joints moved on", |l, _| moved_on(&mut l.tau_j_nm), &[Fault::JointOrder]),
+    refused(
+        "positions of three joints moved on",
+        |l, _| {
+            moved_on(&mut l.q_rad);
+            moved_on(&mut l.dq_rad_s);
+        },
+        &[Fault::JointOrder],
+    ),
+    refused(
+        "three joints moved on",
+        |l, _| {
+            moved_on(&mut l.q_rad);
+            moved_on(&mut l.dq_rad_s);
+            moved_on(&mut l.tau_j_nm);
+        },
+        &[Fault::JointOrder],
+    ),
+    refused(
+        "torques of one value",
+        |l, _| l.tau_j_nm.iter_mut().for_each(|tau| tau.fill(1.5)),
+        &[Fault::TorqueUnexplained],
+    ),
+    refused(
+        "torques of another motion",
+        |l, _| {
+            // Each joint's own values in an order that the motion does not have: a permutation by a stride prime to the length.
+            let rows = l.time_s.len();
+            let stride = (rows / 7..).find(|stride| (2..=*stride).all(|d| rows % d != 0 || stride % d != 0)).unwrap();
+            for tau in &mut l.tau_j_nm {
+                *tau = (0..rows).map(|k| tau[k * stride % rows]).collect();
+            }
+        },
+        &[Fault::TorqueUnexplained],
     ),
     refused(
         "joints in the opposite order",
@@ -169,7 +210,7 @@ where
     (!right).then(|| format!("{} of joint {joint} ({}): {said:?}", way.name, good.description))
 }
 
-/// 27 ways on all arms, motions and truths drawn from seeds.
+/// 32 ways on all arms, motions and truths drawn from seeds.
 #[test]
 fn every_mutilation_is_recognised() {
     let mut wrong = Vec::new();

@@ -63,6 +63,8 @@ pub enum Fault {
     TorqueSide,
     /// Another arm than the model's.
     OtherRobot,
+    /// Torques that have nothing to do with the motion.
+    TorqueUnexplained,
     /// Samples that no joint of the arm gives.
     Impossible,
 }
@@ -90,8 +92,14 @@ impl Fault {
             Self::GravityDirection => "gravity_direction",
             Self::TorqueSide => "torque_side",
             Self::OtherRobot => "other_robot",
+            Self::TorqueUnexplained => "torque_unexplained",
             Self::Impossible => "impossible_samples",
         }
+    }
+
+    /// Whether it spoils a trial alone: a standing arm has a wrench, and a diagnosis says what it is that the model does not explain.
+    fn is_of_the_trial(self) -> bool {
+        matches!(self, Self::Standstill | Self::TorqueUnexplained)
     }
 
     /// Whether it lies in `dq` alone.
@@ -141,13 +149,13 @@ impl Remark {
     /// | conversion | nothing |
     /// | diagnosis | whatever is surely wrong with time, positions, torques |
     /// | wrench | that, and `dq` |
-    /// | trial | that, and an arm that did not move |
+    /// | trial | that, an arm that did not move, and torques that say nothing of the motion |
     #[must_use]
     pub fn refuses(&self, wanted: Use) -> bool {
         let matters = match wanted {
             Use::Conversion => false,
-            Use::Diagnosis => !self.fault.of_velocity() && self.fault != Fault::Standstill,
-            Use::Wrench => self.fault != Fault::Standstill,
+            Use::Diagnosis => !self.fault.of_velocity() && !self.fault.is_of_the_trial(),
+            Use::Wrench => !self.fault.is_of_the_trial(),
             Use::Trial => true,
         };
         matters && self.severity == Severity::Refuse

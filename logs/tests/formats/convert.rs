@@ -182,3 +182,19 @@ fn trees_for_viewers_have_unique_names_and_read_back() {
     assert_eq!(error, "tree.csv: column `q_0` occurs twice, as columns 2 and 3");
     assert_eq!(detect(&path).unwrap().to_string(), "canonical CSV");
 }
+
+/// An encoder that freezes after the first batch of rows is as frozen as one that does before.
+#[test]
+fn what_is_wrong_with_a_later_batch_is_said() {
+    let directory = tempfile::tempdir().unwrap();
+    let path = directory.path().join("log.csv");
+    let mut columns = synthetic_log(1, 1 << 17, false).into_columns();
+    let rate = 2.0 * std::f64::consts::PI * 0.5;
+    for (k, time_s) in columns.time_s.iter().enumerate() {
+        columns.q_rad[0][k] = 0.5 * (rate * time_s.min(90.0)).sin();
+        columns.dq_rad_s[0][k] = 0.5 * rate * (rate * time_s).cos();
+    }
+    write_csv(&path, &columns.validate().unwrap()).unwrap();
+    let said = convert(&path, directory.path().join("out.parquet"), LogTarget::Parquet, |_| true).unwrap().remarks;
+    assert!(said.iter().any(|remark| remark.fault == tribo_logs::recognise::Fault::FrozenEncoder), "{said:?}");
+}
