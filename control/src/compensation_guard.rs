@@ -1,8 +1,9 @@
 //! What watches a friction compensator while it acts.
 
-use nalgebra::{SVector, Vector6};
+use nalgebra::SVector;
 use serde::{Deserialize, Serialize};
 
+use crate::GuardInput;
 use crate::oscillation_energy::{OSCILLATION_MEMORY_S, OscillationEnergy};
 
 /// Time constant with which the energy balance of the motion and the drift are forgotten (s): longer than it takes the motion to
@@ -88,27 +89,6 @@ pub enum GuardTrip {
     /// The arm slides while the tool stays on its path.
     #[error("the compensation makes the arm slide where the tool does not feel it")]
     NullSpaceDrift,
-}
-
-/// What a guard is told at every tick.
-#[derive(Clone, Copy, Debug)]
-pub struct GuardInput<'a, const N: usize> {
-    /// Measured joint velocity [rad/s].
-    pub qd: &'a SVector<f64, N>,
-    /// Joint velocity that the motion is meant to have [rad/s].
-    pub qd_reference: &'a SVector<f64, N>,
-    /// `(I − J#J) qd` [rad/s].
-    pub nullspace_qd: &'a SVector<f64, N>,
-    /// Compensation (Nm).
-    pub compensation: &'a SVector<f64, N>,
-    /// Torque of null-space damping and posture spring (Nm).
-    pub nullspace_torque: &'a SVector<f64, N>,
-    /// Twist of the tool, base axes, angular part first [rad/s; m/s].
-    pub twist: &'a Vector6<f64>,
-    /// Estimated wrench by the robot on the environment, base axes, angular part first [Nm; N].
-    pub wrench: &'a Vector6<f64>,
-    /// Control period (s).
-    pub dt_s: f64,
 }
 
 /// Withdraws a compensator before it shakes the arm or lets it run away.
@@ -234,6 +214,8 @@ impl<const N: usize> CompensationGuard<N> {
 
 #[cfg(test)]
 mod tests {
+    use nalgebra::Vector6;
+
     use super::*;
 
     const DT_S: f64 = 1e-3;

@@ -43,6 +43,7 @@
 //! Leaves out: force control, inertia shaping, singularity crossing.
 
 mod compensation_guard;
+mod guard_input;
 mod impedance;
 mod joint_tracking;
 mod limiter;
@@ -53,7 +54,8 @@ mod reference;
 mod reference_model;
 mod safe_torque;
 
-pub use compensation_guard::{CompensationGuard, GuardInput, GuardSettings, GuardTrip};
+pub use compensation_guard::{CompensationGuard, GuardSettings, GuardTrip};
+pub use guard_input::GuardInput;
 pub use impedance::{ControlFault, ImpedanceController, ImpedanceSettings, TaskState, TorqueTerms};
 pub use joint_tracking::{JointTarget, JointTracking};
 pub use limiter::TorqueLimiter;

@@ -93,7 +93,7 @@ mod tests {
         let (mut energy, mut largest_j) = (OscillationEnergy::new(), f64::MIN);
         for k in 0..10_000 {
             let oscillation = phase(20.0, k);
-            tick(&mut energy, 0.02 * oscillation, -3.0 * oscillation, -1.0 * oscillation);
+            tick(&mut energy, 0.02 * oscillation, -3.0 * oscillation, -oscillation);
             largest_j = energy.surplus_j().max(largest_j);
         }
         let expected_j = 4.0 * 0.02 / 2.0;
@@ -101,17 +101,14 @@ mod tests {
         assert!(largest_j < 1.1 * expected_j, "{largest_j}");
     }
 
-    /// Friction against a slow motion gains nothing, whichever way it goes, nor, but for its first moment, does a compensator that
-    /// feeds the damping of one.
+    /// A compensator that feeds the damping of a slow motion, half a watt at most, hardly gives anything to an oscillation.
     #[test]
-    fn a_slow_motion_gains_nothing() {
-        let (mut against, mut fed) = (OscillationEnergy::new(), OscillationEnergy::new());
+    fn what_feeds_the_damping_of_a_slow_motion_is_no_gain() {
+        let mut energy = OscillationEnergy::new();
         for k in 0..60_000 {
-            let speed = 0.1 * phase(0.1, k);
-            tick(&mut against, speed, 5.0 * speed.signum(), 0.0);
-            assert!(against.surplus_j() <= 0.0, "tick {k}: {against:?}");
-            tick(&mut fed, speed, 0.0, -5.0 * speed);
-            assert!(fed.surplus_j() <= 1e-3, "tick {k}: {fed:?}");
+            let speed = 0.1 * phase(0.05, k);
+            tick(&mut energy, speed, 0.0, -50.0 * speed);
+            assert!(energy.surplus_j() < 5e-3, "tick {k}: {energy:?}");
         }
     }
 }

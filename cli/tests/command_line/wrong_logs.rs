@@ -111,7 +111,7 @@ fn a_wrong_log_is_no_trial() {
         &["torque_unexplained", "all joints: the joints turn and their torque is the same in every row"],
     );
     // The torques of three joints, each in the place of the next.
-    let order = [("tau_J_d_1", "a"), ("tau_J_d_5", "tau_J_d_1"), ("tau_J_d_3", "tau_J_d_5"), ("a", "tau_J_d_3")];
+    let order = [("tau_J_d_1", "?"), ("tau_J_d_5", "tau_J_d_1"), ("tau_J_d_3", "tau_J_d_5"), ("?", "tau_J_d_3")];
     let cycled = order.iter().fold(first.clone(), |text, (from, to)| text.replacen(from, to, 1));
     std::fs::write(at.join("one.csv"), cycled).unwrap();
     refused(at, "tell mine one.csv", &["joint_order", "panda_joint2 (1), panda_joint4 (3) and panda_joint6 (5)"]);
