@@ -16,7 +16,7 @@
 //! | model of another arm | the trial ends or is stopped, nothing is unsafe | `robot` |
 //! | a hand pushes with 50 N | compliant: the trial ends or is stopped, within its limits | `robot` |
 //! | power fails in a trial | stopped while the arm has hardly begun to fall | `robot` |
-//! | a log in degrees, ms, ns, mNm; signs turned, joints swapped, encoder frozen, `dq` wrong, gravity left out, another robot or side of the gears | refused, or warned of, in one sentence with the column to mend | `diagnose/tests/recognise`, `cli/tests/command_line/wrong_logs.rs` |
+//! | a log in degrees, ms, ns, mNm; signs turned, joints swapped or moved on, torques of noise or never written, encoder frozen, `dq` wrong, gravity left out, another robot or side of the gears | refused, or warned of, in one sentence with the column to mend | `diagnose/tests/recognise`, `cli/tests/command_line/wrong_logs.rs` |
 //! | a trial in which most joints stood still | refused: what costs nothing is no trial | `cli/tests/command_line/wrong_logs.rs` |
 //! | one impossible number in a trial's log | its row is left out, and said: cost and next parameters are those of the good log | `cli/tests/command_line/taking_back.rs` |
 //! | the log of another trial, or of another compensator | refused: `tau_friction` or the positions say so | `cli/tests/command_line/taking_back.rs` |

@@ -14,7 +14,6 @@ use tribo_robot::{Arm, gravity_torque, inverse_dynamics_regressor, rnea};
 
 use super::hypothesis::Hypothesis;
 use super::samples::{Instant, Samples};
-use super::{MOVES, NOTHING};
 
 /// Shared parameters: gravity, mass, first moment.
 const SHARED: usize = 7;
@@ -39,6 +38,11 @@ const FAR: f64 = 2.5;
 const FAR_SQUARE: f64 = 9.0;
 /// Smallest σ_j over the RMS of the measured torque: nothing is explained better than this.
 const FLOOR: f64 = 0.02;
+/// Share of the instants at which a joint moves at least, of which something is said.
+pub(super) const MOVES: f64 = 0.1;
+/// Part of the variance of a torque that is left where the arm says nothing of it: on good logs in which all joints move, of half of them
+/// at most.
+const NOTHING: f64 = 0.9;
 /// Torque limit (Nm) of joints of which none is known.
 const UNKNOWN_LIMIT_NM: f64 = 60.0;
 

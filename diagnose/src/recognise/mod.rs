@@ -18,7 +18,7 @@ use rayon::prelude::*;
 use tribo_logs::RobotLog;
 use tribo_logs::recognise::Remark;
 
-use self::fit::{Columns, Fit, fit};
+use self::fit::{Columns, Fit, MOVES, fit};
 use self::hypothesis::{Change, Hypothesis};
 use self::samples::Samples;
 use crate::{Diagnosable, Nominal};
@@ -40,8 +40,6 @@ const ARM_GAIN: f64 = 1.5;
 /// The same for one joint's torque or position that is explained like noise as it is and well with the opposite sign: at most 1 where the
 /// sign is right, 6 at least where it is not, even of a joint that carries nothing and moves little.
 const SIGN_NATS: f64 = 4.0;
-/// Share of the instants at which that joint moves at least.
-const MOVES: f64 = 0.1;
 /// Natural logarithm of the largest factor by which the torque of one joint is off, where only what its weight would be says so.
 const LARGEST_FACTOR_LN: f64 = 2.5;
 /// Gain (nats) by which another arm is named although joints of this motion stay unexplained.
@@ -59,9 +57,6 @@ const IMPLAUSIBLE_NATS: f64 = 40.0;
 /// Gain (nats) that convinces where a joint is explained of which the log as it is leaves as much as a constant would.
 const DECISIVE_NATS: f64 = 60.0;
 const AS_A_CONSTANT: f64 = 0.7;
-/// Part of the variance of a torque that is left where the arm says nothing of it: on good logs in which all joints move, of half of them
-/// at most.
-const NOTHING: f64 = 0.9;
 /// Part of the variance that is left of a turned joint's torque at most where the gain decides.
 const HALF: f64 = 0.5;
 /// By how much more a hypothesis may leave of any torque that is not explained well.
