@@ -108,20 +108,21 @@ impl<const N: usize> UserCampaign<N> {
         let (directory, chooser) = (directory.to_owned(), OnceCell::new());
         let mut campaign = Self { directory, tune, user_trials, journal, trials, seals, chooser };
         campaign.refresh()?;
+        // A trial whose log was lost or replaced has to be opened to be taken back: what cannot be told now is left as it is.
+        if let Ok(early_stop) = campaign.early_stop() {
+            EarlyStop::leave(early_stop.as_ref(), &campaign.directory)?;
+        }
         Ok(campaign)
     }
 
-    /// Writes what follows from the journal; why the campaign ended, if it has.
-    fn refresh(&mut self) -> Result<Option<EarlyStop>, CampaignError> {
+    /// Writes the compensator that follows from the journal.
+    fn refresh(&mut self) -> Result<(), CampaignError> {
         let finished: Vec<FinishedTrial> = self.finished().cloned().collect();
         let best = self.conclude(&finished)?.best;
         let zero = self.tune.space.zero();
         let uncompensated = finished.iter().find(|trial| trial.aborted.is_none() && trial.theta == zero);
         let uncompensated_cost = uncompensated.map(|trial| trial.cost.total());
-        write_tuned(&self.directory, &self.tune, &finished, best.as_ref(), uncompensated_cost)?;
-        let early_stop = self.early_stop()?;
-        EarlyStop::leave(early_stop.as_ref(), &self.directory)?;
-        Ok(early_stop)
+        Ok(write_tuned(&self.directory, &self.tune, &finished, best.as_ref(), uncompensated_cost)?)
     }
 
     /// What the trials amount to, as the journal has it, or worked out where trials have come or gone since.
@@ -398,8 +399,8 @@ impl<const N: usize> UserCampaign<N> {
             Some(Entry::Finished(_)) if !reason.trim().is_empty() => {
                 self.journal.withdraw(number, reason)?;
                 self.set(number, Entry::Withdrawn);
-                self.refresh()?;
-                return Ok(());
+                EarlyStop::leave(None, &self.directory)?;
+                return self.refresh();
             }
             Some(Entry::Finished(_)) => "say why: --reason \"...\"".to_owned(),
             Some(Entry::Running(..)) => format!("trial {number} has not been told; to give it up: --give-up"),
@@ -425,7 +426,9 @@ impl<const N: usize> UserCampaign<N> {
         finish(&mut self.journal, &trial, &ended)?;
         self.seals.extend(ended.seal.map(|seal| (number, seal)));
         self.set(number, Entry::Finished(trial.clone()));
-        let early_stop = self.refresh()?;
+        let early_stop = self.early_stop()?;
+        EarlyStop::leave(early_stop.as_ref(), &self.directory)?;
+        self.refresh()?;
         let finished: Vec<FinishedTrial> = self.finished().cloned().collect();
         let conclusion = self.conclude(&finished)?;
         Ok(Told { trial, aborted_at_s: ended.aborted_at_s, conclusion, finished: finished.len(), early_stop })

@@ -22,6 +22,20 @@ fn tuned(at: &Path) -> Option<String> {
     std::fs::read_to_string(at.join("mine/tuned.yaml")).ok()
 }
 
+/// A trial whose log was replaced by another one's can be taken back: nothing else brings its campaign on.
+#[test]
+fn a_trial_whose_log_was_replaced_is_taken_back() {
+    let at = scratch();
+    for number in 0..2 {
+        ask_and_run(at.path(), number, if number == 0 { "--seed 7 --trials 9" } else { "" });
+        run(at.path(), "tell mine trial.csv -q").ok();
+    }
+    let log = |number: usize| at.path().join(format!("mine/trials/000{number}.parquet"));
+    std::fs::copy(log(0), log(1)).unwrap();
+    run(at.path(), "tell mine --withdraw 1 --reason replaced -q").ok();
+    ask_and_run(at.path(), 2, "");
+}
+
 #[test]
 fn a_trial_is_taken_back() {
     let at = scratch();
