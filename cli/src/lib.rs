@@ -66,7 +66,7 @@ pub fn run(words: Vec<OsString>) -> u8 {
         Command::Diagnose(diagnose) => command::diagnose::run(&diagnose, &common),
         Command::Convert(convert) => command::convert::run(&convert, &common),
         Command::Export(export) => command::export::run(&export, &common),
-        Command::Dashboard(dashboard) => command::dashboard::run(&dashboard),
+        Command::Dashboard(dashboard) => command::dashboard::run(&dashboard, &common),
         Command::Report(report) => command::report::run(&report, &common),
         Command::Study(study) => command::study::run(&study, &common),
         Command::Bench(bench) => command::bench::run(&bench, &common),

@@ -102,6 +102,7 @@ fn run(directory: &Path, trials: usize, watching: bool) -> Spent {
 fn watch(directory: &Path, ended: &AtomicBool) {
     let mut dashboard = Dashboard::new(Options {
         open: Some(LogSource { path: directory.to_owned(), ..LogSource::default() }),
+        live: None,
         compare: None,
         view: Some(View::Campaign),
         clock,

@@ -13,6 +13,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let here = std::env::current_dir()?;
     let mut dashboard = Dashboard::new(Options {
         open: None, // or a campaign, or a log
+        live: None,
         compare: None,
         view: None,
         clock: long_ago,

@@ -10,21 +10,26 @@ use crate::export;
 use crate::export_request;
 use crate::help;
 use crate::layout::Layout;
+use crate::live_feed::LiveFeed;
 use crate::log_snapshot::LogSource;
 use crate::source::{Needs, Source};
 use crate::theme;
 use crate::view::View;
-use crate::views::{ArmView, CampaignView, CompareView, DiagnosisView, LogView, StartView, TrialView};
+use crate::views::{ArmView, CampaignView, CompareView, DiagnosisView, LiveView, LogView, StartView, TrialView};
 
 /// Time between two frames that nobody but a running campaign asks for: where a processor has to draw them (OpenGL in
 /// software takes 50 ms and more), the campaign does not feel it.
 const LIVE: Duration = Duration::from_secs(2);
+/// Time between two frames of a robot that is watched.
+const ROBOT: Duration = Duration::from_millis(100);
 
 /// What a window is opened with.
 #[derive(Clone, Debug)]
 pub struct Options {
     /// Campaign or log to open.
     pub open: Option<LogSource>,
+    /// Robot to watch.
+    pub live: Option<LiveFeed>,
     /// Second campaign of the view Compare.
     pub compare: Option<PathBuf>,
     /// View to begin with.
@@ -59,13 +64,17 @@ pub struct Dashboard {
     log: LogView,
     diagnosis: DiagnosisView,
     compare: CompareView,
+    live: LiveView,
 }
 
 impl Dashboard {
     /// An interface that has shown nothing yet.
     pub fn new(options: Options) -> Self {
         let mut layout = options.layout.as_deref().map(Layout::read).unwrap_or_default();
-        layout.view = options.view.unwrap_or(layout.view);
+        let first = options.view.or(options.live.is_some().then_some(View::Live));
+        // A robot that was watched last time is not there again.
+        let last = if layout.view == View::Live { View::default() } else { layout.view };
+        layout.view = first.unwrap_or(last);
         let path = options.open.as_ref().map_or(layout.path.clone(), |open| open.path.display().to_string());
         Self {
             source: Source::new(options.clock, options.immediate),
@@ -74,7 +83,7 @@ impl Dashboard {
             layout,
             path,
             help: false,
-            starting: options.open.is_none(),
+            starting: options.open.is_none() && options.live.is_none(),
             installed: false,
             campaign: CampaignView::default(),
             trial: TrialView::default(),
@@ -82,6 +91,7 @@ impl Dashboard {
             log: LogView::default(),
             diagnosis: DiagnosisView::default(),
             compare: CompareView::default(),
+            live: LiveView::default(),
             options,
         }
     }
@@ -122,6 +132,10 @@ impl Dashboard {
         let now_s = ui.input(|input| input.time);
         let needs = if self.starting { Needs::default() } else { self.layout.view.needs() };
         self.source.update(&ctx, now_s, needs);
+        // A picture that is held still leaves what comes in the feed, which forgets by itself.
+        if !self.live.held && self.source.hear() {
+            ctx.request_repaint_after(ROBOT);
+        }
         Panel::top("bar").show(ui, |ui| self.bar(ui));
         Panel::bottom("status").show(ui, |ui| self.status(ui));
         CentralPanel::default().show(ui, |ui| self.view(ui, now_s));
@@ -154,6 +168,9 @@ impl Dashboard {
         if let Some(open) = self.options.open.take() {
             self.source.open(ctx, open);
         }
+        if let Some(live) = self.options.live.take() {
+            self.source.watch_live(live);
+        }
         if let Some(other) = self.options.compare.take() {
             self.compare.open(&mut self.source, &other);
         }
@@ -167,7 +184,7 @@ impl Dashboard {
         if ctx.text_edit_focused() {
             return;
         }
-        let views = [Key::Num1, Key::Num2, Key::Num3, Key::Num4, Key::Num5, Key::Num6];
+        let views = [Key::Num1, Key::Num2, Key::Num3, Key::Num4, Key::Num5, Key::Num6, Key::Num7];
         let pressed = |key: Key| ctx.input(|input| input.key_pressed(key));
         for (view, key) in View::ALL.into_iter().zip(views) {
             if pressed(key) {
@@ -289,6 +306,7 @@ impl Dashboard {
             View::Log => self.log.ui(ui, source, layout),
             View::Diagnosis => self.diagnosis.ui(ui, source, &self.options.exports),
             View::Compare => self.compare.ui(ui, source),
+            View::Live => self.live.ui(ui, source.snapshot()),
         }
     }
 

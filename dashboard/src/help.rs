@@ -3,7 +3,7 @@
 use egui::{Align2, Context, Grid, RichText, Window};
 
 const KEYS: [(&str, &str); 12] = [
-    ("1 … 6", "Campaign, Trial, Arm, Log, Diagnosis, Compare"),
+    ("1 … 7", "Campaign, Trial, Arm, Log, Diagnosis, Compare, Live"),
     ("Left, Right", "previous and next trial"),
     ("Space", "play and pause the arm"),
     ("T", "light or dark"),

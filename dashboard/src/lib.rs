@@ -15,6 +15,7 @@
 //! let here = std::env::temp_dir();
 //! let mut dashboard = Dashboard::new(Options {
 //!     open: None,
+//!     live: None,
 //!     compare: None,
 //!     view: None,
 //!     clock: || "2000-01-01T00:00:00.000000+00:00".to_owned(),
@@ -34,6 +35,10 @@ mod export_request;
 mod help;
 mod jobs;
 mod layout;
+mod live_feed;
+mod live_record;
+mod live_sample;
+mod live_snapshot;
 mod log_snapshot;
 mod picture;
 mod plot;
@@ -51,6 +56,10 @@ mod wrench_snapshot;
 pub use app::{Dashboard, Options};
 pub use diagnosis_snapshot::DiagnosisSnapshot;
 pub use layout::Layout;
+pub use live_feed::{LiveFeed, LiveTitle};
+pub use live_record::LiveRecord;
+pub use live_sample::LiveSample;
+pub use live_snapshot::LiveSnapshot;
 pub use log_snapshot::{LogSnapshot, LogSource};
 pub use picture::{PictureError, picture, write_png};
 pub use screenshot::screenshot;

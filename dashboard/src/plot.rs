@@ -83,7 +83,7 @@ pub fn show(ui: &mut Ui, figure: &Figure, look: Look) {
         .label_formatter(move |position: &HoverPosition<'_>| Some(read_out(figure, position, logarithmic)));
     let categories = &figure.x.categories;
     if categories.is_empty() {
-        let (ticks, whole) = (ui.available_width() / (1.6 * TICK_PX), figure.x.whole);
+        let (ticks, whole) = (marks_across(ui.available_width()), figure.x.whole);
         plot = plot
             .x_grid_spacer(move |input| marks(input, ticks, false, whole))
             .x_axis_formatter(move |mark: GridMark, _| tick(mark, false));
@@ -135,6 +135,11 @@ fn ordinate(y: f64, logarithmic: bool) -> f64 {
 const AXIS_LETTERS: f32 = 11.5;
 /// Space from tick to tick (px).
 const TICK_PX: f32 = 46.0;
+
+/// Most marks on an abscissa of that width (px): closer ones would lose their labels.
+pub fn marks_across(width: f32) -> f32 {
+    width / (1.6 * TICK_PX)
+}
 
 /// Marks at 1, 2, 5 × 10ⁿ; on a logarithmic axis at 1, 2, 5 of each decade, or at decades where there are many.
 pub fn marks(input: GridInput, most: f32, logarithmic: bool, whole: bool) -> Vec<GridMark> {

@@ -7,6 +7,7 @@ use tribo_campaign::{EstimatorName, References};
 use tribo_watch::{CampaignSnapshot, LoopTimes, Surrogate, TrialColumns, TrialSnapshot};
 
 use crate::diagnosis_snapshot::DiagnosisSnapshot;
+use crate::live_snapshot::LiveSnapshot;
 use crate::log_snapshot::LogSnapshot;
 use crate::wrench_snapshot::WrenchSnapshot;
 
@@ -29,6 +30,8 @@ pub struct Snapshot {
     pub diagnosis: Option<Arc<DiagnosisSnapshot>>,
     /// Another campaign to compare with.
     pub other: Option<Arc<CampaignSnapshot>>,
+    /// A robot that is watched.
+    pub live: Option<Arc<LiveSnapshot>>,
 }
 
 impl Snapshot {

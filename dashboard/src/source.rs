@@ -12,6 +12,8 @@ use tribo_watch::{
 
 use crate::diagnosis_snapshot::{DiagnosisSnapshot, Progress};
 use crate::jobs::Jobs;
+use crate::live_feed::LiveFeed;
+use crate::live_record::LiveRecord;
 use crate::log_snapshot::{LogSnapshot, LogSource};
 use crate::runner::{End, Runner};
 use crate::snapshot::{Answer, Snapshot};
@@ -44,6 +46,7 @@ pub struct Source {
     snapshot: Snapshot,
     watch: Option<CampaignWatch>,
     other: Option<CampaignWatch>,
+    live: Option<LiveRecord>,
     runner: Option<Runner>,
     jobs: Jobs,
     clock: Clock,
@@ -74,6 +77,7 @@ impl Source {
             snapshot: Snapshot::default(),
             watch: None,
             other: None,
+            live: None,
             runner: None,
             jobs: Jobs::new(immediate),
             clock,
@@ -149,6 +153,7 @@ impl Source {
             log: self.snapshot.log.take(),
             wrenches: std::mem::take(&mut self.snapshot.wrenches),
             diagnosis: self.snapshot.diagnosis.take(),
+            live: self.snapshot.live.take(),
             ..Snapshot::default()
         };
         (self.watch, self.selected, self.trial_pending) = (Some(watch), None, None);
@@ -156,6 +161,23 @@ impl Source {
         (self.surrogate_of, self.surrogate_due_s, self.surrogate_pending) = (0, f64::NEG_INFINITY, false);
         (self.looked_at_s, self.grown_at_s) = (f64::NEG_INFINITY, f64::NEG_INFINITY);
         self.message = format!("watching {}", directory.display());
+    }
+
+    /// Watches a robot.
+    pub fn watch_live(&mut self, feed: LiveFeed) {
+        self.message = format!("watching {}", feed.title().host);
+        let record = LiveRecord::new(feed);
+        self.snapshot.live = Some(Arc::new(record.snapshot()));
+        self.live = Some(record);
+    }
+
+    /// Takes what the robot has sent since the last frame; whether more may come.
+    pub fn hear(&mut self) -> bool {
+        let Some(record) = &mut self.live else { return false };
+        if let Some(live) = record.poll() {
+            self.snapshot.live = Some(Arc::new(live));
+        }
+        self.snapshot.live.as_ref().is_none_or(|live| live.ended.is_none())
     }
 
     /// Starts a campaign and watches it.

@@ -21,11 +21,14 @@ pub enum View {
     Diagnosis,
     /// Two campaigns side by side.
     Compare,
+    /// A robot while it lives.
+    Live,
 }
 
 impl View {
     /// All views, in the order of their tabs and keys.
-    pub const ALL: [Self; 6] = [Self::Campaign, Self::Trial, Self::Arm, Self::Log, Self::Diagnosis, Self::Compare];
+    pub const ALL: [Self; 7] =
+        [Self::Campaign, Self::Trial, Self::Arm, Self::Log, Self::Diagnosis, Self::Compare, Self::Live];
 
     /// Name on the tab.
     pub fn name(self) -> &'static str {
@@ -36,6 +39,7 @@ impl View {
             Self::Log => "Log",
             Self::Diagnosis => "Diagnosis",
             Self::Compare => "Compare",
+            Self::Live => "Live",
         }
     }
 

@@ -21,7 +21,7 @@ pub struct WrenchSnapshot {
 }
 
 /// Components of a wrench in file order.
-const COMPONENTS: [&str; 6] = ["force x", "force y", "force z", "moment x", "moment y", "moment z"];
+pub(crate) const COMPONENTS: [&str; 6] = ["force x", "force y", "force z", "moment x", "moment y", "moment z"];
 
 impl WrenchSnapshot {
     /// Runs an estimator along a log.

@@ -14,7 +14,7 @@ mod server;
 mod unit;
 mod wire;
 
-pub use client::{Connection, ConnectionError, TorquePlant};
+pub use client::{Connection, ConnectionError, HeardState, TorquePlant, sensor_frame};
 pub use gripper::GripperServer;
 pub use server::{Pace, ServeError, Server, ServerEvent, ServerSettings};
 pub use unit::{CollisionThresholds, ControlUnit, MotionLimits, VelocityEnvelope, pose_of};

@@ -427,11 +427,20 @@ pub struct Dashboard {
     /// A campaign directory or a robot log [default: a form to start a campaign from].
     #[arg(value_name = "DIR|LOG")]
     pub open: Option<PathBuf>,
+    /// Watch the Panda or FR3 at this address: arm, wrench, torques, loop times. Nothing is commanded, the robot may be in any mode.
+    #[arg(long, value_name = "HOST", conflicts_with_all = ["open", "compare"])]
+    pub live: Option<String>,
+    /// The wrench estimator of --live.
+    #[arg(long, default_value = "ekf", requires = "live", value_parser = PossibleValuesParser::new(["ekf", "momentum", "qp", "thermal"]))]
+    pub residual: String,
+    /// Time that --screenshot watches the robot of --live before it draws (s).
+    #[arg(long, default_value_t = 5.0, requires = "live")]
+    pub seconds: f64,
     /// How the columns of a log are read.
     #[command(flatten)]
     pub columns: Columns,
     /// View to begin with.
-    #[arg(long, value_parser = PossibleValuesParser::new(["campaign", "trial", "arm", "log", "diagnosis", "compare"]))]
+    #[arg(long, value_parser = PossibleValuesParser::new(["campaign", "trial", "arm", "log", "diagnosis", "compare", "live"]))]
     pub view: Option<String>,
     /// Second campaign directory, of the view `compare`.
     #[arg(long, value_name = "DIR")]

@@ -104,6 +104,11 @@ impl Link {
     }
 }
 
+/// A connection that commands nothing.
+pub fn heard(host: &str) -> Result<Connection, BadInput> {
+    Connection::listen(host).map_err(|error| BadInput(format!("{host}: {error}")))
+}
+
 /// Longest that a robot is watched (s): an hour.
 const LONGEST_WATCH_S: f64 = 3600.0;
 
@@ -114,7 +119,7 @@ pub fn watched(host: &str, seconds: f64, common: &Common) -> anyhow::Result<(Rob
         let message = format!("--seconds is {seconds}; allowed: above 0, at most {LONGEST_WATCH_S}");
         return Err(BadInput(message).into());
     }
-    let connection = Link::to(host, LiveDrive { yes: true, no_realtime: true }).connect()?;
+    let connection = heard(host)?;
     let (stop, progress) = (stop_requested(), StageProgress::new(common.quiet));
     let empty = || vec![Vec::new(); 7];
     let mut columns = LogColumns {

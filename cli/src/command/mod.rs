@@ -6,6 +6,7 @@ pub mod bench;
 mod columns;
 pub mod convert;
 pub mod dashboard;
+mod dashboard_live;
 pub mod diagnose;
 pub mod estimate;
 pub mod export;

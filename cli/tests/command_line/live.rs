@@ -188,3 +188,27 @@ fn hide(at: &Path, effect: &str) {
     std::fs::write(at.join("known.yaml"), &known).unwrap();
     std::fs::write(at.join("truth.yaml"), format!("{known}effects:\n- {effect}\n")).unwrap();
 }
+
+/// The window watches a robot whatever its mode is, and draws it without a display.
+#[test]
+fn a_robot_is_watched_in_the_window() {
+    let at = scratch();
+    let server = Served::paced(at.path(), "--robot fr3");
+    let live = format!("dashboard --live {} --residual momentum --screenshot live.png --seconds", server.host);
+    run(at.path(), &format!("{live} 2")).ok();
+    run(at.path(), "dashboard --view live --screenshot empty.png").ok();
+    // Arm, curves and bands take more than the bars around an empty view.
+    let [live_bytes, empty_bytes] =
+        ["live.png", "empty.png"].map(|name| std::fs::metadata(at.path().join(name)).unwrap().len());
+    assert!(2 * live_bytes > 3 * empty_bytes, "{live_bytes} and {empty_bytes} bytes");
+    let refusals = [
+        (format!("{live} 0"), "--seconds is 0"),
+        ("dashboard --live 127.0.0.1:9 --screenshot none.png".to_owned(), "127.0.0.1:9"),
+        (format!("{live} 1 --robot ur10e"), "a Franka has seven joints"),
+    ];
+    for (call, why) in refusals {
+        let refused = run(at.path(), &call);
+        assert!(refused.code == Some(2) && refused.stderr.contains(why), "{refused:?}");
+    }
+    assert!(!at.path().join("none.png").exists());
+}

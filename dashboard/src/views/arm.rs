@@ -6,6 +6,7 @@ use tribo_campaign::EstimatorName;
 use tribo_figure::number::{fixed, significant};
 use tribo_watch::arm_figures::ARROW_M_PER_N;
 
+use crate::live_snapshot::LiveSnapshot;
 use crate::snapshot::Snapshot;
 use crate::theme::ink;
 
@@ -107,8 +108,16 @@ impl ArmView {
         self.cursor_s = self.cursor_s.clamp(first_s, last_s);
         self.controls(ui, &motion);
         let Some(moment) = (motion.at)(self.cursor_s) else { return };
-        self.figures(ui, &moment);
-        self.scene(ui, &motion, &moment);
+        Self::figures(ui, &moment);
+        self.scene(ui, &motion.path, &moment);
+    }
+
+    /// The newest moment of a robot that lives.
+    pub(super) fn live(&mut self, ui: &mut Ui, live: &LiveSnapshot) {
+        let Some(newest) = &live.newest else { return };
+        let moment = Moment { q: newest.q_rad.clone(), points: live.skeleton.clone(), wrench: newest.wrench };
+        Self::figures(ui, &moment);
+        self.scene(ui, &[], &moment);
     }
 
     fn controls(&mut self, ui: &mut Ui, motion: &Motion<'_>) {
@@ -130,7 +139,7 @@ impl ArmView {
         });
     }
 
-    fn figures(&self, ui: &mut Ui, moment: &Moment) {
+    fn figures(ui: &mut Ui, moment: &Moment) {
         let q: Vec<String> = moment.q.iter().map(|q| fixed(*q, 3)).collect();
         ui.label(format!("q [rad]: {}", q.join(", ")));
         if let Some(h) = moment.wrench {
@@ -148,7 +157,7 @@ impl ArmView {
         }
     }
 
-    fn scene(&mut self, ui: &mut Ui, motion: &Motion<'_>, moment: &Moment) {
+    fn scene(&mut self, ui: &mut Ui, path: &[Vector3<f64>], moment: &Moment) {
         let size = ui.available_size().max(vec2(200.0, 200.0));
         let (response, painter) = ui.allocate_painter(size, Sense::click_and_drag());
         let drag = response.drag_delta();
@@ -177,7 +186,7 @@ impl ArmView {
             capsule(&painter, &camera, [&points[k], &points[k + 1]], radius_m, dark);
         }
         let seen = |point: &Vector3<f64>| camera.project(point).0;
-        painter.add(Shape::line(motion.path.iter().map(seen).collect(), Stroke::new(1.2, ink(2, dark))));
+        painter.add(Shape::line(path.iter().map(seen).collect(), Stroke::new(1.2, ink(2, dark))));
         for origin in joints {
             let (centre, _) = camera.project(origin);
             painter.circle_filled(centre, 3.0, if dark { Color32::WHITE } else { Color32::BLACK });
@@ -189,8 +198,9 @@ impl ArmView {
             painter.arrow(from, to - from, Stroke::new(3.0, ink(1, dark)));
             let corner = response.rect.left_bottom() + vec2(12.0, -24.0);
             let text = format!(
-                "arrow: force on the environment, 10 cm = {} N · green: path of the flange",
-                significant(0.1 / ARROW_M_PER_N, 2)
+                "arrow: force on the environment, 10 cm = {} N{}",
+                significant(0.1 / ARROW_M_PER_N, 2),
+                if path.is_empty() { "" } else { " · green: path of the flange" }
             );
             painter.text(
                 corner,

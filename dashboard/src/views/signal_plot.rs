@@ -6,7 +6,7 @@ use tribo_figure::number::significant;
 use tribo_figure::{Columns, Figure, Layer, Scale, Signals};
 
 use crate::export_request::{Format, request};
-use crate::plot::{legend, marks, tick};
+use crate::plot::{legend, marks, marks_across, tick};
 use crate::theme::{self, GAP, NARROWEST, ink};
 
 /// One name for the abscissa of all figures.
@@ -89,6 +89,7 @@ pub fn signal_plot(ui: &mut Ui, label: &str, curves: &[Curve<'_>], height: f32) 
     });
     let names: Vec<Layer> = curves.iter().flat_map(Curve::legend).collect();
     let hidden = legend(ui, label, &names);
+    let across = marks_across(ui.available_width());
     let link = Id::unique("time of the log");
     let plot = Plot::new(("signal", label))
         .height(height)
@@ -97,7 +98,7 @@ pub fn signal_plot(ui: &mut Ui, label: &str, curves: &[Curve<'_>], height: f32) 
         .allow_scroll(Vec2b::FALSE)
         .grid_color(theme::grid(dark))
         .grid_fade(0.0)
-        .x_grid_spacer(|input| marks(input, 7.0, false, false))
+        .x_grid_spacer(move |input| marks(input, across, false, false))
         .y_grid_spacer(|input| marks(input, 5.0, false, false))
         .x_axis_formatter(|mark, _| tick(mark, false))
         .y_axis_formatter(|mark, _| tick(mark, false))

@@ -69,6 +69,16 @@ impl Connection {
         Ok(connection)
     }
 
+    /// Connects to hear what the robot sends, whatever its mode is: somebody guides it by hand, its stop is pressed. Nothing is commanded
+    /// and no reflex is recovered.
+    ///
+    /// # Errors
+    ///
+    /// [`RobotError::Franka`]: nobody answers, another version.
+    pub fn listen(host: &str) -> Result<Self, RobotError> {
+        Ok(Self { robot: Robot::with_options(host, RobotOptions::new(RealtimeConfig::Ignore))? })
+    }
+
     /// The version that the robot speaks.
     pub fn version(&self) -> FciVersion {
         match self.robot.fci_version() {

@@ -5,4 +5,5 @@ mod connection;
 mod torque_plant;
 
 pub use connection::{Connection, RobotError as ConnectionError};
-pub use torque_plant::TorquePlant;
+pub use franka::RobotState as HeardState;
+pub use torque_plant::{TorquePlant, sensor_frame};

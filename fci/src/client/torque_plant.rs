@@ -2,7 +2,7 @@
 
 use std::sync::atomic::{AtomicBool, Ordering};
 
-use franka::{ActiveTorqueControl, FrankaError, Torques};
+use franka::{ActiveTorqueControl, FrankaError, RobotState, Torques};
 use nalgebra::SVector;
 use tribo_robot::{Arm, Plant, PlantLost, SensorFrame, gravity_torque};
 
@@ -28,6 +28,17 @@ pub struct TorquePlant<'a> {
 
 /// Rate of torques that the unit accepts (Nm per period), with a margin for the floats of version 10.
 const STEP_NM: f64 = 0.999;
+
+/// What the sensors of a state say, at the robot's own time.
+pub fn sensor_frame(state: &RobotState) -> SensorFrame<7> {
+    SensorFrame {
+        time_s: state.time.as_secs_f64(),
+        q: SVector::from(state.q),
+        qd: SVector::from(state.dq),
+        tau: SVector::from(state.tau_J),
+        theta: None,
+    }
+}
 
 impl<'a> TorquePlant<'a> {
     pub(super) fn new(control: ActiveTorqueControl<'a>, arm: Arm<7>, stop: &'a AtomicBool) -> Self {
@@ -88,13 +99,7 @@ impl Plant<7> for TorquePlant<'_> {
         }
         self.lost_periods += now_ms.saturating_sub(self.last_ms + 1);
         self.last_ms = now_ms;
-        let frame = SensorFrame {
-            time_s: (now_ms - self.begun_ms) as f64 * 1e-3,
-            q: SVector::from(state.q),
-            qd: SVector::from(state.dq),
-            tau: SVector::from(state.tau_J),
-            theta: None,
-        };
+        let frame = SensorFrame { time_s: (now_ms - self.begun_ms) as f64 * 1e-3, ..sensor_frame(&state) };
         self.frame = Some(frame);
         Ok(frame)
     }

@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use serde_json::{Value, json};
-use tribo_logs::recognise::{Use, recognise};
+use tribo_logs::recognise::{Remark, Use, recognise, said};
 use tribo_logs::{LogSummary, Mapping, ReadOptions, RobotLog};
 
 use super::super::believe::{Refused, believe};
@@ -16,7 +16,7 @@ use crate::failure::BadInput;
 pub struct Readings {
     /// Which columns were read as which, log by log.
     pub read_as: Vec<Value>,
-    /// What their readers noticed, such as rows that were left out.
+    /// What their readers noticed, such as rows that were left out, and what is doubtful about them.
     pub warnings: Vec<String>,
 }
 
@@ -25,6 +25,16 @@ impl Readings {
         let mapping = summary.mapping.as_ref().map_or(Value::Null, Mapping::to_json);
         self.read_as.push(json!({"log": name, "read_as": mapping}));
         self.warnings.extend(summary.warnings.iter().map(|warning| format!("{name}: {warning}")));
+    }
+
+    /// Refuses a log that cannot be right; what only may be wrong goes to standard error at once and stands in the answer.
+    ///
+    /// # Errors
+    /// Every reason.
+    pub fn believe(&mut self, name: &str, remarks: &[Remark], refused: Refused, quiet: bool) -> anyhow::Result<()> {
+        believe(Path::new(name), remarks, Use::Diagnosis, refused, quiet)?;
+        self.warnings.extend(said(name, remarks, Use::Diagnosis));
+        Ok(())
     }
 }
 
@@ -38,19 +48,15 @@ pub fn logs(
 ) -> anyhow::Result<Vec<(String, RobotLog)>> {
     let mut one = |path: &PathBuf| {
         let name = path.display().to_string();
-        let (log, summary) = log(path, options, refused, common)?;
+        let (log, summary) = log(path, options, common)?;
         readings.add(&name, &summary);
+        readings.believe(&name, &recognise(&log), refused, common.quiet)?;
         Ok((name, log))
     };
     paths.iter().map(&mut one).collect()
 }
 
-fn log(
-    path: &Path,
-    options: &ReadOptions,
-    refused: Refused,
-    common: &Common,
-) -> anyhow::Result<(RobotLog, LogSummary)> {
+fn log(path: &Path, options: &ReadOptions, common: &Common) -> anyhow::Result<(RobotLog, LogSummary)> {
     let (log, summary) = read_log(path, options, common)?;
     if !common.quiet {
         for warning in &summary.warnings {
@@ -60,7 +66,6 @@ fn log(
             message!("{}\n{summary}", path.display());
         }
     }
-    believe(path, &recognise(&log), Use::Diagnosis, refused, common.quiet)?;
     Ok((log, summary))
 }
 

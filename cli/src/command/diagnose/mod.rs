@@ -13,12 +13,11 @@ use tribo_diagnose::report::{ClosedLoop, Extras, ReportContext, document, html};
 use tribo_diagnose::{
     CauseLabel, Diagnosable, DiagnoseError, DiagnoseSettings, Diagnosis, Nominal, Verdict, diagnose_with_reference,
 };
-use tribo_logs::recognise::Use;
 use tribo_logs::{ReadOptions, RobotLog};
 use tribo_model::{AnyModel, Model, ModelFile, not_cancelled_of};
 use tribo_robot::Arm;
 
-use super::believe::{Refused, believe};
+use super::believe::Refused;
 use super::columns::joint_names;
 use super::{check_joints, show_robot};
 use crate::arguments::{Common, Diagnose};
@@ -107,7 +106,7 @@ pub(super) fn diagnosed(arguments: &Diagnose, common: &Common) -> anyhow::Result
             AnyModel::Six(model) => recognise(log, &model.to_nominal()),
             AnyModel::Seven(model) => recognise(log, &model.to_nominal()),
         };
-        believe(Path::new(name), &remarks, Use::Diagnosis, refused, common.quiet)?;
+        readings.believe(name, &remarks, refused, common.quiet)?;
     }
     let unloaded = reference.into_iter().map(|(_, log)| log).collect();
     let held =

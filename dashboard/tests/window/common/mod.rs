@@ -39,6 +39,7 @@ pub fn campaign(directory: &Path, config: TuneConfig) -> PathBuf {
 pub fn options(scratch: &Path, open: Option<&Path>, view: View) -> Options {
     Options {
         open: open.map(|path| LogSource { path: path.to_owned(), ..LogSource::default() }),
+        live: None,
         compare: None,
         view: Some(view),
         clock,
