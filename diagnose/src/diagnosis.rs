@@ -390,8 +390,12 @@ impl Unseen {
 
     /// Mean over joints of the extended model's RMS over that of the better baseline.
     pub fn ratio(&self) -> f64 {
-        let (_, baseline) = self.better_baseline();
-        let ratios = self.extended_nm.iter().zip(baseline).map(|(ours, base)| ours / base.max(1e-9));
+        self.ratio_to(self.better_baseline().1)
+    }
+
+    /// Mean over joints of the extended model's RMS over that of a baseline, joint by joint (Nm).
+    pub fn ratio_to(&self, baseline_nm: &[f64]) -> f64 {
+        let ratios = self.extended_nm.iter().zip(baseline_nm).map(|(ours, base)| ours / base.max(1e-9));
         ratios.sum::<f64>() / self.extended_nm.len().max(1) as f64
     }
 }

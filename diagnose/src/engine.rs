@@ -119,8 +119,7 @@ pub(crate) fn explained<const N: usize>(
         // So is that of friction, offsets and all links, unbounded as it is: causes that are the right ones predict no worse.
         let beaten = found.unseen.as_ref().is_some_and(|unseen| {
             let predicted = unseen.extended_nm.iter().zip(&unseen.plain_nm);
-            let ratios = unseen.extended_nm.iter().zip(&unseen.full_nm).map(|(own_nm, full_nm)| own_nm / full_nm);
-            ratios.sum::<f64>() > BEHIND_FULL_FIT * N as f64
+            unseen.ratio_to(&unseen.full_nm) > BEHIND_FULL_FIT
                 || found
                     .joints
                     .iter()

@@ -59,8 +59,9 @@ where
         })
         .collect();
     if !stiff.is_empty() {
+        let [verb, whose] = if stiff.len() == 1 { ["moves", "its"] } else { ["move", "their"] };
         let evidence = format!(
-            "{} move less than {LEAST_TRAVEL_RAD} rad one way or the other after {} s: their friction costs nothing",
+            "{} {verb} less than {LEAST_TRAVEL_RAD} rad one way or the other after {} s: {whose} friction costs nothing",
             joints_named(&stiff),
             user_trials.judged_from_s
         );

@@ -60,9 +60,9 @@ pub(crate) fn further_causes<const N: usize>(
         // far as it is worth nothing by itself.
         let worth = |finding: &Finding| {
             let mut taken_back = beside.iter().filter(|other| other.location == finding.location);
-            let known = taken_back.try_fold(left.clone(), |left, other| without(&scene, &left, other))?;
-            let by_itself = evidence(weights, &left, &known, 0).max(0.0);
-            let after = without(&scene, &known, finding)?;
+            let unfitted = taken_back.try_fold(left.clone(), |left, other| without(&scene, &left, other))?;
+            let by_itself = evidence(weights, &left, &unfitted, 0).max(0.0);
+            let after = without(&scene, &unfitted, finding)?;
             Some((evidence(weights, &left, &after, parameters(finding.label)) - by_itself, after))
         };
         let best = candidates.iter().enumerate().filter_map(|(i, finding)| Some((i, worth(finding)?)));
