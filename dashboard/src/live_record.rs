@@ -162,7 +162,7 @@ mod tests {
         feed.end("gone".to_owned());
         let shown = record.poll().unwrap();
         assert_eq!((shown.lost, shown.ended.as_deref()), (30, Some("gone")));
-        assert_eq!(shown.joints.span_s(), [0.0, 0.0]);
+        assert_eq!(shown.joints.time_s(), [0.0]);
     }
 
     /// The estimate, its band and the robot's own stand beside each other; what settles is a gap.

@@ -1,6 +1,7 @@
 //! Campaigns whose trials the user runs: ask for parameters, tell what came of them.
 
 mod documents;
+mod friction_work;
 mod judge_error;
 mod judged_log;
 mod learnt;

@@ -3,11 +3,12 @@
 use nalgebra::SVector;
 use tribo_diagnose::{Diagnosable, Nominal, recognise::recognise};
 use tribo_friction::FrictionModel;
-use tribo_logs::recognise::{Fault, Reach, Remark, joints_named, travel};
+use tribo_logs::recognise::{Fault, Reach, Remark, Use, joints_named, travel};
 use tribo_logs::{LogColumns, RobotLog};
 use tribo_robot::{Arm, gravity_torque};
 use tribo_sim::TorqueSide;
 
+use super::friction_work::turned_signs;
 use super::{SentTorque, UserTrials};
 use crate::ValidTune;
 use crate::log_wrench::at;
@@ -41,17 +42,18 @@ where
         effects: Vec::new(),
         torque_side: TorqueSide::Motor,
     };
-    remarks.extend(
-        acted(log, user_trials.torque, |q| gravity_torque(arm, q))
-            .map(|log| recognise(&log, &nominal))
-            .unwrap_or_default(),
-    );
+    let acted = acted(log, user_trials.torque, |q| gravity_torque(arm, q));
+    remarks.extend(acted.as_ref().map(|log| recognise(log, &nominal)).unwrap_or_default());
     // A log that ends early is refused for that.
     if failed || log.duration_s() < user_trials.judged_from_s + 0.9 * user_trials.judged_s {
         return remarks;
     }
     let start_s = log.time_s[0] + user_trials.judged_from_s;
     let from = log.time_s.partition_point(|t| *t < start_s);
+    // Where something else is wrong, the work is not that of friction.
+    if !remarks.iter().any(|remark| remark.refuses(Use::Trial)) {
+        remarks.extend(acted.and_then(|log| turned_signs(arm, &log, from)));
+    }
     let stiff: Vec<usize> = (0..N)
         .filter(|&j| {
             let moved = travel(log.q_rad[j].get(from..).unwrap_or_default());

@@ -200,6 +200,24 @@ fn a_wrong_log_is_neither_diagnosed_nor_estimated_and_is_converted_with_a_warnin
     assert!(!good.stdout.contains("warning"), "{good:?}");
 }
 
+/// A joint that hardly moves, of which least squares says nothing, has its sign from the energy that friction takes; at a quarter of the rate too.
+#[test]
+fn a_turned_joint_that_hardly_moves_is_no_trial_either() {
+    let scratch = scratch();
+    let at = scratch.path();
+    for (robot, joints) in [("xarm7", &[2][..]), ("ur10e", &[0, 1]), ("kinova_gen3", &[3])] {
+        run(at, &format!("ask {robot} --robot {robot} --truth coulomb_viscous --trials 3 --out zero.yaml -q")).ok();
+        run(at, &format!("simulate {robot}/campaign.yaml --trial 0 --compensation zero.yaml --log good.csv -q")).ok();
+        thin(&at.join("good.csv"));
+        for joint in joints {
+            let column = format!("tau_J_d_{joint}");
+            mutilated(at, "good.csv", "one.csv", |name, x| if name == column { -x } else { x });
+            refused(at, &format!("tell {robot} one.csv"), &["_sign", &format!("({joint})")]);
+        }
+        run(at, &format!("tell {robot} good.csv -q")).ok();
+    }
+}
+
 /// A log without `dq` says the same as one with it, and says that it had none.
 #[test]
 fn velocities_are_worked_out_where_a_log_has_none() {
