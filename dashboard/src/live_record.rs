@@ -3,12 +3,13 @@
 use std::collections::VecDeque;
 
 use tribo_figure::{Signal, Signals};
+use tribo_logs::Quantity;
 
 use crate::live_feed::{Arrived, LiveFeed};
 use crate::live_sample::LiveSample;
 use crate::live_snapshot::LiveSnapshot;
-use crate::log_snapshot::single;
-use crate::wrench_snapshot::COMPONENTS;
+use crate::log_snapshot::{label, single};
+use crate::wrench_snapshot::components;
 
 /// What is shown (s).
 const SHOWN_S: f64 = 20.0;
@@ -93,8 +94,7 @@ impl LiveRecord {
 
     fn wrench(&self) -> Signals {
         let mut channels = Vec::new();
-        for (k, name) in COMPONENTS.into_iter().enumerate() {
-            let label = format!("{name} [{}], base axes", if k < 3 { "N" } else { "Nm" });
+        for (k, (name, label)) in components().enumerate() {
             let ours = |sample: &LiveSample| sample.wrench.map_or(f64::NAN, |wrench| wrench[k]);
             let end = |side: usize| self.column(|sample| sample.limits95.map_or(f64::NAN, |ends| ends[side][k]));
             channels.push(Signal::new(format!("estimate {name}"), label.clone(), self.column(ours)));
@@ -108,15 +108,15 @@ impl LiveRecord {
     fn joints(&self) -> Signals {
         let mut channels = Vec::new();
         let joints = self.samples.back().map_or(0, |sample| sample.q_rad.len());
-        let quantities: [(&str, &str, Column); 3] = [
-            ("tau_J", "measured joint torque [Nm]", |sample| &sample.tau_j_nm),
-            ("dq", "joint velocity [rad/s]", |sample| &sample.dq_rad_s),
-            ("q", "joint position [rad]", |sample| &sample.q_rad),
+        let quantities: [(Quantity, Column); 3] = [
+            (Quantity::Torque, |sample| &sample.tau_j_nm),
+            (Quantity::Velocity, |sample| &sample.dq_rad_s),
+            (Quantity::Position, |sample| &sample.q_rad),
         ];
-        for (name, label, of) in quantities {
+        for (quantity, of) in quantities {
             for j in 0..joints {
                 let column = self.column(|sample| of(sample).get(j).copied().unwrap_or(f64::NAN));
-                channels.push(Signal::new(format!("{name}_{j}"), label, column));
+                channels.push(Signal::new(quantity.column_name(j), label(quantity), column));
             }
         }
         self.signals(channels)

@@ -2,6 +2,7 @@
 
 use nalgebra::Vector3;
 use tribo_figure::Signals;
+use tribo_watch::quantile;
 
 use crate::live_feed::LiveTitle;
 use crate::live_sample::LiveSample;
@@ -34,10 +35,9 @@ pub struct LiveSnapshot {
 impl LiveSnapshot {
     /// Quantiles of a channel of the loop times: half, 99.9 %, all.
     pub fn quantiles(&self, channel: usize) -> Option<[f64; 3]> {
-        let mut times: Vec<f32> = self.loop_times.channels().get(channel)?.samples().to_vec();
-        times.retain(|time| time.is_finite());
-        times.sort_by(f32::total_cmp);
-        let last = times.len().checked_sub(1)?;
-        Some([0.5, 0.999, 1.0].map(|part| f64::from(times[(part * last as f64).round() as usize])))
+        let samples = self.loop_times.channels().get(channel)?.samples().iter();
+        let mut times: Vec<f64> = samples.map(|time| f64::from(*time)).filter(|time| time.is_finite()).collect();
+        times.sort_by(f64::total_cmp);
+        Some([quantile(&times, 0.5)?, quantile(&times, 0.999)?, quantile(&times, 1.0)?])
     }
 }

@@ -82,24 +82,28 @@ pub(crate) fn single(values: impl Iterator<Item = f64>) -> Vec<f32> {
     values.map(|value| value as f32).collect()
 }
 
+/// The label of a quantity's plot.
+pub(crate) fn label(quantity: Quantity) -> &'static str {
+    match quantity {
+        Quantity::Time => "time [s]",
+        Quantity::Position => "joint position [rad]",
+        Quantity::Velocity => "joint velocity [rad/s]",
+        Quantity::Torque => "measured joint torque [Nm]",
+        Quantity::TorqueDesired => "commanded joint torque [Nm]",
+        Quantity::FrictionCompensation => "friction compensation [Nm]",
+        Quantity::LinkTorque => "link-side torque [Nm]",
+        Quantity::MotorPosition => "motor position [rad]",
+        Quantity::MotorVelocity => "motor velocity [rad/s]",
+        Quantity::Temperature | Quantity::TemperatureAmbient => "temperature [degC]",
+        Quantity::ExternalWrench => "reference wrench [N, Nm], base axes",
+    }
+}
+
 fn signals(log: &RobotLog) -> Signals {
     let mut channels = Vec::new();
-    for quantity in Quantity::ALL {
-        let label = match quantity {
-            Quantity::Time => continue,
-            Quantity::Position => "joint position [rad]",
-            Quantity::Velocity => "joint velocity [rad/s]",
-            Quantity::Torque => "measured joint torque [Nm]",
-            Quantity::TorqueDesired => "commanded joint torque [Nm]",
-            Quantity::FrictionCompensation => "friction compensation [Nm]",
-            Quantity::LinkTorque => "link-side torque [Nm]",
-            Quantity::MotorPosition => "motor position [rad]",
-            Quantity::MotorVelocity => "motor velocity [rad/s]",
-            Quantity::Temperature | Quantity::TemperatureAmbient => "temperature [degC]",
-            Quantity::ExternalWrench => "reference wrench [N, Nm], base axes",
-        };
+    for quantity in Quantity::ALL.into_iter().filter(|quantity| *quantity != Quantity::Time) {
         for (k, column) in log.quantity(quantity).into_iter().enumerate() {
-            channels.push(Signal::new(quantity.column_name(k), label, single(column.iter().copied())));
+            channels.push(Signal::new(quantity.column_name(k), label(quantity), single(column.iter().copied())));
         }
     }
     Signals::new(log.time_s.clone(), channels)

@@ -21,7 +21,13 @@ pub struct WrenchSnapshot {
 }
 
 /// Components of a wrench in file order.
-pub(crate) const COMPONENTS: [&str; 6] = ["force x", "force y", "force z", "moment x", "moment y", "moment z"];
+const COMPONENTS: [&str; 6] = ["force x", "force y", "force z", "moment x", "moment y", "moment z"];
+
+/// The components with the labels of their plots.
+pub(crate) fn components() -> impl Iterator<Item = (&'static str, String)> {
+    let unit = |k: usize| if k < 3 { "N" } else { "Nm" };
+    COMPONENTS.into_iter().enumerate().map(move |(k, name)| (name, format!("{name} [{}], base axes", unit(k))))
+}
 
 impl WrenchSnapshot {
     /// Runs an estimator along a log.
@@ -65,9 +71,7 @@ pub fn lacks(log: &LogSnapshot, estimator: EstimatorName) -> Option<&'static str
 
 fn signals(wrench: &LogWrench) -> Signals {
     let mut channels = Vec::new();
-    for (k, name) in COMPONENTS.into_iter().enumerate() {
-        let unit = if k < 3 { "N" } else { "Nm" };
-        let label = format!("{name} [{unit}], base axes");
+    for (k, (name, label)) in components().enumerate() {
         let estimate = single(wrench.wrench.iter().map(|h| h[k]));
         channels.push(Signal::new(format!("estimate {name}"), label.clone(), estimate));
         for (end, what) in ["low", "high"].into_iter().enumerate() {

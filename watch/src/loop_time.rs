@@ -21,9 +21,14 @@ pub struct LoopTimes {
 impl LoopTimes {
     /// The quantile `p` in 0 to 1 (µs); none without ticks.
     pub fn quantile(&self, p: f64) -> Option<f64> {
-        let last = self.tick_us.len().checked_sub(1)?;
-        self.tick_us.get((p.clamp(0.0, 1.0) * last as f64).round() as usize).copied()
+        quantile(&self.tick_us, p)
     }
+}
+
+/// The quantile `p` in 0 to 1 of ascending times; none of none.
+pub fn quantile(ascending: &[f64], p: f64) -> Option<f64> {
+    let last = ascending.len().checked_sub(1)?;
+    ascending.get((p.clamp(0.0, 1.0) * last as f64).round() as usize).copied()
 }
 
 /// A plant that takes the time it spends itself, so that it can be left out.
