@@ -2,8 +2,11 @@
 
 use nalgebra::{Matrix6, Vector6};
 
-use crate::evidence::joint_fit;
-use crate::scene::{Column, add_scaled};
+use crate::cause::{Candidate, ExternalContact};
+use crate::evidence::{free_gain, joint_fit};
+use crate::golden_section::golden_section;
+use crate::noise_level::robust_sd;
+use crate::scene::{Column, Scene, add_scaled};
 use crate::system::System;
 
 /// Pieces that a log is cut into for the coarse scan.
@@ -12,10 +15,25 @@ const PIECES: usize = 220;
 const SHORTEST_S: f64 = 0.4;
 /// Longest window, part of the log: a push that never ends is a payload.
 const LONGEST_PART: f64 = 0.6;
+/// How well the edges are known (s).
+const EDGE_S: f64 = 2e-3;
+/// Most moves of an edge.
+const MOST_MOVES: usize = 12;
 /// Evidence per row of the window that is worth building its columns.
 const LEAST_EXPLAINED: f64 = 100.0;
 
-/// Log, start and end (s) of the window in which a constant wrench explains most of what the columns `given` leave.
+/// When somebody pushed.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct PushWindow {
+    /// The log.
+    pub log: usize,
+    /// Start (s), in time of the log.
+    pub start_s: f64,
+    /// End (s).
+    pub end_s: f64,
+}
+
+/// The window in which a constant wrench explains most of what the columns `given` leave.
 ///
 /// ```text
 /// maximise sᵀ A⁻¹ s,   s = Σ_window Zᵀ r,   A = Σ_window Zᵀ Z,   Z = −Jᵀ whitened
@@ -23,18 +41,60 @@ const LEAST_EXPLAINED: f64 = 100.0;
 ///
 /// Cumulative sums over pieces make every pair of edges a 6×6 solve; the edges of the best are then moved sample by
 /// sample. `None` if no window explains anything.
-pub(crate) fn best_window<const N: usize>(system: &System<'_, N>, given: &[usize]) -> Option<(usize, f64, f64)> {
+pub(crate) fn best_window<const N: usize>(system: &System<'_, N>, given: &[usize]) -> Option<PushWindow> {
     let scene = system.scene;
     if scene.transmission {
         return None;
     }
     let left = residual(system, given);
+    let rows_of = |log: usize| {
+        (0..system.joint_rows).filter(|row| scene.bursts[system.row_bursts[*row]].log == log).collect::<Vec<usize>>()
+    };
+    let time_s = |row: usize| scene.time_s[system.row_samples[row]];
+    best_of(scene, &rows_of, &time_s, system.push_columns(), &left).map(|(_, window)| window)
+}
 
+/// The window of a push in what a fit leaves of every joint (Nm, output samples, rows weighted by `weights`), where a constant wrench explains
+/// at least `least_share` of that, every joint measured by the spread of most of its samples.
+pub(crate) fn dominant_window<const N: usize>(
+    scene: &Scene<N>,
+    left_nm: &[Vec<f64>],
+    weights: &[&[f64]],
+    least_share: f64,
+) -> Option<PushWindow> {
+    if scene.transmission {
+        return None;
+    }
+    let sd: Vec<f64> = left_nm.iter().map(|left| robust_sd(left.iter().copied()).max(f64::MIN_POSITIVE)).collect();
+    let mut push = ExternalContact { log: None }.filtered(scene, &[f64::NEG_INFINITY, f64::INFINITY]);
+    for column in &mut push {
+        for (j, values) in column.rows.iter_mut().enumerate() {
+            let scaled = |(x, weight): (&mut f64, &f64)| *x *= weight / sd[j];
+            values.iter_mut().for_each(|values| values.iter_mut().zip(weights[j]).for_each(scaled));
+        }
+    }
+    let rows: [Option<Vec<f64>>; N] = std::array::from_fn(|j| Some(left_nm[j].iter().map(|x| x / sd[j]).collect()));
+    let total: f64 = rows.iter().flatten().flatten().map(|x| x * x).sum();
+    let rows_of = |log: usize| {
+        let bursts = scene.bursts.iter().filter(|burst| burst.log == log);
+        bursts.flat_map(|burst| burst.out.clone()).collect::<Vec<usize>>()
+    };
+    let (explained, window) = best_of(scene, &rows_of, &|row| scene.time_s[row], &push, &Column { rows })?;
+    (explained > least_share * total).then_some(window)
+}
+
+/// The best window of all logs and what it explains.
+fn best_of<const N: usize>(
+    scene: &Scene<N>,
+    rows_of: &dyn Fn(usize) -> Vec<usize>,
+    time_s: &dyn Fn(usize) -> f64,
+    push: &[Column<N>],
+    left: &Column<N>,
+) -> Option<(f64, PushWindow)> {
     let mut best: Option<(f64, usize, usize, usize)> = None;
     for log in 0..scene.chains.len() {
-        let rows: Vec<usize> =
-            (0..system.joint_rows).filter(|row| scene.bursts[system.row_bursts[*row]].log == log).collect();
-        let sums = CumulativeSums::of(&rows, system.push_columns(), &left);
+        let rows = rows_of(log);
+        let sums = CumulativeSums::of(&rows, push, left);
         let step = (rows.len() / PIECES).max(1);
         let longest = (rows.len() as f64 * LONGEST_PART) as usize;
         let shortest = (SHORTEST_S * scene.chains[log].output_rate_hz()).ceil() as usize;
@@ -70,11 +130,38 @@ pub(crate) fn best_window<const N: usize>(system: &System<'_, N>, given: &[usize
             best = Some((value, log, rows[start], rows[end - 1]));
         }
     }
-    best.map(|(_, log, start, end)| {
+    best.map(|(explained, log, start, end)| {
         let half_s = 0.5 / scene.chains[log].output_rate_hz();
-        let time_s = |row: usize| scene.time_s[system.row_samples[row]];
-        (log, time_s(start) - half_s, time_s(end) + half_s)
+        (explained, PushWindow { log, start_s: time_s(start) - half_s, end_s: time_s(end) + half_s })
     })
+}
+
+/// The window with its edges moved to where a push explains most, between the samples of the output: a step of a few Newton that
+/// comes 20 ms late leaves more than the noise in every joint, for which other causes would be found.
+pub(crate) fn sharpened<const N: usize>(
+    system: &System<'_, N>,
+    push: &dyn Candidate<N>,
+    window_s: [f64; 2],
+    given: &[usize],
+) -> [f64; 2] {
+    let chain = &system.scene.chains[push.log().unwrap_or(0)];
+    let within_s = 1.0 / chain.output_rate_hz();
+    let explained = |window_s: [f64; 2]| free_gain(system, &system.evaluate(push, &window_s), given).explained;
+    let mut best = (explained(window_s), window_s);
+    for edge in [0, 1] {
+        let centre_s = best.1[edge];
+        let mut value = |time_s: f64| {
+            let mut moved = best.1;
+            moved[edge] = time_s;
+            let value = if moved[0] < moved[1] { explained(moved) } else { 0.0 };
+            if value > best.0 {
+                best = (value, moved);
+            }
+            value
+        };
+        golden_section([centre_s - within_s, centre_s + within_s], EDGE_S, MOST_MOVES, &mut value);
+    }
+    best.1
 }
 
 /// Whitened residual after fitting `given`.

@@ -43,6 +43,7 @@ mod evidence;
 pub mod filter;
 mod finding;
 mod friction_report;
+mod golden_section;
 mod held_out;
 mod model_residual;
 mod next_experiment;

@@ -13,9 +13,10 @@ use std::sync::Arc;
 use rayon::prelude::*;
 
 use crate::cause::{Candidate, ExternalContact};
-use crate::contact_window::best_window;
+use crate::contact_window::{best_window, sharpened};
 use crate::diagnosis::{CauseLabel, Location};
 use crate::evidence::{Conditional, Gain, Selection, gain_given};
+use crate::golden_section::golden_section;
 use crate::system::System;
 
 /// Time that two windows share over the time of either from which on they are one push.
@@ -67,6 +68,8 @@ pub(crate) struct Search<'s, 'a, const N: usize> {
     pub causes: usize,
     /// Whether to ask again what the nameless members are worth, which takes most of the time; a first colour does without.
     pub thorough: bool,
+    /// Pushes whose edges are where they belong, whatever else is selected.
+    sharp: BTreeSet<usize>,
     /// Whether causes without a name may be added.
     pub nameless: bool,
     /// Kinds of causes in most joints beyond which the search gives up; `None` where it never does.
@@ -84,7 +87,17 @@ impl<'s, 'a, const N: usize> Search<'s, 'a, N> {
         distinct.dedup();
         let causes = distinct.len().max(1);
         let (thorough, nameless, most_kinds, gave_up) = (true, true, None, false);
-        Self { system, selected: Vec::new(), inflation, causes, thorough, nameless, most_kinds, gave_up }
+        Self {
+            system,
+            selected: Vec::new(),
+            inflation,
+            causes,
+            sharp: BTreeSet::new(),
+            thorough,
+            nameless,
+            most_kinds,
+            gave_up,
+        }
     }
 
     /// Price of a group.
@@ -225,9 +238,9 @@ impl<'s, 'a, const N: usize> Search<'s, 'a, N> {
     fn best_addition(&mut self, fruitless: &[(CauseLabel, Location)]) -> Option<(usize, f64)> {
         let selected = self.selected.clone();
         let columns = self.system.columns_of(&selected);
-        if let Some((log, start_s, end_s)) = best_window(self.system, &columns) {
-            let contact: Arc<dyn Candidate<N>> = Arc::new(ExternalContact { log: Some(log) });
-            let shape = vec![start_s, end_s];
+        if let Some(window) = best_window(self.system, &columns) {
+            let contact: Arc<dyn Candidate<N>> = Arc::new(ExternalContact { log: Some(window.log) });
+            let shape = vec![window.start_s, window.end_s];
             let evaluated = self.system.evaluate(contact.as_ref(), &shape);
             self.system.push(contact, shape, evaluated);
         }
@@ -278,6 +291,9 @@ impl<'s, 'a, const N: usize> Search<'s, 'a, N> {
 
     /// The same cause at its best shape, given the others.
     pub fn refined(&mut self, group: usize, others: &[usize]) -> usize {
+        if self.sharp.contains(&group) {
+            return group;
+        }
         let candidate = self.system.groups[group].candidate.clone();
         let others: Vec<usize> = others.iter().copied().filter(|other| *other != group).collect();
         let columns = self.system.columns_of(&others);
@@ -285,37 +301,23 @@ impl<'s, 'a, const N: usize> Search<'s, 'a, N> {
         let Some((_, first)) = self.evidence_given(&others, group) else { return group };
         let mut best = first.explained;
         let start_shape = best_shape.clone();
+        if let (CauseLabel::ExternalContact, [start_s, end_s]) = (candidate.label(), &best_shape[..]) {
+            best_shape = sharpened(self.system, candidate.as_ref(), [*start_s, *end_s], &columns).to_vec();
+        }
 
         if let Some([low, high]) = candidate.profile() {
             // Golden section on a logarithmic scale, between the neighbours on the grid.
             let step = (high / low).ln() / 6.0;
             let centre = best_shape[0].ln();
-            let (mut left, mut right) = ((centre - step).max(low.ln()), (centre + step).min(high.ln()));
-            let golden = 0.5 * (5f64.sqrt() - 1.0);
-            let (mut a, mut b) = (right - golden * (right - left), left + golden * (right - left));
-            let mut value = |x: f64| {
+            let between = [(centre - step).max(low.ln()), (centre + step).min(high.ln())];
+            golden_section(between, 0.01, REFINEMENTS - 2, &mut |x| {
                 let gain = self.free_gain(candidate.as_ref(), &[x.exp()], &columns);
                 if gain.explained > best {
                     best = gain.explained;
                     best_shape = vec![x.exp()];
                 }
                 gain.explained
-            };
-            let (mut at_a, mut at_b) = (value(a), value(b));
-            for _ in 0..REFINEMENTS - 2 {
-                if at_a > at_b {
-                    (right, b, at_b) = (b, a, at_a);
-                    a = right - golden * (right - left);
-                    at_a = value(a);
-                } else {
-                    (left, a, at_a) = (a, b, at_b);
-                    b = left + golden * (right - left);
-                    at_b = value(b);
-                }
-                if right - left < 0.01 {
-                    break;
-                }
-            }
+            });
         } else {
             let mut gain = first;
             for _ in 0..6 {
@@ -332,11 +334,17 @@ impl<'s, 'a, const N: usize> Search<'s, 'a, N> {
                 }
             }
         }
-        if best_shape == start_shape {
-            return group;
+        let is_push = candidate.label() == CauseLabel::ExternalContact;
+        let best = if best_shape == start_shape {
+            group
+        } else {
+            let evaluated = self.system.evaluate(candidate.as_ref(), &best_shape);
+            self.system.push(candidate, best_shape, evaluated)
+        };
+        if is_push {
+            self.sharp.insert(best);
         }
-        let evaluated = self.system.evaluate(candidate.as_ref(), &best_shape);
-        self.system.push(candidate, best_shape, evaluated)
+        best
     }
 
     /// What a candidate at any shape explains beyond the given columns.

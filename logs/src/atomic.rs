@@ -9,12 +9,17 @@
 //! Leaves out: locking. Of two writers at once the last rename wins, whole; with [`write_new`] the first.
 
 use std::fs::{self, File, Permissions};
-use std::io::{self, BufWriter, Write};
+use std::io::{self, BufWriter, Seek, Write};
 use std::path::{Path, PathBuf};
 
 use tempfile::{Builder, NamedTempFile};
 
 use crate::error::LogError;
+
+/// What a writer writes into, whatever it is: one type, so that writers are compiled once.
+pub(crate) trait Output: Write + Seek + Send {}
+
+impl<T: Write + Seek + Send> Output for T {}
 
 /// Replaces the file at `path` by what `write` writes.
 ///
@@ -58,7 +63,7 @@ pub fn write_new(
 /// [`write_atomic`] for writers that seek and have errors of their own.
 pub(crate) fn replace(
     path: &Path,
-    write: impl FnOnce(&mut BufWriter<&mut File>) -> Result<(), LogError>,
+    write: impl FnOnce(&mut dyn Output) -> Result<(), LogError>,
 ) -> Result<(), LogError> {
     let target = resolve(path)?;
     let temporary = written(&target, write)?;
@@ -100,7 +105,7 @@ fn named(temporary: NamedTempFile, target: &Path) -> Result<(), LogError> {
 /// Content, on disk under another name.
 fn written(
     target: &Path,
-    write: impl FnOnce(&mut BufWriter<&mut File>) -> Result<(), LogError>,
+    write: impl FnOnce(&mut dyn Output) -> Result<(), LogError>,
 ) -> Result<NamedTempFile, LogError> {
     let mut temporary = create_in(directory_of(target), target)?;
     let mut buffered = BufWriter::new(temporary.as_file_mut());

@@ -10,12 +10,13 @@
 
 use std::io::{BufRead, Seek, Write};
 use std::path::Path;
+use std::rc::Rc;
 
-use crate::atomic::{failed, replace};
+use crate::atomic::{Output, failed, replace};
 use crate::canonical_csv::canonical_rows;
 use crate::csv_rows::CsvRows;
 use crate::csv_writer::CsvWriter;
-use crate::detect::{detect, read_watched};
+use crate::detect::{detect, read_heard};
 use crate::differentiated::lacks_velocity;
 use crate::error::LogError;
 use crate::format::LogFormat;
@@ -73,7 +74,7 @@ impl LogTarget {
 /// Those of [`write_atomic`](crate::write_atomic).
 pub fn write_log(path: impl AsRef<Path>, log: &RobotLog, target: LogTarget) -> Result<(), LogError> {
     let path = path.as_ref();
-    replace(path, |file| write_log_to(file, path, log, target))
+    replace(path, |file| write_whole(file, path, log, target))
 }
 
 /// Writes a log to `out`, the same bytes as [`write_log`] to a file called `name`.
@@ -81,11 +82,15 @@ pub fn write_log(path: impl AsRef<Path>, log: &RobotLog, target: LogTarget) -> R
 /// # Errors
 /// What `out` refuses.
 pub fn write_log_to(
-    out: impl Write + Seek + Send,
+    mut out: impl Write + Seek + Send,
     name: &Path,
     log: &RobotLog,
     target: LogTarget,
 ) -> Result<(), LogError> {
+    write_whole(&mut out, name, log, target)
+}
+
+fn write_whole(out: &mut dyn Output, name: &Path, log: &RobotLog, target: LogTarget) -> Result<(), LogError> {
     let columns = log.named();
     let names: Vec<String> = columns.iter().map(|(name, _)| name.clone()).collect();
     let columns: Vec<&[f64]> = columns.iter().map(|&(_, column)| column).collect();
@@ -118,7 +123,16 @@ pub fn convert_by(
     options: &ReadOptions,
     progress: impl Fn(f64) -> bool + Clone + 'static,
 ) -> Result<LogSummary, LogError> {
-    let (from, to) = (from.as_ref(), to.as_ref());
+    convert_heard(from.as_ref(), to.as_ref(), target, options, Rc::new(progress))
+}
+
+fn convert_heard(
+    from: &Path,
+    to: &Path,
+    target: LogTarget,
+    options: &ReadOptions,
+    progress: Rc<dyn Fn(f64) -> bool>,
+) -> Result<LogSummary, LogError> {
     let stopped = || LogError::Stopped { path: to.to_path_buf() };
     let format = detect(from)?;
     let file = LogFile::new(from);
@@ -129,7 +143,7 @@ pub fn convert_by(
             replace(to, |out| {
                 let names: Vec<String> = rows.header.column_names();
                 let sink = Sink::new(out, to, &names, target)?;
-                summary = Some(in_batches(rows, from, sink, || {
+                summary = Some(in_batches(rows, from, sink, &mut || {
                     progress(file.part_read()).then_some(()).ok_or_else(stopped)
                 })?);
                 Ok(())
@@ -137,7 +151,14 @@ pub fn convert_by(
             summary.ok_or_else(stopped)
         }
         None => {
-            let read = read_watched(from, options, progress.clone());
+            let read = read_heard(
+                from,
+                options,
+                Box::new({
+                    let progress = Rc::clone(&progress);
+                    move |part| progress(part)
+                }),
+            );
             let (log, summary) = read.map_err(|error| match error {
                 LogError::Stopped { .. } => stopped(),
                 other => other,
@@ -172,8 +193,8 @@ fn rows_of<'p>(file: &LogFile<'p>, format: LogFormat) -> Result<Option<CsvRows<'
 fn in_batches(
     mut rows: CsvRows<'_, Box<dyn BufRead>>,
     from: &Path,
-    mut sink: Sink<'_, impl Write + Seek + Send>,
-    mut go_on: impl FnMut() -> Result<(), LogError>,
+    mut sink: Sink<'_, '_>,
+    go_on: &mut dyn FnMut() -> Result<(), LogError>,
 ) -> Result<LogSummary, LogError> {
     let mut batch = vec![Vec::new(); rows.header.positions.len()];
     let (mut time_s, mut remarks, mut first) = (Vec::new(), Vec::<Remark>::new(), true);
@@ -216,20 +237,20 @@ fn in_batches(
 }
 
 /// A file that takes batches of rows in canonical order.
-struct Sink<'p, W: Write + Seek + Send> {
-    format: SinkFormat<W>,
+struct Sink<'o, 'p> {
+    format: SinkFormat<'o>,
     /// The name that errors show.
     path: &'p Path,
 }
 
-enum SinkFormat<W: Write + Seek + Send> {
-    Csv(CsvWriter<W>),
-    Parquet(TableWriter<W>),
-    Mcap(Box<McapWriter<W>>),
+enum SinkFormat<'o> {
+    Csv(CsvWriter<'o>),
+    Parquet(TableWriter<'o>),
+    Mcap(Box<McapWriter<'o>>),
 }
 
-impl<'p, W: Write + Seek + Send> Sink<'p, W> {
-    fn new(out: W, path: &'p Path, names: &[String], target: LogTarget) -> Result<Self, LogError> {
+impl<'o, 'p> Sink<'o, 'p> {
+    fn new(out: &'o mut dyn Output, path: &'p Path, names: &[String], target: LogTarget) -> Result<Self, LogError> {
         let csv = |names: &[String], out| {
             CsvWriter::new(out, path, names).map(SinkFormat::Csv).map_err(|error| failed(path, "write", error))
         };

@@ -8,21 +8,23 @@ use std::path::Path;
 use flate2::Compression;
 use flate2::write::GzEncoder;
 
+use crate::atomic::Output;
+
 /// Plain or packed text.
-enum Text<W: Write> {
-    Plain(W),
-    Packed(GzEncoder<W>),
+enum Text<'o> {
+    Plain(&'o mut dyn Output),
+    Packed(GzEncoder<&'o mut dyn Output>),
 }
 
 /// A CSV file being written.
-pub(crate) struct CsvWriter<W: Write> {
-    text: Text<W>,
+pub(crate) struct CsvWriter<'o> {
+    text: Text<'o>,
     line: Vec<u8>,
 }
 
-impl<W: Write> CsvWriter<W> {
+impl<'o> CsvWriter<'o> {
     /// Begins with the header; gzip if the name of the file ends in `.gz`.
-    pub fn new(out: W, path: &Path, names: &[String]) -> io::Result<Self> {
+    pub fn new(out: &'o mut dyn Output, path: &Path, names: &[String]) -> io::Result<Self> {
         let packed = path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("gz"));
         // Noise hardly packs: the best level takes six times as long for files a twelfth smaller.
         let text = if packed { Text::Packed(GzEncoder::new(out, Compression::fast())) } else { Text::Plain(out) };

@@ -42,7 +42,10 @@ use crate::summary::LogSummary;
 /// [`LogError::NotFound`], [`LogError::Io`], [`LogError::Empty`], [`LogError::Corrupt`] for damaged gzip,
 /// [`LogError::UnknownFormat`].
 pub fn detect(path: impl AsRef<Path>) -> Result<LogFormat, LogError> {
-    let path = path.as_ref();
+    detect_at(path.as_ref())
+}
+
+fn detect_at(path: &Path) -> Result<LogFormat, LogError> {
     if path.is_dir() {
         if is_panda_gaz(path) {
             return Ok(LogFormat::PandaGaz);
@@ -127,7 +130,15 @@ pub fn read_watched(
     options: &ReadOptions,
     hear: impl Fn(f64) -> bool + 'static,
 ) -> Result<(RobotLog, LogSummary), LogError> {
-    let path = path.as_ref();
+    read_heard(path.as_ref(), options, Box::new(hear))
+}
+
+/// As [`read_watched`], compiled once.
+pub(crate) fn read_heard(
+    path: &Path,
+    options: &ReadOptions,
+    hear: Box<dyn Fn(f64) -> bool>,
+) -> Result<(RobotLog, LogSummary), LogError> {
     let format = detect(path)?;
     let bag = if matches!(format, LogFormat::Mcap | LogFormat::Bag) { bag_file(path)? } else { None };
     let file = LogFile::new(bag.as_deref().unwrap_or(path)).watched(hear);

@@ -56,6 +56,7 @@ mod mcap_log;
 mod mcap_write;
 mod message_source;
 mod panda_gaz;
+mod parquet_bytes;
 mod parquet_log;
 mod parquet_pages;
 mod parquet_table;

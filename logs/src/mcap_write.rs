@@ -11,14 +11,14 @@
 //! Leaves out: ROS 2 messages. `ros2 bag play` does not play JSON.
 
 use std::collections::BTreeMap;
-use std::io::{Seek, Write};
+use std::io::Write;
 use std::ops::Range;
 use std::path::Path;
 
 use mcap::records::MessageHeader;
 use mcap::{McapError, McapResult, WriteOptions, Writer};
 
-use crate::atomic::failed;
+use crate::atomic::{Output, failed};
 use crate::convert::{LogTarget, write_log};
 use crate::error::LogError;
 use crate::log::RobotLog;
@@ -39,8 +39,8 @@ pub fn write_mcap(path: impl AsRef<Path>, log: &RobotLog) -> Result<(), LogError
 type Field = (Quantity, Range<usize>);
 
 /// An MCAP file being written.
-pub(crate) struct McapWriter<W: Write + Seek> {
-    writer: Writer<W>,
+pub(crate) struct McapWriter<'o> {
+    writer: Writer<&'o mut dyn Output>,
     channel_id: u16,
     fields: Vec<Field>,
     /// What is added to time so that no stamp is negative (s).
@@ -50,9 +50,9 @@ pub(crate) struct McapWriter<W: Write + Seek> {
     text: Vec<u8>,
 }
 
-impl<W: Write + Seek> McapWriter<W> {
+impl<'o> McapWriter<'o> {
     /// Begins a file with columns of these names, in canonical order, time first.
-    pub fn new(out: W, path: &Path, names: &[String]) -> Result<Self, LogError> {
+    pub fn new(out: &'o mut dyn Output, path: &Path, names: &[String]) -> Result<Self, LogError> {
         let mut fields: Vec<Field> = Vec::new();
         for (place, (quantity, _)) in names.iter().filter_map(|name| Quantity::from_column_name(name)).enumerate() {
             match fields.last_mut() {

@@ -37,8 +37,10 @@ pub(crate) fn is_panda_gaz(directory: &Path) -> bool {
 /// [`LogError::NotFound`] for a missing file, [`LogError::BadCell`] or [`LogError::TimeStepsBack`] with file and line,
 /// [`LogError::CountMismatch`] if a file does not have seven values per stamp.
 pub fn read_panda_gaz(directory: impl AsRef<Path>) -> Result<(RobotLog, LogSummary), LogError> {
-    let directory = directory.as_ref();
+    read_directory(directory.as_ref())
+}
 
+fn read_directory(directory: &Path) -> Result<(RobotLog, LogSummary), LogError> {
     // Every file whole; counts must agree before rows make sense.
     let time_path = directory.join(TIME_FILE);
     let (time_s, time_lines) = read_values(&time_path, "time")?;

@@ -36,7 +36,7 @@ pub fn read_parquet(path: impl AsRef<Path>) -> Result<(RobotLog, LogSummary), Lo
 pub(crate) fn parquet(file: &LogFile) -> Result<(RobotLog, LogSummary), LogError> {
     let path = file.path;
     let canonical = |name: &str| Quantity::from_column_name(name).is_some();
-    let mut table = table_of(file, canonical)?;
+    let mut table = table_of(file, &canonical)?;
     let skipped = std::mem::take(&mut table.skipped_columns);
     let names: Vec<String> = table.columns.iter().map(|(name, _)| name.clone()).collect();
     let (log, mut unknown) = table.into_log().map_err(|error| error.in_file(path))?;

@@ -16,6 +16,8 @@ use parquet::errors::ParquetError;
 use parquet::file::metadata::ColumnChunkMetaData;
 use parquet::file::reader::ChunkReader;
 
+use crate::parquet_bytes::ParquetBytes;
+
 /// Bytes of a value unpacked, levels and the overhead of any encoding included.
 const BYTES_PER_VALUE: u64 = 16;
 /// Bytes of a page that holds next to nothing.
@@ -29,13 +31,13 @@ const LONGEST_HEADER: u64 = 1 << 16;
 ///
 /// # Errors
 /// A codec that is not read, with its name; a page that asks for more than `rows` values could need; a broken header.
-pub(crate) fn check<R: ChunkReader>(file: &R, chunk: &ColumnChunkMetaData, rows: u64) -> Result<(), ParquetError> {
+pub(crate) fn check(file: &ParquetBytes, chunk: &ColumnChunkMetaData, rows: u64) -> Result<(), ParquetError> {
     check_sized(file, chunk, rows, 0)
 }
 
 /// As [`check`], of values that take up to `bytes` unpacked, such as names.
-pub(crate) fn check_sized<R: ChunkReader>(
-    file: &R,
+pub(crate) fn check_sized(
+    file: &ParquetBytes,
     chunk: &ColumnChunkMetaData,
     rows: u64,
     bytes: u64,

@@ -11,7 +11,6 @@
 //! decoder are caught. Memory stays in proportion to the file: cells (`most_cells`) and pages (`parquet_pages`) are bounded
 //! before they are decoded. Leaves out: codecs other than zstd and snappy, which errors name.
 
-use std::io::{Seek, Write};
 use std::ops::Range;
 use std::path::Path;
 use std::sync::Arc;
@@ -22,16 +21,17 @@ use parquet::data_type::{DataType, DoubleType};
 use parquet::errors::ParquetError;
 use parquet::file::metadata::KeyValue;
 use parquet::file::properties::{EnabledStatistics, WriterProperties};
-use parquet::file::reader::{ChunkReader, FileReader, SerializedFileReader};
+use parquet::file::reader::{FileReader, Length, SerializedFileReader};
 use parquet::file::writer::SerializedFileWriter;
 use parquet::schema::types::{ColumnDescriptor, Type};
 
-use crate::atomic::{failed, replace};
+use crate::atomic::{Output, failed, replace};
 use crate::decoder::guarded;
 use crate::error::LogError;
+use crate::parquet_bytes::ParquetBytes;
 use crate::parquet_pages;
 use crate::seal::{self, OPEN_SEAL, SEAL_KEY, SEAL_VALUE, Seal, Sealer};
-use crate::source::{LogFile, RawBytes};
+use crate::source::LogFile;
 
 /// Who wrote a file, in its footer.
 const PROGRAM: &str = "tribo-logs";
@@ -118,7 +118,10 @@ impl Table {
 /// [`LogError::DuplicateColumn`], [`LogError::ColumnLength`], [`LogError::MissingColumns`] for a table without columns,
 /// and those of [`write_atomic`](crate::write_atomic).
 pub fn write_table(path: impl AsRef<Path>, table: &Table) -> Result<(), LogError> {
-    let path = path.as_ref();
+    write_table_to(path.as_ref(), table)
+}
+
+fn write_table_to(path: &Path, table: &Table) -> Result<(), LogError> {
     table.check().map_err(|error| error.in_file(path))?;
     let names: Vec<String> = table.columns.iter().map(|(name, _)| name.clone()).collect();
     let columns: Vec<&[f64]> = table.columns.iter().map(|(_, values)| values.as_slice()).collect();
@@ -130,26 +133,31 @@ pub fn write_table(path: impl AsRef<Path>, table: &Table) -> Result<(), LogError
 }
 
 /// A table being written, group by group.
-pub(crate) struct TableWriter<W: Write + Send> {
-    writer: SerializedFileWriter<Sealer<W>>,
+pub(crate) struct TableWriter<'o> {
+    writer: SerializedFileWriter<Sealer<'o>>,
 }
 
-impl<W: Write + Seek + Send> TableWriter<W> {
+impl<'o> TableWriter<'o> {
     /// Begins a file; names are unique.
-    pub fn new(out: W, path: &Path, names: &[String], metadata: &[(String, String)]) -> Result<Self, LogError> {
-        let begin = || {
-            let field = |name: &String| {
-                let column = Type::primitive_type_builder(name, PhysicalType::DOUBLE);
-                column.with_repetition(Repetition::REQUIRED).build().map(Arc::new)
-            };
-            let fields = names.iter().map(field).collect::<Result<Vec<_>, _>>()?;
-            let schema = Type::group_type_builder("tribo").with_fields(fields).build()?;
-            let mut writer =
-                SerializedFileWriter::new(Sealer::new(out), Arc::new(schema), Arc::new(properties(metadata)))?;
-            writer.write_all(OPEN_SEAL)?;
-            Ok(Self { writer })
+    pub fn new(
+        out: &'o mut dyn Output,
+        path: &Path,
+        names: &[String],
+        metadata: &[(String, String)],
+    ) -> Result<Self, LogError> {
+        Self::begin(out, names, metadata).map_err(|error| told(path, error))
+    }
+
+    fn begin(out: &'o mut dyn Output, names: &[String], metadata: &[(String, String)]) -> Result<Self, ParquetError> {
+        let field = |name: &String| {
+            let column = Type::primitive_type_builder(name, PhysicalType::DOUBLE);
+            column.with_repetition(Repetition::REQUIRED).build().map(Arc::new)
         };
-        begin().map_err(|error: ParquetError| told(path, error))
+        let fields = names.iter().map(field).collect::<Result<Vec<_>, _>>()?;
+        let schema = Type::group_type_builder("tribo").with_fields(fields).build()?;
+        let mut writer = SerializedFileWriter::new(Sealer::new(out), Arc::new(schema), Arc::new(properties(metadata)))?;
+        writer.write_all(OPEN_SEAL)?;
+        Ok(Self { writer })
     }
 
     /// Appends rows, given by columns of one length, in groups of [`ROWS_PER_GROUP`].
@@ -184,14 +192,17 @@ impl<W: Write + Seek + Send> TableWriter<W> {
 /// [`LogError::NotFound`], [`LogError::IsDirectory`], [`LogError::Io`], [`LogError::Empty`], and
 /// [`LogError::Corrupt`] for anything the decoder or the checksum refuses.
 pub fn read_table(path: impl AsRef<Path>) -> Result<Table, LogError> {
-    let path = path.as_ref();
-    let table = table_of(&LogFile::new(path), |_| true)?;
+    read_table_of(path.as_ref())
+}
+
+fn read_table_of(path: &Path) -> Result<Table, LogError> {
+    let table = table_of(&LogFile::new(path), &|_| true)?;
     table.check().map_err(|error| corrupt(path, error.to_string()))?;
     Ok(table)
 }
 
 /// Reads the columns of a table whose name is `wanted`. The other columns of numbers are there and empty; names may be there twice.
-pub(crate) fn table_of(file: &LogFile, wanted: impl Fn(&str) -> bool) -> Result<Table, LogError> {
+pub(crate) fn table_of(file: &LogFile, wanted: &dyn Fn(&str) -> bool) -> Result<Table, LogError> {
     let path = file.path;
     let io = |source| LogError::io(path, "read", source);
     let mut bytes = file.open("Parquet")?;
@@ -205,10 +216,7 @@ pub(crate) fn table_of(file: &LogFile, wanted: impl Fn(&str) -> bool) -> Result<
 
     // The decoder indexes by numbers it read from the file and panics on some damaged inputs. Our own files are checked above;
     // for files of other programs the panic stops here. Nothing shared is left half changed: what the closure touches is dropped.
-    let decoded = guarded(|| match bytes {
-        RawBytes::File(opened) => decode(opened.try_clone()?, opened, file, &wanted),
-        RawBytes::Memory(memory) => decode(memory.get_ref().clone(), memory.into_inner(), file, &wanted),
-    });
+    let decoded = guarded(|| decode(ParquetBytes::of(bytes), file, wanted));
     let (mut table, promises_seal) = match decoded {
         Some(Ok(decoded)) => decoded,
         Some(Err(ParquetError::NYI(detail))) => return Err(LogError::NotRead { path: path.to_path_buf(), detail }),
@@ -235,15 +243,10 @@ fn properties(metadata: &[(String, String)]) -> WriterProperties {
         .build()
 }
 
-/// The wanted columns of a Parquet file that is open twice, told to whoever watches it, and whether its footer says in one of two places that we sealed it.
-fn decode<R: ChunkReader + 'static>(
-    file: R,
-    again: R,
-    heard: &LogFile,
-    wanted: impl Fn(&str) -> bool,
-) -> Result<(Table, bool), ParquetError> {
+/// The wanted columns of a Parquet file, told to whoever watches it, and whether its footer says in one of two places that we sealed it.
+fn decode(file: ParquetBytes, heard: &LogFile, wanted: &dyn Fn(&str) -> bool) -> Result<(Table, bool), ParquetError> {
     let bytes = file.len();
-    let reader = SerializedFileReader::new(again)?;
+    let reader = SerializedFileReader::new(file.clone())?;
     let metadata = reader.metadata().file_metadata();
     let rows = usize::try_from(metadata.num_rows()).map_err(|e| ParquetError::General(e.to_string()))?;
     let numeric = metadata.schema_descr().columns().iter();

@@ -9,10 +9,11 @@
 //! The key `tribo.seal` and the program name in the footer say that the seal belongs there, so damage to the marker is
 //! found as well.
 
-use std::io::{Read, Seek, SeekFrom, Write};
+use std::io::{Read, SeekFrom, Write};
 
 use flate2::Crc;
 
+use crate::atomic::Output;
 use crate::source::read_pieces;
 
 /// Key of the footer entry that promises a seal.
@@ -38,28 +39,26 @@ pub(crate) enum Seal {
 }
 
 /// Bytes on their way to a file that begins with the magic and [`OPEN_SEAL`]; the checksum is put in at the end.
-pub(crate) struct Sealer<W> {
-    out: W,
+pub(crate) struct Sealer<'o> {
+    out: &'o mut dyn Output,
     crc: Crc,
     place: usize,
 }
 
-impl<W: Write> Sealer<W> {
-    pub fn new(out: W) -> Self {
+impl<'o> Sealer<'o> {
+    pub fn new(out: &'o mut dyn Output) -> Self {
         Self { out, crc: Crc::new(), place: 0 }
     }
-}
 
-impl<W: Write + Seek> Sealer<W> {
     /// Closes the seal.
-    pub fn close(mut self) -> std::io::Result<()> {
+    pub fn close(self) -> std::io::Result<()> {
         self.out.seek(SeekFrom::Start(SUM_START as u64))?;
         self.out.write_all(&hexadecimal(self.crc.sum()))?;
         self.out.seek(SeekFrom::End(0)).map(|_| ())
     }
 }
 
-impl<W: Write> Write for Sealer<W> {
+impl Write for Sealer<'_> {
     fn write(&mut self, bytes: &[u8]) -> std::io::Result<usize> {
         let written = self.out.write(bytes)?;
         let at = |place: usize| place.saturating_sub(self.place).min(written);

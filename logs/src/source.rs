@@ -61,9 +61,9 @@ impl<'p> LogFile<'p> {
     }
 
     /// The same file, watched by `hear`.
-    pub fn watched(self, hear: impl Fn(f64) -> bool + 'static) -> Self {
+    pub fn watched(self, hear: Box<dyn Fn(f64) -> bool>) -> Self {
         let (stretch, stopped) = (Cell::new((0.0, 1.0)), Cell::new(false));
-        Self { watch: Some(Rc::new(Watch { hear: Box::new(hear), stretch, stopped })), ..self }
+        Self { watch: Some(Rc::new(Watch { hear, stretch, stopped })), ..self }
     }
 
     /// Whether whoever watches has stopped it.

@@ -50,13 +50,34 @@ impl YamlDocument {
     /// Parses the document into T; unknown keys are errors where T says so.
     #[inline(never)]
     pub fn parse<T: DeserializeOwned>(&self) -> Result<T, FileError> {
-        serde_saphyr::from_str(&self.text).map_err(|error| self.refused(&error))
+        let mut parsed = None;
+        self.parse_into(&mut |yaml| {
+            parsed = Some(erased_serde::deserialize(yaml)?);
+            Ok(())
+        })?;
+        parsed.ok_or_else(|| self.refused("nothing was read", 1, 1))
+    }
+
+    /// The parser, compiled once whatever it reads: of its own it makes a tenth of a megabyte for each type.
+    fn parse_into(
+        &self,
+        read: &mut dyn FnMut(&mut dyn erased_serde::Deserializer<'_>) -> Result<(), erased_serde::Error>,
+    ) -> Result<(), FileError> {
+        let parsed = serde_saphyr::with_deserializer_from_str(&self.text, |yaml| {
+            read(&mut <dyn erased_serde::Deserializer<'_>>::erase(yaml)).map_err(serde::de::Error::custom)
+        });
+        parsed.map_err(|error| {
+            let text = error.to_string();
+            let (text, within) = without_places(&text);
+            let place = within.or_else(|| error.location().map(|at| (at.line(), at.column())));
+            let (line, column) = place.unwrap_or((1, 1));
+            self.refused(text, line, column)
+        })
     }
 
     /// The parser's error with its place.
-    fn refused(&self, error: &serde_saphyr::Error) -> FileError {
-        let (line, column) = error.location().map_or((1, 1), |at| (at.line(), at.column()));
-        let message = self.message(&error.to_string(), line);
+    fn refused(&self, text: &str, line: u64, column: u64) -> FileError {
+        let message = self.message(text, line);
         FileError::Syntax { path: self.path.clone(), line, column, message }
     }
 
@@ -148,6 +169,17 @@ impl YamlDocument {
     }
 }
 
+/// A message without the places that every level of the document appended to it, and the innermost one of them.
+fn without_places(mut message: &str) -> (&str, Option<(u64, u64)>) {
+    let mut innermost = None;
+    while let Some((before, place)) = message.rsplit_once(" at line ") {
+        let place = place.split_once(", column ");
+        let Some((Ok(line), Ok(column))) = place.map(|(line, column)| (line.parse(), column.parse())) else { break };
+        (message, innermost) = (before, Some((line, column)));
+    }
+    (message, innermost)
+}
+
 /// Column of the first character of a line with content.
 fn column(line: &str) -> Option<usize> {
     let content = line.trim_start();
@@ -169,7 +201,12 @@ fn key(line: &str) -> Option<(usize, &str)> {
 
 /// Serialises to YAML text.
 pub fn to_yaml<T: Serialize>(value: &T) -> Result<String, std::io::Error> {
-    serde_saphyr::to_string(value).map_err(std::io::Error::other)
+    written(value)
+}
+
+/// The writer, compiled once whatever it writes.
+fn written(value: &dyn erased_serde::Serialize) -> Result<String, std::io::Error> {
+    serde_saphyr::to_string(&value).map_err(std::io::Error::other)
 }
 
 /// The name that a setting has in files.

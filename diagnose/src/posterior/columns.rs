@@ -12,6 +12,7 @@ use tribo_sim::{Effect, SOFT_FRICTION_LEAD_S};
 use super::prior::{ArmScale, CURVE_WIDTHS, PRESLIDING_RAD, RIPPLES};
 use super::standstill;
 use crate::cause::{base_tilt_columns, bristle};
+use crate::contact_window::PushWindow;
 use crate::filter::central_difference;
 use crate::scene::Scene;
 
@@ -150,6 +151,16 @@ type Sums = BTreeMap<Vec<usize>, Arc<Vec<DMatrix<f64>>>>;
 impl Columns {
     /// Evaluates and filters all columns of a scene; each log is cut into as many parts.
     pub fn of<const N: usize>(scene: &Scene<N>, scale: &ArmScale, parts_per_log: usize) -> Self {
+        Self::around(scene, scale, parts_per_log, &[])
+    }
+
+    /// The same, where pushes are known that the model does not have.
+    pub fn around<const N: usize>(
+        scene: &Scene<N>,
+        scale: &ArmScale,
+        parts_per_log: usize,
+        pushes: &[PushWindow],
+    ) -> Self {
         let parts = parts_of(scene, parts_per_log);
         let tilt = if scene.transmission { Vec::new() } else { scene.filter_all(&base_tilt_columns(scene)) };
         let links = if scene.transmission { 0 } else { N };
@@ -186,7 +197,7 @@ impl Columns {
             }
         }
         // Where a joint turns back the noise of its velocity is torque noise too; where it stands, so is its dry friction.
-        let pushed = push_weights(scene);
+        let pushed = push_weights(scene, pushes);
         let weights: Vec<Vec<f64>> = (0..N)
             .into_par_iter()
             .map(|j| {
@@ -261,12 +272,16 @@ impl Columns {
     }
 }
 
-/// Weight of each output sample by the pushes that the model has: what happens during a push tells of the push, and hardly of the arm.
-fn push_weights<const N: usize>(scene: &Scene<N>) -> Vec<f64> {
+/// Weight of each output sample by the pushes that the model has and by others: what happens during a push tells of the push, and hardly of the arm.
+pub(crate) fn push_weights<const N: usize>(scene: &Scene<N>, others: &[PushWindow]) -> Vec<f64> {
     let mut weights = vec![1.0; scene.time_s.len()];
-    for effect in &scene.nominal.effects {
-        let Effect::ExternalContact { start_s, end_s, .. } = effect else { continue };
-        for burst in &scene.bursts {
+    let own = scene.nominal.effects.iter().filter_map(|effect| match effect {
+        Effect::ExternalContact { start_s, end_s, .. } => Some((None, *start_s, *end_s)),
+        _ => None,
+    });
+    let others = others.iter().map(|push| (Some(push.log), push.start_s, push.end_s));
+    for (log, start_s, end_s) in own.chain(others) {
+        for burst in scene.bursts.iter().filter(|burst| log.is_none_or(|log| log == burst.log)) {
             let memory_s = scene.chains[burst.log].memory_s();
             let during = |time_s: f64| time_s > start_s - memory_s && time_s < end_s + memory_s;
             burst.out.clone().filter(|k| during(scene.time_s[*k])).for_each(|k| weights[k] = PUSHED);

@@ -3,10 +3,11 @@
 use nalgebra::{DMatrix, DVector};
 
 use super::baseline::PlainFits;
-use super::columns::{Columns, JointTerm, PARTS};
+use super::columns::{Columns, JointTerm, PARTS, push_weights};
 use super::fit::{Start, plain_state, posterior};
 use super::prior::{ArmScale, Family};
 use super::problem::{Place, Problem, State};
+use crate::contact_window::{PushWindow, dominant_window};
 use crate::noise_level::{rms, robust_sd};
 use crate::scene::Scene;
 
@@ -44,15 +45,52 @@ pub(crate) struct Wrongness {
 ///
 /// A model that came out of an identification lacks a payload or the friction of one joint; a model that came out of a CAD
 /// file, or another copy of the robot, differs in every joint: so do all joints of the real logs of four arms.
+///
+/// A push is in all joints too, and no property of the arm: where one explains much of what every family together leaves, the rest of the log is asked.
 pub(crate) fn wrongness<const N: usize>(scene: &Scene<N>) -> Wrongness {
+    let (whole, mut left) = wrongness_around(scene, &[]);
+    let mut pushes = Vec::new();
+    let plain_fits = || {
+        let scale = ArmScale::of(scene);
+        PlainFits::of(&Problem::of(scene, Columns::of(scene, &scale, PARTS), scale, vec![false; scene.chains.len()]))
+    };
+    while whole.everywhere && pushes.len() < MOST_PUSHES {
+        let Some(Left { left_nm, weights }) = &left else { break };
+        let weights: Vec<&[f64]> = weights.iter().map(Vec::as_slice).collect();
+        let Some(push) = dominant_window(scene, left_nm, &weights, PUSHED_SHARE) else { break };
+        pushes.push(push);
+        let (rest, left_beside) = wrongness_around(scene, &pushes);
+        if !rest.everywhere {
+            // What any user reaches, who knows of no push.
+            return Wrongness { plain_fits: plain_fits(), ..rest };
+        }
+        left = left_beside;
+    }
+    whole
+}
+
+/// Pushes that are looked for.
+const MOST_PUSHES: usize = 3;
+/// Share of what every family together leaves that a push explains where it may be what makes a model look wrong: the rest decides.
+const PUSHED_SHARE: f64 = 0.2;
+
+/// What every family together leaves of each joint, and the weights of its rows.
+struct Left {
+    left_nm: Vec<Vec<f64>>,
+    weights: Vec<Vec<f64>>,
+}
+
+/// [`wrongness`] of what is beside these pushes.
+fn wrongness_around<const N: usize>(scene: &Scene<N>, pushes: &[PushWindow]) -> (Wrongness, Option<Left>) {
     let scale = ArmScale::of(scene);
-    let columns = Columns::of(scene, &scale, PARTS);
+    let columns = Columns::around(scene, &scale, PARTS, pushes);
     let problem = Problem::of(scene, columns, scale, vec![false; scene.chains.len()]);
     let parts = problem.all_parts();
     let families: Vec<Family> = Family::of_gears(problem.scale.link_side).collect();
     let Some((all, _)) = posterior(&problem, &parts, &Start::of(&families)) else {
         let plain_fits = PlainFits::of(&problem);
-        return Wrongness { everywhere: false, in_many_joints: false, left_nm: vec![f64::INFINITY; N], plain_fits };
+        let left_nm = vec![f64::INFINITY; N];
+        return (Wrongness { everywhere: false, in_many_joints: false, left_nm, plain_fits }, None);
     };
     let samples = problem.columns.samples(&parts).max(1) as f64;
     // A simulated log has no sensors' noise, but interpolation.
@@ -90,12 +128,19 @@ pub(crate) fn wrongness<const N: usize>(scene: &Scene<N>) -> Wrongness {
     let leaving = (0..N).filter(moves).filter(|j| left(*j)).count();
     // Friction and offsets alone are few causes of a joint, however many joints have them: a search names each by its law.
     let plain = plain_state(&problem, &parts);
+    let beside: Vec<bool> = push_weights(scene, pushes).iter().map(|weight| *weight == 1.0).collect();
     let rms_nm = |state: &State, j: usize| {
-        (parts.iter().map(|part| problem.unseen_square(state, j, *part)).sum::<f64>() / samples).sqrt()
+        let weighted = problem.residual_along(state, j, &parts);
+        let unweighted = weighted.iter().zip(problem.columns.row_weights(j)).map(|(r, weight)| r / weight);
+        rms(&unweighted.zip(&beside).filter(|(_, beside)| **beside).map(|(r, _)| r).collect::<Vec<f64>>())
     };
     let left_nm: Vec<f64> = (0..N).map(|j| rms_nm(&all.state, j)).collect();
     let plain_will_do = (0..N).all(|j| rms_nm(&plain, j) < AS_WELL * left_nm[j].max(noise_nm(j)));
     let everywhere = 2 * leaving > N || (2 * differing > N && !plain_will_do);
-    let plain_fits = if everywhere { None } else { PlainFits::of(&problem) };
-    Wrongness { everywhere, in_many_joints: 3 * differing > N && !plain_will_do, left_nm, plain_fits }
+    let plain_fits = if everywhere || !pushes.is_empty() { None } else { PlainFits::of(&problem) };
+    let left = Left {
+        left_nm: (0..N).map(|j| problem.residual_along(&all.state, j, &parts)).collect(),
+        weights: (0..N).map(|j| problem.columns.row_weights(j).to_vec()).collect(),
+    };
+    (Wrongness { everywhere, in_many_joints: 3 * differing > N && !plain_will_do, left_nm, plain_fits }, Some(left))
 }

@@ -81,7 +81,10 @@ impl ColumnMap {
     /// # Errors
     /// [`LogError::NotFound`], [`LogError::Io`], and [`LogError::BadLine`] with line and field.
     pub fn read(path: impl AsRef<Path>) -> Result<Self, LogError> {
-        let path = path.as_ref();
+        Self::read_file(path.as_ref())
+    }
+
+    fn read_file(path: &Path) -> Result<Self, LogError> {
         let file = File::open(path).map_err(|source| LogError::io(path, "open", source))?;
         let mut text = String::new();
         file.take(LONGEST + 1).read_to_string(&mut text).map_err(|source| LogError::io(path, "read", source))?;

@@ -20,9 +20,10 @@ use super::table::{Cells, Column, ForeignTable, Kind, LARGE, Loaded};
 use crate::decoder::guarded;
 use crate::error::LogError;
 use crate::format::LogFormat;
+use crate::parquet_bytes::ParquetBytes;
 use crate::parquet_pages;
 use crate::parquet_table::most_cells;
-use crate::source::{LogFile, RawBytes};
+use crate::source::LogFile;
 
 /// The most entries of a list column, and columns of a file.
 const MOST_ENTRIES: usize = 1 << 8;
@@ -55,7 +56,7 @@ impl<'f, 'p> ParquetColumns<'f, 'p> {
     /// Reads the schema, and the first row of every list.
     pub fn open(file: &'f LogFile<'p>) -> Result<Self, LogError> {
         let (mut columns, mut places, mut left_out) = (Vec::new(), Vec::new(), Vec::new());
-        decoded(file, |reader, chunks| {
+        decoded(file, &mut |reader, chunks| {
             let schema = reader.metadata().file_metadata().schema_descr();
             if schema.num_columns() > MOST_COLUMNS {
                 return Err(general(format!("{} columns; read are up to {MOST_COLUMNS}", schema.num_columns())));
@@ -103,7 +104,7 @@ impl ForeignTable for ParquetColumns<'_, '_> {
 
     fn load(&self, wanted: &[usize]) -> Result<Loaded, LogError> {
         let mut loaded = Loaded::default();
-        decoded(self.file, |reader, chunks| {
+        decoded(self.file, &mut |reader, chunks| {
             let rows =
                 usize::try_from(reader.metadata().file_metadata().num_rows()).map_err(|e| general(e.to_string()))?;
             let cells = (rows as u64).saturating_mul(wanted.len() as u64);
@@ -132,53 +133,17 @@ impl ForeignTable for ParquetColumns<'_, '_> {
     }
 }
 
-/// A file open twice: its reader, and its bytes.
-enum Chunks {
-    File(std::fs::File),
-    Memory(bytes::Bytes),
-}
-
-impl Chunks {
-    fn len(&self) -> u64 {
-        match self {
-            Self::File(file) => Length::len(file),
-            Self::Memory(bytes) => bytes.len() as u64,
-        }
-    }
-
-    fn check(
-        &self,
-        reader: &dyn FileReader,
-        group: usize,
-        leaf: usize,
-        most: u64,
-        bytes: u64,
-    ) -> Result<(), ParquetError> {
-        let chunk = reader.metadata().row_group(group).column(leaf);
-        match self {
-            Self::File(file) => parquet_pages::check_sized(file, chunk, most, bytes),
-            Self::Memory(memory) => parquet_pages::check_sized(memory, chunk, most, bytes),
-        }
-    }
-}
-
-/// Lets `take` look at an open file; panics of the decoder become errors.
+/// Lets `take` look at an open file and its bytes; panics of the decoder become errors.
 fn decoded(
     file: &LogFile,
-    mut take: impl FnMut(&dyn FileReader, &Chunks) -> Result<(), ParquetError>,
+    take: &mut dyn FnMut(&dyn FileReader, &ParquetBytes) -> Result<(), ParquetError>,
 ) -> Result<(), LogError> {
     let path = file.path;
     let corrupt = |detail: String| LogError::Corrupt { path: path.to_path_buf(), detail };
     let bytes = file.open("Parquet")?;
-    let outcome = guarded(|| match bytes {
-        RawBytes::File(opened) => {
-            let chunks = Chunks::File(opened.try_clone()?);
-            take(&SerializedFileReader::new(opened)?, &chunks)
-        }
-        RawBytes::Memory(memory) => {
-            let chunks = Chunks::Memory(memory.get_ref().clone());
-            take(&SerializedFileReader::new(memory.into_inner())?, &chunks)
-        }
+    let outcome = guarded(|| {
+        let chunks = ParquetBytes::of(bytes);
+        take(&SerializedFileReader::new(chunks.clone())?, &chunks)
     });
     match outcome {
         Some(Ok(())) => Ok(()),
@@ -225,7 +190,7 @@ fn kind_of(column: &ColumnDescriptor) -> Option<(Kind, Option<&'static str>)> {
 }
 
 /// Entries of the first list of a column; 0 where it has none.
-fn first_width(reader: &dyn FileReader, chunks: &Chunks, leaf: usize) -> Result<usize, ParquetError> {
+fn first_width(reader: &dyn FileReader, chunks: &ParquetBytes, leaf: usize) -> Result<usize, ParquetError> {
     if reader.num_row_groups() == 0 {
         return Ok(0);
     }
@@ -234,7 +199,7 @@ fn first_width(reader: &dyn FileReader, chunks: &Chunks, leaf: usize) -> Result<
     if most > most_cells(chunks.len()) {
         return Err(general(format!("a list column of {most} values in {} bytes", chunks.len())));
     }
-    chunks.check(reader, 0, leaf, most, 0)?;
+    parquet_pages::check_sized(chunks, reader.metadata().row_group(0).column(leaf), most, 0)?;
     let column = reader.get_row_group(0)?.get_column_reader(leaf)?;
     let mut levels = Vec::new();
     let read = match column {
@@ -259,7 +224,7 @@ fn first_width(reader: &dyn FileReader, chunks: &Chunks, leaf: usize) -> Result<
 /// All cells of a leaf, `width` per row.
 fn whole(
     reader: &dyn FileReader,
-    chunks: &Chunks,
+    chunks: &ParquetBytes,
     leaf: usize,
     rows: usize,
     width: usize,
@@ -273,7 +238,7 @@ fn whole(
     }
     let bytes = if column.kind == Kind::Text { BYTES_PER_NAME } else { 0 };
     for group in 0..reader.num_row_groups() {
-        chunks.check(reader, group, leaf, expected as u64, bytes)?;
+        parquet_pages::check_sized(chunks, reader.metadata().row_group(group).column(leaf), expected as u64, bytes)?;
         let chunk = reader.get_row_group(group)?.get_column_reader(leaf)?;
         let into = Into { cells: &mut cells, descriptor: &descriptor, expected, width, name: &column.name };
         match chunk {
