@@ -102,7 +102,7 @@ fn write_whole(out: &mut dyn Output, name: &Path, log: &RobotLog, target: LogTar
 /// Reads the log at `from` and writes it to `to`. `progress` hears the part that is read, 0 to 1, and stops by saying false.
 ///
 /// # Errors
-/// Those of [`read_watched`] and [`write_log`]; [`LogError::Stopped`]. Then nothing is written.
+/// Those of [`read_watched`](crate::read_watched) and [`write_log`]; [`LogError::Stopped`]. Then nothing is written.
 pub fn convert(
     from: impl AsRef<Path>,
     to: impl AsRef<Path>,
@@ -115,7 +115,7 @@ pub fn convert(
 /// As [`convert`], of a log that is read by `options`.
 ///
 /// # Errors
-/// Those of [`read_watched`] and [`write_log`]; [`LogError::Stopped`]. Then nothing is written.
+/// Those of [`read_watched`](crate::read_watched) and [`write_log`]; [`LogError::Stopped`]. Then nothing is written.
 pub fn convert_by(
     from: impl AsRef<Path>,
     to: impl AsRef<Path>,

@@ -356,9 +356,9 @@ fn a_rare_contact_takes_stiction_for_nothing() {
     let joints: String = friction.into_iter().map(joint).collect();
     let model = format!("schema: tribo.model/1\nrobot: panda\nfriction:\n  law: coulomb_viscous\n  joints:\n{joints}");
     std::fs::write(at.path().join("panda.yaml"), model).unwrap();
-    run(at.path(), "simulate --log free.csv.gz --seed 44 --json").ok();
-    run(at.path(), "simulate --fixed --pulse-force 15 --pulse-moment 2.5 --log pushed.csv.gz --seed 45 --json").ok();
-    let call = "estimate pushed.csv.gz --model panda.yaml --free free.csv.gz --residual ekf --json";
+    run(at.path(), "simulate --log free.parquet --seed 44 --json").ok();
+    run(at.path(), "simulate --fixed --pulse-force 15 --pulse-moment 2.5 --log pushed.parquet --seed 45 --json").ok();
+    let call = "estimate pushed.parquet --model panda.yaml --free free.parquet --residual ekf --json";
     let rmse = |touched: &str| {
         let document = run(at.path(), &format!("{call}{touched}")).ok().json();
         number(&document["estimators"]["ekf"]["rmse_force_n"])
@@ -369,7 +369,7 @@ fn a_rare_contact_takes_stiction_for_nothing() {
         let refused = run(at.path(), &format!("{call}{touched}"));
         assert!(refused.code == Some(2) && refused.stderr.contains(part), "{refused:?}");
     }
-    let alone = run(at.path(), "estimate pushed.csv.gz --model panda.yaml --touched 0.1");
+    let alone = run(at.path(), "estimate pushed.parquet --model panda.yaml --touched 0.1");
     assert!(alone.code == Some(2) && alone.stderr.contains("--free"), "{alone:?}");
 }
 
