@@ -1,4 +1,4 @@
-//! The canonical CSV log: reader and writer.
+//! The canonical CSV log: its reader.
 //!
 //! ```text
 //! time,q_0,…,dq_0,…,tau_J_0,…[,optional columns]      one header line, one line per row
@@ -13,7 +13,6 @@
 use std::io::BufRead;
 use std::path::Path;
 
-use crate::convert::{ColumnNames, LogTarget, write_log};
 use crate::csv_lines::Lines;
 use crate::csv_rows::{Clock, CsvRows};
 use crate::error::LogError;
@@ -55,12 +54,4 @@ pub(crate) fn canonical_rows<R: BufRead>(
     let (names, delimiter) = lines.header()?;
     let header = Header::from_names(&names).map_err(|error| error.in_file(path))?;
     Ok(CsvRows::new(lines, path, format, &names, delimiter, header, Clock::Seconds))
-}
-
-/// Writes a log as canonical CSV, gzip if the name ends in `.gz`. The file appears whole or not at all.
-///
-/// # Errors
-/// Those of [`write_atomic`](crate::write_atomic).
-pub fn write_csv(path: impl AsRef<Path>, log: &RobotLog) -> Result<(), LogError> {
-    write_log(path, log, LogTarget::Csv(ColumnNames::Canonical))
 }

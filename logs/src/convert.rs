@@ -8,96 +8,25 @@
 //! Both ways write the same bytes. Of a log in batches only the stamps stay in memory: 29 MB for an hour at 1 kHz.
 //! Leaves out: other formats in batches (Parquet, MCAP and the Kinova files are looked at as a whole first).
 
-use std::io::{BufRead, Seek, Write};
+use std::io::BufRead;
 use std::path::Path;
 use std::rc::Rc;
 
-use crate::atomic::{Output, failed, replace};
+use crate::atomic::replace;
 use crate::canonical_csv::canonical_rows;
 use crate::csv_rows::CsvRows;
-use crate::csv_writer::CsvWriter;
 use crate::detect::{detect, read_heard};
 use crate::differentiated::lacks_velocity;
 use crate::error::LogError;
 use crate::format::LogFormat;
 use crate::libfranka::libfranka_rows;
-use crate::log::{MIN_ROWS, RobotLog, finite_duration};
-use crate::mcap_write::McapWriter;
-use crate::parquet_log::table_metadata;
-use crate::parquet_table::{ROWS_PER_GROUP, TableWriter};
-use crate::quantity::Quantity;
+use crate::log::{MIN_ROWS, finite_duration};
+use crate::parquet_table::ROWS_PER_GROUP;
 use crate::read_options::ReadOptions;
 use crate::recognise::{Remark, Severity, recognise};
 use crate::source::LogFile;
 use crate::summary::LogSummary;
-
-/// What the columns of a CSV file are called.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
-pub enum ColumnNames {
-    /// `q_0`, `O_F_ext_3`: what every command of ours and libfranka call them.
-    #[default]
-    Canonical,
-    /// `/joint_0/q`, `/O_F_ext/moment/x`: viewers such as PlotJuggler make a tree of them.
-    Tree,
-}
-
-/// The formats that can be written.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum LogTarget {
-    /// CSV, packed where the name ends in `.gz`.
-    Csv(ColumnNames),
-    /// Parquet.
-    Parquet,
-    /// MCAP.
-    Mcap,
-}
-
-impl LogTarget {
-    /// The endings that [`LogTarget::of_path`] knows.
-    pub const ENDINGS: [&str; 4] = [".csv", ".csv.gz", ".parquet", ".mcap"];
-
-    /// The format that follows from the ending of a file's name.
-    #[must_use]
-    pub fn of_path(path: &Path) -> Option<Self> {
-        let name = path.file_name()?.to_string_lossy().to_lowercase();
-        match Self::ENDINGS.into_iter().find(|ending| name.ends_with(ending))? {
-            ".parquet" => Some(Self::Parquet),
-            ".mcap" => Some(Self::Mcap),
-            _ => Some(Self::Csv(ColumnNames::Canonical)),
-        }
-    }
-}
-
-/// Writes a log. The file appears whole or not at all.
-///
-/// # Errors
-/// Those of [`write_atomic`](crate::write_atomic).
-pub fn write_log(path: impl AsRef<Path>, log: &RobotLog, target: LogTarget) -> Result<(), LogError> {
-    let path = path.as_ref();
-    replace(path, |file| write_whole(file, path, log, target))
-}
-
-/// Writes a log to `out`, the same bytes as [`write_log`] to a file called `name`.
-///
-/// # Errors
-/// What `out` refuses.
-pub fn write_log_to(
-    mut out: impl Write + Seek + Send,
-    name: &Path,
-    log: &RobotLog,
-    target: LogTarget,
-) -> Result<(), LogError> {
-    write_whole(&mut out, name, log, target)
-}
-
-fn write_whole(out: &mut dyn Output, name: &Path, log: &RobotLog, target: LogTarget) -> Result<(), LogError> {
-    let columns = log.named();
-    let names: Vec<String> = columns.iter().map(|(name, _)| name.clone()).collect();
-    let columns: Vec<&[f64]> = columns.iter().map(|&(_, column)| column).collect();
-    let mut sink = Sink::new(out, name, &names, target)?;
-    sink.write(&columns)?;
-    sink.finish()
-}
+use crate::write_log::{LogTarget, Sink, write_log};
 
 /// Reads the log at `from` and writes it to `to`. `progress` hears the part that is read, 0 to 1, and stops by saying false.
 ///
@@ -234,51 +163,4 @@ fn in_batches(
     remarks.sort_by_key(|remark| remark.severity == Severity::Warn);
     summary.remarks = remarks;
     Ok(summary)
-}
-
-/// A file that takes batches of rows in canonical order.
-struct Sink<'o, 'p> {
-    format: SinkFormat<'o>,
-    /// The name that errors show.
-    path: &'p Path,
-}
-
-enum SinkFormat<'o> {
-    Csv(CsvWriter<'o>),
-    Parquet(TableWriter<'o>),
-    Mcap(Box<McapWriter<'o>>),
-}
-
-impl<'o, 'p> Sink<'o, 'p> {
-    fn new(out: &'o mut dyn Output, path: &'p Path, names: &[String], target: LogTarget) -> Result<Self, LogError> {
-        let csv = |names: &[String], out| {
-            CsvWriter::new(out, path, names).map(SinkFormat::Csv).map_err(|error| failed(path, "write", error))
-        };
-        let format = match target {
-            LogTarget::Csv(ColumnNames::Canonical) => csv(names, out)?,
-            LogTarget::Csv(ColumnNames::Tree) => {
-                csv(&names.iter().map(|name| Quantity::tree_name(name)).collect::<Vec<_>>(), out)?
-            }
-            LogTarget::Parquet => SinkFormat::Parquet(TableWriter::new(out, path, names, &table_metadata())?),
-            LogTarget::Mcap => SinkFormat::Mcap(Box::new(McapWriter::new(out, path, names)?)),
-        };
-        Ok(Self { format, path })
-    }
-
-    /// Appends rows, however many.
-    fn write(&mut self, columns: &[&[f64]]) -> Result<(), LogError> {
-        match &mut self.format {
-            SinkFormat::Csv(csv) => csv.write(columns).map_err(|error| failed(self.path, "write", error)),
-            SinkFormat::Parquet(table) => table.write(columns, self.path),
-            SinkFormat::Mcap(mcap) => mcap.write(columns, self.path),
-        }
-    }
-
-    fn finish(self) -> Result<(), LogError> {
-        match self.format {
-            SinkFormat::Csv(csv) => csv.finish().map_err(|error| failed(self.path, "write", error)),
-            SinkFormat::Parquet(table) => table.finish(self.path),
-            SinkFormat::Mcap(mcap) => mcap.finish(self.path),
-        }
-    }
 }

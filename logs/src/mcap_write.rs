@@ -19,21 +19,11 @@ use mcap::records::MessageHeader;
 use mcap::{McapError, McapResult, WriteOptions, Writer};
 
 use crate::atomic::{Output, failed};
-use crate::convert::{LogTarget, write_log};
 use crate::error::LogError;
-use crate::log::RobotLog;
 use crate::quantity::Quantity;
 
 const TOPIC: &str = "/robot";
 const SCHEMA_NAME: &str = "tribo.Log";
-
-/// Writes a log as MCAP. The file appears whole or not at all.
-///
-/// # Errors
-/// Those of [`write_atomic`](crate::write_atomic).
-pub fn write_mcap(path: impl AsRef<Path>, log: &RobotLog) -> Result<(), LogError> {
-    write_log(path, log, LogTarget::Mcap)
-}
 
 /// A field of the messages: a quantity, and where its columns stand among the canonical ones.
 type Field = (Quantity, Range<usize>);

@@ -2,7 +2,6 @@
 
 use std::path::Path;
 
-use crate::convert::{LogTarget, write_log};
 use crate::differentiated::{differentiate, lacks_velocity};
 use crate::error::LogError;
 use crate::format::LogFormat;
@@ -15,14 +14,6 @@ use crate::summary::LogSummary;
 
 /// Value of the metadata key `schema`.
 const SCHEMA: &str = "tribo.log/1";
-
-/// Writes a log as Parquet. The file appears whole or not at all.
-///
-/// # Errors
-/// Those of [`write_atomic`](crate::write_atomic).
-pub fn write_parquet(path: impl AsRef<Path>, log: &RobotLog) -> Result<(), LogError> {
-    write_log(path, log, LogTarget::Parquet)
-}
 
 /// Reads a log from Parquet: columns in any order, unknown ones reported.
 ///

@@ -12,20 +12,12 @@ use crate::architecture::rust_files;
 const KNOWN: &[(&str, &[&str])] = &[
     ("bayesopt", &["acquisition/worth", "belief", "search/maximise", "settings"]),
     ("campaign", &["config", "scenario", "strategy", "strategy/baseline"]),
-    ("campaign", &["journal/replay", "journal/study_record"]),
-    ("campaign", &["study/cell", "study/settings"]),
     ("diagnose", &["cause", "cause/external_contact", "evidence", "noise_level", "scene", "system", "whitening"]),
     (
         "diagnose",
         &["conclusion", "diagnosable", "engine", "finding", "posterior/explain", "posterior/further", "recognise"],
     ),
-    ("diagnose", &["posterior/columns", "posterior/prior", "posterior/standstill"]),
-    ("friction", &["identify/gls", "identify/normal_equations"]),
-    ("logs", &["canonical_csv", "convert", "detect", "mcap_write", "parquet_log"]),
     ("model", &["effects_section", "friction_section", "model", "model_file", "robot_section"]),
-    ("residual", &["thermal/contact_gate", "thermal/observer", "thermal/settings"]),
-    ("sim", &["recording/internal_motion", "recording/true_torque"]),
-    ("watch", &["any_tune", "campaign_snapshot"]),
 ];
 
 /// A module by its path inside the crate; the root is empty.

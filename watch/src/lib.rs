@@ -21,14 +21,16 @@ pub mod surrogate_figures;
 mod trial_columns;
 pub mod trial_figures;
 mod trial_snapshot;
+mod watched_trial;
 mod watcher;
 
 pub(crate) use any_tune::read_trial;
 pub use any_tune::{any_loop_times, uncompensated};
 pub use campaign_page::{campaign_page, expected, headline, refresh_report, write_report};
-pub use campaign_snapshot::{CampaignSnapshot, WatchedTrial};
+pub use campaign_snapshot::CampaignSnapshot;
 pub use loop_time::{LoopTimes, loop_times, quantile};
 pub use surrogate::Surrogate;
 pub use trial_columns::{TrialColumns, skeleton};
 pub use trial_snapshot::TrialSnapshot;
+pub use watched_trial::WatchedTrial;
 pub use watcher::CampaignWatch;

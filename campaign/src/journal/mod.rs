@@ -5,13 +5,15 @@
 //! nothing that was finished, and a torn last line is cut off when the journal is opened. `optuna-dashboard` opens it.
 
 mod file;
+mod journal_trial;
 mod replay;
 mod study_record;
 mod tail;
 mod trial_record;
 
 pub use file::{Clock, Journal};
-pub use replay::{JournalTrial, Replay, TrialState, replay};
+pub use journal_trial::{JournalTrial, TrialState};
+pub use replay::{Replay, replay};
 pub use study_record::StudyRecord;
 pub use tail::{JournalTail, News};
 pub(crate) use trial_record::{Ended, finish, theta};

@@ -1,36 +1,13 @@
-//! One cell of a study: the unit that is computed, written and lost as a whole.
+//! What a cell of a study computes.
 
 use serde::{Deserialize, Serialize};
 
+use super::place::{Cell, Work};
 use super::settings::Study;
 use crate::{
     AbortReason, AnyTune, CampaignError, EstimatorError, InMemory, References, ValidTune, references, run_in_memory,
 };
 use tribo_model::file_name;
-
-/// What a cell computes.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Work {
-    /// The costs that the campaigns beside it are compared with.
-    References,
-    /// A campaign of the strategy of this number.
-    Campaign(usize),
-}
-
-/// A place in the grid, by index into its axes.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Cell {
-    /// Case.
-    pub case: usize,
-    /// Estimator.
-    pub estimator: usize,
-    /// Pose.
-    pub pose: usize,
-    /// Seed.
-    pub seed: u64,
-    /// What is computed.
-    pub work: Work,
-}
 
 /// What came of a cell. No time and no machine is in it: who computes it makes no difference.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]

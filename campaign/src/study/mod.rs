@@ -2,6 +2,7 @@
 
 mod cell;
 mod page;
+mod place;
 mod run;
 mod settings;
 mod shard;
@@ -9,8 +10,9 @@ mod signed_rank;
 mod store;
 mod summary;
 
-pub use cell::{Cell, CellResult, Work};
+pub use cell::CellResult;
 pub use page::study_page;
+pub use place::{Cell, Work};
 pub use run::{StudyProgress, run_shard};
 pub use settings::{Budget, Case, Study};
 pub use shard::{Shard, ShardError};

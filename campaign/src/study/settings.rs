@@ -4,7 +4,7 @@ use std::path::Path;
 
 use serde::{Deserialize, Serialize};
 
-use super::cell::{Cell, Work};
+use super::place::{Cell, Work};
 use crate::scenario::{TruthName, freeze};
 use crate::strategy_name::StrategyName;
 use crate::{EstimatorName, Phases, StopBelow, TuneConfig, TunedLaw};

@@ -147,7 +147,6 @@ fn a_turned_joint_is_no_trial_of_any_arm() {
     for (robot, joints) in [("xarm7", [2, 5]), ("ur10e", [0, 1]), ("kinova_gen3", [3, 4]), ("iiwa14", [0, 4])] {
         run(at, &format!("ask {robot} --robot {robot} --trials 3 --out zero.yaml -q")).ok();
         run(at, &format!("simulate {robot}/campaign.yaml --trial 0 --compensation zero.yaml --log good.csv -q")).ok();
-        thin(&at.join("good.csv"));
         for joint in joints {
             let column = format!("tau_J_d_{joint}");
             mutilated(at, "good.csv", "one.csv", |name, x| if name == column { -x } else { x });
@@ -209,7 +208,6 @@ fn a_turned_joint_that_hardly_moves_is_no_trial_either() {
     for (robot, joints) in [("xarm7", &[2][..]), ("ur10e", &[0, 1]), ("kinova_gen3", &[3])] {
         run(at, &format!("ask {robot} --robot {robot} --truth coulomb_viscous --trials 3 --out zero.yaml -q")).ok();
         run(at, &format!("simulate {robot}/campaign.yaml --trial 0 --compensation zero.yaml --log good.csv -q")).ok();
-        thin(&at.join("good.csv"));
         for joint in joints {
             let column = format!("tau_J_d_{joint}");
             mutilated(at, "good.csv", "one.csv", |name, x| if name == column { -x } else { x });

@@ -9,8 +9,8 @@
 
 use nalgebra::{DMatrix, DVector};
 
-use super::columns::JointTerm;
 use super::fit::plain_state;
+use super::joint_term::JointTerm;
 use super::problem::{Place, Problem, State};
 use super::split::{Split, folds};
 

@@ -9,93 +9,14 @@ use rayon::prelude::*;
 use tribo_friction::law::{leading_sign, smooth_sign};
 use tribo_sim::{Effect, SOFT_FRICTION_LEAD_S};
 
-use super::prior::{ArmScale, CURVE_WIDTHS, PRESLIDING_RAD, RIPPLES};
+use super::joint_columns::{DELAY, JointColumns, LINKS, TILT};
+use super::joint_term::JointTerm;
+use super::prior::{ArmScale, CURVE_WIDTHS, PRESLIDING_RAD};
 use super::standstill;
 use crate::cause::{base_tilt_columns, bristle};
 use crate::contact_window::PushWindow;
 use crate::filter::central_difference;
 use crate::scene::Scene;
-
-/// What a joint's own columns stand for.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum JointTerm {
-    /// A constant.
-    Offset,
-    /// s = tanh(qd/ε).
-    Coulomb,
-    /// qd.
-    Viscous,
-    /// tanh(qd/w).
-    Curve(usize),
-    /// |τ_link| s.
-    Load,
-    /// qdd.
-    Rotor,
-    /// z_x − s.
-    Presliding(usize),
-    /// clip((qd + ℓ qdd)/w) − s.
-    Lead(usize),
-    /// sin(n q).
-    Sine(usize),
-    /// cos(n q).
-    Cosine(usize),
-    /// q.
-    Spring,
-}
-
-impl JointTerm {
-    /// In the order of the columns.
-    pub const ALL: [Self; 23] = [
-        Self::Offset,
-        Self::Coulomb,
-        Self::Viscous,
-        Self::Curve(0),
-        Self::Curve(1),
-        Self::Curve(2),
-        Self::Load,
-        Self::Rotor,
-        Self::Presliding(0),
-        Self::Presliding(1),
-        Self::Presliding(2),
-        Self::Lead(0),
-        Self::Lead(1),
-        Self::Lead(2),
-        Self::Sine(0),
-        Self::Cosine(0),
-        Self::Sine(1),
-        Self::Cosine(1),
-        Self::Sine(2),
-        Self::Cosine(2),
-        Self::Sine(3),
-        Self::Cosine(3),
-        Self::Spring,
-    ];
-
-    /// Dry friction that leads the velocity, of any width.
-    pub const LEAD: [Self; 3] = [Self::Lead(0), Self::Lead(1), Self::Lead(2)];
-
-    /// The terms of the ripples.
-    pub const RIPPLE: [Self; 2 * RIPPLES] = [
-        Self::Sine(0),
-        Self::Cosine(0),
-        Self::Sine(1),
-        Self::Cosine(1),
-        Self::Sine(2),
-        Self::Cosine(2),
-        Self::Sine(3),
-        Self::Cosine(3),
-    ];
-
-    /// Place among the columns of a joint.
-    pub fn place(self) -> usize {
-        Self::ALL.iter().position(|term| *term == self).unwrap_or(0)
-    }
-}
-
-/// First column of the tilt, of the delay, of the links, in the matrix of a joint.
-pub(crate) const TILT: usize = JointTerm::ALL.len();
-pub(crate) const DELAY: usize = TILT + 2;
-pub(crate) const LINKS: usize = DELAY + 1;
 
 /// Parts that each log is cut into; a third of them is a third of the log.
 pub(crate) const PARTS: usize = 12;
@@ -107,29 +28,6 @@ pub(crate) struct Part {
     pub samples: Range<usize>,
     /// Log that it is of.
     pub log: usize,
-}
-
-/// The columns of one joint, samples × columns: own terms, tilt, delay, ten of each link from this one outwards, then
-/// the torque τ0 of the nominal model and the measured torque y.
-#[derive(Clone, Debug)]
-pub(crate) struct JointColumns {
-    pub matrix: DMatrix<f64>,
-    /// Number of links with columns.
-    pub links: usize,
-    /// First of them.
-    pub first_link: usize,
-}
-
-impl JointColumns {
-    /// Column of τ0.
-    pub fn nominal(&self) -> usize {
-        LINKS + 10 * self.links
-    }
-
-    /// Column of y.
-    pub fn measured(&self) -> usize {
-        self.nominal() + 1
-    }
 }
 
 /// Columns of all joints, and the Gram matrix of every joint's columns over every part.

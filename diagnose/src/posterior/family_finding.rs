@@ -5,9 +5,9 @@ use std::f64::consts::SQRT_2;
 use nalgebra::DMatrix;
 use tribo_sim::Effect;
 
-use super::columns::JointTerm;
 use super::fit::Fit;
-use super::prior::{CURVE_WIDTHS, Family, PRESLIDING_RAD, RIPPLES};
+use super::joint_term::{JointTerm, RIPPLES};
+use super::prior::{CURVE_WIDTHS, Family, PRESLIDING_RAD};
 use super::problem::{Place, Problem};
 use super::selection::Selection;
 use super::unseen::Unseen;

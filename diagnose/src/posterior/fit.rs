@@ -445,7 +445,7 @@ pub(crate) fn posterior(problem: &Problem, parts: &[usize], start: &Start) -> Op
             .iter()
             .filter_map(|i| {
                 let value = found.state[*i];
-                use super::columns::JointTerm;
+                use super::joint_term::JointTerm;
                 match problem.places[*i] {
                     // Friction that came before the motion would drive it.
                     Place::Own(
@@ -488,7 +488,7 @@ const PLAIN_RIDGE: f64 = 1e-9;
 /// Coulomb + viscous + offset per joint by least squares: where the gains are made linear first, and the baseline that any
 /// user reaches in an afternoon.
 pub(crate) fn plain_state(problem: &Problem, parts: &[usize]) -> State {
-    use super::columns::JointTerm;
+    use super::joint_term::JointTerm;
     let mut state = DVector::zeros(problem.places.len());
     for j in 0..problem.joints() {
         let columns = &problem.columns.joints[j];

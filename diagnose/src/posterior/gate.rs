@@ -3,8 +3,9 @@
 use nalgebra::{DMatrix, DVector};
 
 use super::baseline::PlainFits;
-use super::columns::{Columns, JointTerm, PARTS, push_weights};
+use super::columns::{Columns, PARTS, push_weights};
 use super::fit::{Start, plain_state, posterior};
+use super::joint_term::JointTerm;
 use super::prior::{ArmScale, Family};
 use super::problem::{Place, Problem, State};
 use crate::contact_window::{PushWindow, dominant_window};

@@ -10,6 +10,8 @@ pub(crate) mod family_finding;
 pub(crate) mod fit;
 mod further;
 pub(crate) mod gate;
+mod joint_columns;
+pub(crate) mod joint_term;
 mod motion;
 pub(crate) mod prior;
 pub(crate) mod problem;

@@ -1,5 +1,6 @@
 //! What is known of an arm before its log is read: the families of causes, how large each usually is, how rare.
 
+use super::joint_term::JointTerm;
 use crate::diagnosis::CauseLabel;
 
 /// Causes of one kind at all joints: one switch, one scale.
@@ -123,10 +124,6 @@ pub(crate) const CURVE_WIDTHS: [f64; 3] = [0.02, 0.08, 0.3];
 const LEAD_LOSS: [f64; 3] = [0.003, 0.015, 0.075];
 /// Distances of presliding (rad): what harmonic drives show at the joint.
 pub(crate) const PRESLIDING_RAD: [f64; 3] = [1e-3, 3e-3, 1e-2];
-/// Waves per revolution beside the slowest ripple of a joint, itself among them. Gears, torque sensors and cables repeat with
-/// the joint's angle: a Fourier series, of which a range that is no full wave says nothing. The waves of the motor, some hundred
-/// per revolution, lie above the band.
-pub(crate) const RIPPLES: usize = 4;
 /// Largest number of waves per revolution of a joint's slowest ripple: a joint that moves less than a sixth of a turn has none.
 pub(crate) const MOST_WAVES: usize = 6;
 /// Scale of the links' pseudo-inertia: 3 % of mass, 3 % of a gyration radius of their centre of mass. CAD models are about
@@ -158,9 +155,9 @@ pub(crate) struct ArmScale {
 }
 
 impl ArmScale {
-    /// Standard deviations of the parameters of one joint, by [`super::columns::JointTerm`].
-    pub fn joint_sd(&self, joint: usize, term: super::columns::JointTerm) -> f64 {
-        use super::columns::JointTerm as Term;
+    /// Standard deviations of the parameters of one joint, by [`JointTerm`].
+    pub fn joint_sd(&self, joint: usize, term: JointTerm) -> f64 {
+        use JointTerm as Term;
         let (torque, speed) = (self.torque_nm[joint], self.speed_rad_s[joint]);
         match term {
             Term::Offset => 0.01 * torque,

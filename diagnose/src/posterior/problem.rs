@@ -10,7 +10,9 @@
 use nalgebra::{DMatrix, DVector, Matrix3, Matrix4, SMatrix, Vector3};
 
 use super::body::{self, Parameters};
-use super::columns::{Columns, DELAY, JointTerm, LINKS, TILT};
+use super::columns::Columns;
+use super::joint_columns::{DELAY, LINKS, TILT};
+use super::joint_term::JointTerm;
 use super::prior::{ArmScale, Family, PAYLOAD_RADIUS_M};
 use crate::cause::link_from_flange;
 use crate::scene::Scene;

@@ -1,7 +1,7 @@
 //! Whether the logs are those of a simulator: friction that is a soft constraint, see [`tribo_sim::SoftFriction`].
 
-use super::columns::JointTerm;
 use super::fit::{Fit, fit};
+use super::joint_term::JointTerm;
 use super::prior::Family;
 use super::problem::{NormalEquations, Place, Problem};
 use super::selection::LEAST_NATS;

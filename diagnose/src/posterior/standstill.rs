@@ -10,7 +10,8 @@
 
 use nalgebra::{Matrix3, Vector3};
 
-use super::columns::{JointColumns, JointTerm};
+use super::joint_columns::JointColumns;
+use super::joint_term::JointTerm;
 use super::prior::PRESLIDING_RAD;
 use crate::noise_level::robust_sd;
 use crate::scene::Scene;

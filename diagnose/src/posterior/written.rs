@@ -2,8 +2,8 @@
 
 use tribo_sim::{Effect, SOFT_FRICTION_LEAD_S};
 
-use super::columns::JointTerm;
-use super::prior::{CURVE_WIDTHS, PAYLOAD_RADIUS_M, PRESLIDING_RAD, RIPPLES};
+use super::joint_term::{JointTerm, RIPPLES};
+use super::prior::{CURVE_WIDTHS, PAYLOAD_RADIUS_M, PRESLIDING_RAD};
 use super::problem::{Place, Problem, State};
 use crate::cause::tilt_of;
 use crate::scene::Scene;

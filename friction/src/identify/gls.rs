@@ -1,76 +1,11 @@
 //! Generalised least squares on the estimated wrench, with the stuck-joint projector.
 
-use nalgebra::{DMatrix, Matrix6, SMatrix, SVector, Vector6};
+use nalgebra::{DMatrix, SVector, Vector6};
 
-use super::Basis;
+use super::gls_rows::{Layout, fill_rows};
 use super::normal_equations::{NormalEquations, Solution};
+use super::{Basis, GlsError, GlsSample, GlsSettings};
 use crate::FrictionModel;
-
-/// One sample of a free-motion trial (100 Hz is plenty), angular part first, base axes.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct GlsSample<const N: usize> {
-    /// Estimated wrench [Nm; N].
-    pub wrench: Vector6<f64>,
-    /// W = J̄ᵀ = Λ J B⁻¹, the map from a joint torque to the wrench it looks like, at the time of the wrench.
-    pub wrench_from_torque: SMatrix<f64, 6, N>,
-    /// Zero-phase joint velocity [rad/s], taken earlier by the delay of the estimator.
-    pub qd: SVector<f64, N>,
-    /// Whether the joint slides, and does so for as long before and after as its velocity is averaged. Beside a rest the averaged velocity
-    /// is not the one that friction goes by: it gives dry friction away to viscous friction.
-    pub slides: [bool; N],
-    /// Friction compensation torque (Nm), taken earlier by the same delay.
-    pub tau_compensation: SVector<f64, N>,
-}
-
-/// What the fit assumes of noise, and of stiction and prior of each of N joints. Defaults are those found to work in closed loop.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct GlsSettings<const N: usize> {
-    /// Columns per joint.
-    pub basis: Basis,
-    /// Standard deviation of an estimated force (N).
-    pub force_sd_n: f64,
-    /// Standard deviation of an estimated moment (Nm).
-    pub moment_sd_nm: f64,
-    /// Coulomb friction that a joint may hide which does not slide (Nm); its torque is uniform within ± this.
-    pub stuck_coulomb_nm: [f64; N],
-    /// Number of samples that carry the information of one, because neighbours are correlated.
-    pub correlated_samples: f64,
-    /// Prior standard deviation of the coefficients of each joint about zero, in the order of [`Basis`]: Fv, Fc, dF.
-    pub prior_sd: [[f64; 3]; N],
-    /// Lower bounds of the coefficients of each joint, in the order of [`Basis`].
-    pub lower: [[f64; 3]; N],
-    /// Upper bounds of the coefficients of each joint, in the order of [`Basis`].
-    pub upper: [[f64; 3]; N],
-    /// Prior standard deviation of a constant torque offset per joint (Nm); none leaves offsets out.
-    pub offset_sd_nm: Option<f64>,
-    /// Prior standard deviation of an unmodelled mass at the flange (kg); none leaves it out.
-    pub payload_sd_kg: Option<f64>,
-}
-
-impl<const N: usize> GlsSettings<N> {
-    /// Standard settings for a basis, of joints as large as a Panda's; bounds [0, 5] Nm s/rad, [0, 5] Nm, [0, 1.5] Nm.
-    pub fn new(basis: Basis) -> Self {
-        Self {
-            basis,
-            force_sd_n: 0.1,
-            moment_sd_nm: 0.02,
-            stuck_coulomb_nm: [0.6; N],
-            correlated_samples: 50.0,
-            prior_sd: [[1.0, 0.7, 0.5]; N],
-            lower: [[0.0; 3]; N],
-            upper: [[5.0, 5.0, 1.5]; N],
-            offset_sd_nm: None,
-            payload_sd_kg: None,
-        }
-    }
-
-    /// The same with nuisances: torque offsets (prior sd 0.5 Nm) and a mass at the flange (prior sd 1 kg).
-    pub fn with_nuisances(mut self) -> Self {
-        self.offset_sd_nm = Some(0.5);
-        self.payload_sd_kg = Some(1.0);
-        self
-    }
-}
 
 /// Identified friction with its uncertainty.
 #[derive(Clone, Debug, PartialEq)]
@@ -105,25 +40,6 @@ impl<const N: usize> GlsFit<N> {
         let rows = self.covariance[joint].iter().zip(&columns);
         rows.map(|(row, x)| x * weighted(row)).sum::<f64>().max(0.0).sqrt()
     }
-}
-
-/// Why friction could not be identified.
-#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
-pub enum GlsError {
-    /// Fewer samples than needed.
-    #[error("friction identification needs at least {need} samples of free motion, got {got}")]
-    TooFewSamples {
-        /// Samples needed.
-        need: usize,
-        /// Samples given.
-        got: usize,
-    },
-    /// A sample holds NaN or infinity.
-    #[error("sample {index} of the identification log is not finite")]
-    NotFinite {
-        /// Index of the first such sample, of all logs.
-        index: usize,
-    },
 }
 
 /// Fits friction to the wrench that an estimator reports in free motion, in one log or several.
@@ -192,95 +108,10 @@ pub fn fit_from_wrench<const N: usize>(
     })
 }
 
-/// Where each unknown sits in the parameter vector, with its prior and bounds.
-pub(super) struct Layout {
-    pub total: usize,
-    offset: Option<usize>,
-    payload: Option<usize>,
-    pub prior_sd: Vec<f64>,
-    pub lower: Vec<f64>,
-    pub upper: Vec<f64>,
-}
-
-impl Layout {
-    pub fn new<const N: usize>(settings: &GlsSettings<N>) -> Self {
-        let columns = settings.basis.columns();
-        let mut layout = Self { total: 0, offset: None, payload: None, prior_sd: vec![], lower: vec![], upper: vec![] };
-        for j in 0..N {
-            for c in 0..columns {
-                layout.push(settings.prior_sd[j][c], settings.lower[j][c], settings.upper[j][c]);
-            }
-        }
-        if let Some(sd) = settings.offset_sd_nm {
-            layout.offset = Some(layout.total);
-            for _ in 0..N {
-                layout.push(sd, f64::NEG_INFINITY, f64::INFINITY);
-            }
-        }
-        if let Some(sd) = settings.payload_sd_kg {
-            layout.payload = Some(layout.total);
-            layout.push(sd, f64::NEG_INFINITY, f64::INFINITY);
-        }
-        layout
-    }
-
-    fn push(&mut self, prior_sd: f64, lower: f64, upper: f64) {
-        self.prior_sd.push(prior_sd);
-        self.lower.push(lower);
-        self.upper.push(upper);
-        self.total += 1;
-    }
-}
-
-/// Rows `[W_j Φ(qd_j) …, W_j …, g e_z]` of one sample.
-#[inline(never)]
-pub(super) fn fill_rows<const N: usize>(
-    rows: &mut DMatrix<f64>,
-    sample: &GlsSample<N>,
-    settings: &GlsSettings<N>,
-    layout: &Layout,
-) {
-    /// Standard gravity used for the mass nuisance [m/s²].
-    const GRAVITY_M_S2: f64 = 9.81;
-    let columns = settings.basis.columns();
-    for j in 0..N {
-        let sign = if sample.slides[j] { sample.qd[j].signum() } else { 0.0 };
-        let phi = settings.basis.evaluate(sample.qd[j], sign);
-        for c in 0..columns {
-            for r in 0..6 {
-                rows[(r, j * columns + c)] = sample.wrench_from_torque[(r, j)] * phi[c];
-            }
-        }
-    }
-    if let Some(first) = layout.offset {
-        for j in 0..N {
-            for r in 0..6 {
-                rows[(r, first + j)] = sample.wrench_from_torque[(r, j)];
-            }
-        }
-    }
-    if let Some(k) = layout.payload {
-        for r in 0..6 {
-            rows[(r, k)] = if r == 5 { GRAVITY_M_S2 } else { 0.0 };
-        }
-    }
-}
-
-/// `diag(moment², force²) + Σ_{j rests} W_j W_jᵀ Fc0²/3`.
-pub(super) fn error_covariance<const N: usize>(sample: &GlsSample<N>, settings: &GlsSettings<N>) -> Matrix6<f64> {
-    let (m, f) = (settings.moment_sd_nm.powi(2), settings.force_sd_n.powi(2));
-    let mut covariance = Matrix6::from_diagonal(&Vector6::new(m, m, m, f, f, f));
-    for j in 0..N {
-        if !sample.slides[j] {
-            let w = sample.wrench_from_torque.column(j);
-            covariance += w * w.transpose() * (settings.stuck_coulomb_nm[j].powi(2) / 3.0);
-        }
-    }
-    covariance
-}
-
 #[cfg(test)]
 mod tests {
+    use nalgebra::SMatrix;
+
     use super::*;
 
     /// A made-up arm whose map W turns slowly, so that seven torques show through six wrench components.

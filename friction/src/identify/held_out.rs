@@ -1,6 +1,6 @@
 //! Whether a law explains a log that it was not fitted to.
 
-use super::gls::Layout;
+use super::gls_rows::Layout;
 use super::normal_equations::NormalEquations;
 use super::{GlsError, GlsSample, GlsSettings};
 

@@ -2,7 +2,7 @@
 
 use nalgebra::{DMatrix, DVector, Matrix6, Vector6};
 
-use super::gls::{Layout, error_covariance, fill_rows};
+use super::gls_rows::{Layout, error_covariance, fill_rows};
 use super::{GlsError, GlsSample, GlsSettings, minimize_in_box};
 
 /// `A = Σ Rᵀ S⁻¹ R`, `b = Σ Rᵀ S⁻¹ y`, `c = Σ yᵀ S⁻¹ y` of rows R = W Φ, targets y and error covariances S: all that a fit and its

@@ -4,8 +4,10 @@ mod contact_gate;
 mod estimator;
 mod observer;
 mod settings;
+mod settings_error;
 
 pub use contact_gate::{ContactGate, ContactSettings};
 pub use estimator::ThermalEstimator;
 pub use observer::{FrictionSample, Innovation, MAX_WINDOW, ObserverGain, ObserverSettings, TemperatureObserver};
-pub use settings::{ThermalSettings, ThermalSettingsError};
+pub use settings::ThermalSettings;
+pub use settings_error::ThermalSettingsError;

@@ -2,29 +2,10 @@
 
 use crate::momentum::{OBSERVER_GAIN_RAD_S, PANDA_TORQUE_SD_NM, PANDA_VELOCITY_SD_RAD_S};
 use nalgebra::SVector;
-use thiserror::Error;
 use tribo_friction::FrictionModel;
 use tribo_friction::thermal::{HeatBalance, ThermalJoint, ThermalLaw};
 
-use super::{ContactSettings, ObserverSettings};
-
-/// A setting lies outside its range.
-#[derive(Clone, Copy, Debug, PartialEq, Error)]
-#[error("thermal estimator: {field} is {value}; allowed: {allowed}")]
-pub struct ThermalSettingsError {
-    /// Name of the setting.
-    pub field: &'static str,
-    /// Its value.
-    pub value: f64,
-    /// Its range.
-    pub allowed: &'static str,
-}
-
-impl ThermalSettingsError {
-    pub(super) fn check(field: &'static str, value: f64, ok: bool, allowed: &'static str) -> Result<(), Self> {
-        if ok && value.is_finite() { Ok(()) } else { Err(Self { field, value, allowed }) }
-    }
-}
+use super::{ContactSettings, ObserverSettings, ThermalSettingsError};
 
 /// Settings of [`super::ThermalEstimator`].
 #[derive(Clone, Copy, Debug, PartialEq)]

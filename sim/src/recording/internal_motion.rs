@@ -4,6 +4,7 @@ use nalgebra::SVector;
 use tribo_friction::MAX_BRISTLES;
 use tribo_robot::mass_matrix;
 
+use super::internal::Internal;
 use super::true_torque::TrueTorque;
 use crate::gap::Gap;
 use crate::hidden::{JointBristles, presliding_rad};
@@ -11,27 +12,6 @@ use crate::oscillator::oscillator_step;
 
 /// Step of the integration (s): 5 kHz, a tenth of the period of the stiffest wrist.
 const STEP_S: f64 = 2e-4;
-
-/// Internal state at one time.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Internal<const N: usize> {
-    /// Bristle ratios z [-].
-    pub bristles: [JointBristles; N],
-    /// Motor less link angle through the spring (rad), and its derivatives.
-    pub deflection: SVector<f64, N>,
-    pub deflection_rate: SVector<f64, N>,
-    pub deflection_acceleration: SVector<f64, N>,
-    /// Motor less link angle through the gap (rad).
-    pub gap: SVector<f64, N>,
-}
-
-impl<const N: usize> Internal<N> {
-    fn none() -> Self {
-        let zero = SVector::zeros();
-        let bristles = [JointBristles::default(); N];
-        Self { bristles, deflection: zero, deflection_rate: zero, deflection_acceleration: zero, gap: zero }
-    }
-}
 
 /// Internal states on a fine grid, empty for joints without any:
 ///

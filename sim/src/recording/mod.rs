@@ -21,6 +21,7 @@
 //! # Ok::<(), tribo_sim::RecordingError>(())
 //! ```
 
+mod internal;
 mod internal_motion;
 mod recorder;
 mod settings;

@@ -148,7 +148,8 @@ impl<const N: usize> Recorder<'_, N> {
             let stamp_s = start_s + time_s + jitter_s(recording.stamp_jitter_sd_s, rng);
             sensors.advance(last_s, time_s, &torque, &internal, rng);
             last_s = time_s;
-            let tau = torque.at(time_s - delay_s, &internal) + noise(recording.torque_sd_nm, rng);
+            let sensed_s = time_s - delay_s;
+            let tau = torque.at(sensed_s, &internal.at(sensed_s)) + noise(recording.torque_sd_nm, rng);
             let tau = quantised(tau, recording.torque_resolution_nm);
             let repeated = k > 0 && rng.random_bool(recording.repeated_fraction);
             rows.push(stamp_s, &sensors, &tau, repeated);
@@ -198,7 +199,8 @@ impl<const N: usize> Encoders<N> {
         let state = torque.trajectory.at(0.0);
         let q = quantised(state.q + noise(recording.encoder_sd_rad, rng), recording.encoder_resolution_rad);
         let theta = if recording.dual_encoder {
-            let theta = torque.motor_angle(-recording.encoder_skew_s, internal);
+            let read_s = -recording.encoder_skew_s;
+            let theta = torque.motor_angle(read_s, &internal.at(read_s));
             quantised(theta + noise(recording.motor_encoder_sd_rad, rng), recording.encoder_resolution_rad)
         } else {
             q
@@ -228,7 +230,8 @@ impl<const N: usize> Encoders<N> {
             self.q = quantised(q, recording.encoder_resolution_rad);
             self.q_filter.push(self.q, dt_s);
             if recording.dual_encoder {
-                let theta = torque.motor_angle(tick_s - recording.encoder_skew_s, internal);
+                let read_s = tick_s - recording.encoder_skew_s;
+                let theta = torque.motor_angle(read_s, &internal.at(read_s));
                 let theta = theta + noise(recording.motor_encoder_sd_rad, rng);
                 self.theta = quantised(theta, recording.encoder_resolution_rad);
                 self.theta_filter.push(self.theta, dt_s);

@@ -279,7 +279,7 @@ fn a_compensator_along_the_motion_is_the_recorded_friction() {
         let input = CompensatorInput { q: s.q, qd_measured: s.qd, qd_reference: s.qd, load_nm: Vector::zeros(), dt_s };
         let believed = compensator.tick(&mut bristles, &input).total();
         if tick % 50 == 0 {
-            let friction = torque.at(t, &internal) - rnea(&presets::panda(), &s.q, &s.qd, &s.qdd);
+            let friction = torque.at(t, &internal.at(t)) - rnea(&presets::panda(), &s.q, &s.qd, &s.qdd);
             worst = worst.sup(&(friction - believed).abs());
         }
     }
@@ -343,7 +343,7 @@ fn an_elastic_joint_transmits_what_the_link_needs() {
         assert_eq!(motor.q, motion.at(t).q);
         let needed = rnea(&torque.link_arm, &link.q, &link.qd, &link.qdd)[j];
         worst = worst.max((through_spring - needed).abs());
-        moved = moved.max((tau(&rigid, k) - torque.at(t, &internal))[j].abs());
+        moved = moved.max((tau(&rigid, k) - torque.at(t, &internal.at(t)))[j].abs());
     }
     assert!(moved > 0.1, "elasticity shows: {moved}");
     assert!(worst < 0.1 * moved, "{worst} of {moved}");

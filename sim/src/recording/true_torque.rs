@@ -4,7 +4,7 @@ use nalgebra::SVector;
 use tribo_robot::{Arm, Kinematics, Wrench, rnea};
 
 use super::ExtraTorque;
-use super::internal_motion::{Internal, InternalMotion};
+use super::internal::Internal;
 use crate::Truth;
 use crate::excitation::{JointState, JointTrajectory};
 use crate::hidden::{Hidden, joint_torque_nm};
@@ -60,14 +60,13 @@ impl<const N: usize> TrueTorque<'_, N> {
     }
 
     /// Motor angle (rad) at `time_s` (s).
-    pub fn motor_angle(&self, time_s: f64, internal: &InternalMotion<N>) -> SVector<f64, N> {
-        self.both_sides(time_s, &internal.at(time_s)).0.q
+    pub fn motor_angle(&self, time_s: f64, internal: &Internal<N>) -> SVector<f64, N> {
+        self.both_sides(time_s, internal).0.q
     }
 
     /// Torque (Nm) at `time_s` (s), gain included, as a perfect sensor without delay gives it.
-    pub fn at(&self, time_s: f64, internal: &InternalMotion<N>) -> SVector<f64, N> {
-        let internal = internal.at(time_s);
-        let (motor, link) = self.both_sides(time_s, &internal);
+    pub fn at(&self, time_s: f64, internal: &Internal<N>) -> SVector<f64, N> {
+        let (motor, link) = self.both_sides(time_s, internal);
         let log_s = time_s + self.log_offset_s;
         let load = if self.hidden.joints.iter().any(|effects| effects.load_coefficient != 0.0) {
             rnea(&self.link_arm, &link.q, &link.qd, &link.qdd)
