@@ -45,6 +45,7 @@ mod log_wrench;
 mod monitor;
 mod numbered_trial;
 mod parameters;
+mod published_gaz;
 mod recorded_settings;
 mod reference_costs;
 mod references_file;

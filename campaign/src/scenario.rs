@@ -10,7 +10,7 @@ use tribo_friction::FrictionModel;
 use tribo_robot::Payload;
 use tribo_sim::{Sensors, Truth};
 
-use crate::strategy::published_gaz;
+use crate::published_gaz::published_gaz;
 pub use tribo_model::POSES;
 use tribo_model::{Believed, ConfigError, FieldError, ModelFile, Robot};
 
@@ -123,7 +123,7 @@ impl TruthName {
             Self::CoulombViscous => Truth::new(arm, friction()?.coulomb_viscous()),
             Self::Stribeck => Truth::new(arm, friction()?.stribeck()),
             Self::Lugre => Truth::new(arm, friction()?.lugre()),
-            Self::Gaz if arm.name == "panda" => Truth::new(arm, published_gaz().map_err(|_| unknown(GAZ))?),
+            Self::Gaz if arm.name == "panda" => Truth::new(arm, published_gaz().ok_or_else(|| unknown(GAZ))?),
             Self::Gaz => return Err(unknown(GAZ)),
             Self::Soft => Truth::new(arm, friction()?.coulomb_viscous()).creeping(),
             Self::Thermal => Truth::new(arm, friction()?.coulomb_viscous()).warming_up(),

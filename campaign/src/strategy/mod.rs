@@ -21,7 +21,6 @@ use serde::{Deserialize, Serialize};
 use tribo_bayesopt::{Allowed, BayesoptError, ExpectedGain};
 use tribo_friction::identify::GlsError;
 
-pub(crate) use baseline::published_gaz;
 pub use bayes::observations;
 pub use best::BestTrial;
 pub use beyond_box::BeyondBox;
@@ -32,6 +31,7 @@ pub use law_change::LawChange;
 pub use law_check::LawCheck;
 pub use standing::{Standing, standing_sentence};
 
+use crate::published_gaz::published_gaz;
 pub use crate::strategy_name::StrategyName;
 
 use crate::{AbortReason, Cost, EstimatorError, TrialLog, ValidTune};
@@ -206,7 +206,9 @@ impl StrategyName {
         let (space, seed) = (&tune.space, tune.config.seed);
         Ok(match self {
             Self::Zero => Box::new(baseline::Constant(space.zero())),
-            Self::Gaz => Box::new(baseline::Constant(space.theta(&published_gaz::<N>()?))),
+            Self::Gaz => {
+                Box::new(baseline::Constant(space.theta(&published_gaz::<N>().ok_or(StrategyError::NotAPanda)?)))
+            }
             Self::Random => Box::new(bayes::Search::random(tune)?),
             Self::Sobol => Box::new(bayes::Search::sobol(tune)?),
             Self::Paper => Box::new(bayes::Search::paper(tune)?),
