@@ -80,14 +80,7 @@ fn convert_heard(
             summary.ok_or_else(stopped)
         }
         None => {
-            let read = read_heard(
-                from,
-                options,
-                Box::new({
-                    let progress = Rc::clone(&progress);
-                    move |part| progress(part)
-                }),
-            );
+            let read = read_heard(from, options, Rc::clone(&progress));
             let (log, summary) = read.map_err(|error| match error {
                 LogError::Stopped { .. } => stopped(),
                 other => other,

@@ -14,6 +14,7 @@
 //! | other text of lines with equally many cells, one of them a number | [`LogFormat::Table`], [`LogFormat::TableGz`] |
 
 use std::path::{Path, PathBuf};
+use std::rc::Rc;
 
 use bytes::Bytes;
 
@@ -130,14 +131,14 @@ pub fn read_watched(
     options: &ReadOptions,
     hear: impl Fn(f64) -> bool + 'static,
 ) -> Result<(RobotLog, LogSummary), LogError> {
-    read_heard(path.as_ref(), options, Box::new(hear))
+    read_heard(path.as_ref(), options, Rc::new(hear))
 }
 
 /// As [`read_watched`], compiled once.
 pub(crate) fn read_heard(
     path: &Path,
     options: &ReadOptions,
-    hear: Box<dyn Fn(f64) -> bool>,
+    hear: Rc<dyn Fn(f64) -> bool>,
 ) -> Result<(RobotLog, LogSummary), LogError> {
     let format = detect(path)?;
     let bag = if matches!(format, LogFormat::Mcap | LogFormat::Bag) { bag_file(path)? } else { None };

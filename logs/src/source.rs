@@ -32,7 +32,7 @@ pub(crate) struct LogFile<'p> {
 
 /// Who hears the part of a file that has been read, 0 to 1, and stops by saying false.
 pub(crate) struct Watch {
-    hear: Box<dyn Fn(f64) -> bool>,
+    hear: Rc<dyn Fn(f64) -> bool>,
     /// Part that the next opening of the file begins at, and ends at.
     stretch: Cell<(f64, f64)>,
     /// Whether somebody has stopped.
@@ -61,7 +61,7 @@ impl<'p> LogFile<'p> {
     }
 
     /// The same file, watched by `hear`.
-    pub fn watched(self, hear: Box<dyn Fn(f64) -> bool>) -> Self {
+    pub fn watched(self, hear: Rc<dyn Fn(f64) -> bool>) -> Self {
         let (stretch, stopped) = (Cell::new((0.0, 1.0)), Cell::new(false));
         Self { watch: Some(Rc::new(Watch { hear, stretch, stopped })), ..self }
     }

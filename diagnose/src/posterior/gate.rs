@@ -51,19 +51,17 @@ pub(crate) struct Wrongness {
 pub(crate) fn wrongness<const N: usize>(scene: &Scene<N>) -> Wrongness {
     let (whole, mut left) = wrongness_around(scene, &[]);
     let mut pushes = Vec::new();
-    let plain_fits = || {
-        let scale = ArmScale::of(scene);
-        PlainFits::of(&Problem::of(scene, Columns::of(scene, &scale, PARTS), scale, vec![false; scene.chains.len()]))
-    };
-    while whole.everywhere && pushes.len() < MOST_PUSHES {
-        let Some(Left { left_nm, weights }) = &left else { break };
+    while let Some(Left { left_nm, weights }) = left.filter(|_| pushes.len() < MOST_PUSHES) {
         let weights: Vec<&[f64]> = weights.iter().map(Vec::as_slice).collect();
-        let Some(push) = dominant_window(scene, left_nm, &weights, PUSHED_SHARE) else { break };
+        let Some(push) = dominant_window(scene, &left_nm, &weights, PUSHED_SHARE) else { break };
         pushes.push(push);
         let (rest, left_beside) = wrongness_around(scene, &pushes);
         if !rest.everywhere {
             // What any user reaches, who knows of no push.
-            return Wrongness { plain_fits: plain_fits(), ..rest };
+            let scale = ArmScale::of(scene);
+            let columns = Columns::of(scene, &scale, PARTS);
+            let whole = Problem::of(scene, columns, scale, vec![false; scene.chains.len()]);
+            return Wrongness { plain_fits: PlainFits::of(&whole), ..rest };
         }
         left = left_beside;
     }
@@ -75,7 +73,7 @@ const MOST_PUSHES: usize = 3;
 /// Share of what every family together leaves that a push explains where it may be what makes a model look wrong: the rest decides.
 const PUSHED_SHARE: f64 = 0.2;
 
-/// What every family together leaves of each joint, and the weights of its rows.
+/// What every family together leaves of each joint of a model that is wrong everywhere, and the weights of its rows.
 struct Left {
     left_nm: Vec<Vec<f64>>,
     weights: Vec<Vec<f64>>,
@@ -139,9 +137,9 @@ fn wrongness_around<const N: usize>(scene: &Scene<N>, pushes: &[PushWindow]) -> 
     let plain_will_do = (0..N).all(|j| rms_nm(&plain, j) < AS_WELL * left_nm[j].max(noise_nm(j)));
     let everywhere = 2 * leaving > N || (2 * differing > N && !plain_will_do);
     let plain_fits = if everywhere || !pushes.is_empty() { None } else { PlainFits::of(&problem) };
-    let left = Left {
+    let left = everywhere.then(|| Left {
         left_nm: (0..N).map(|j| problem.residual_along(&all.state, j, &parts)).collect(),
         weights: (0..N).map(|j| problem.columns.row_weights(j).to_vec()).collect(),
-    };
-    (Wrongness { everywhere, in_many_joints: 3 * differing > N && !plain_will_do, left_nm, plain_fits }, Some(left))
+    });
+    (Wrongness { everywhere, in_many_joints: 3 * differing > N && !plain_will_do, left_nm, plain_fits }, left)
 }
