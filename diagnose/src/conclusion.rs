@@ -4,11 +4,14 @@ use tribo_logs::RobotLog;
 use tribo_sim::Effect;
 
 use crate::DiagnoseError;
-use crate::confusable::same_by_physics;
+use crate::confusable::same_torque;
 use crate::deflection::DeflectionFinding;
 use crate::diagnosis::{CauseLabel, Diagnosis, Finding, JointMisfit, Location, Unseen, Verdict};
+use crate::engine::Before;
 use crate::evidence::joint_fit;
-use crate::finding::{Fitted, Selected, deflection_finding, describe, finding_of, ripple_finding, squares};
+use crate::finding::{
+    Fitted, Selected, deflection_finding, describe, finding_of, lateness_of_stamps, ripple_finding, squares,
+};
 use crate::held_out::{HeldOut, gain_of_pairs, gain_with_interval, plain_squares};
 use crate::next_experiment::next_experiment;
 use crate::noise_level::rms;
@@ -29,6 +32,8 @@ use crate::validation::validated;
 pub(crate) struct Evaluated<'e, const N: usize> {
     /// Residual before ripples were taken out (Nm).
     pub original: &'e [Vec<f64>; N],
+    /// What figures before the findings are of, if not the scene's own model.
+    pub before: Option<Before<'e, N>>,
     pub lines: &'e [RippleLine],
     /// What plain fits predict, to stand beside the answer.
     pub plain_fits: Option<&'e PlainFits>,
@@ -79,12 +84,17 @@ pub(crate) fn conclude<const N: usize>(
     let coefficients = joint_fit(system, &columns).coefficients;
     let plain = selected.iter().flat_map(|s| s.plain.iter().cloned()).collect();
     let held_out = HeldOut::with_plain(system, &groups, plain);
-    let before = plain_squares(evaluated.original, &held_out.blocks);
+    let Before { model: asked, residual_nm: asked_nm } =
+        evaluated.before.unwrap_or(Before { model: &scene.nominal, residual_nm: evaluated.original });
+    let before = plain_squares(asked_nm, &held_out.blocks);
     let after = held_out.squares(&scene.residual_nm);
     let all_joints: Vec<usize> = (0..N).collect();
     let (mut gain_heldout, mut gain_heldout_ci95) = gain_with_interval(&before, &after, &all_joints, evaluated.seed);
 
-    let unseen = evaluated.plain_fits.map(|fits| beside(fits, search, &selected));
+    let mut unseen = evaluated.plain_fits.map(|fits| beside(fits, search, &selected));
+    if let (Some(unseen), Some(before)) = (&mut unseen, evaluated.before) {
+        unseen.nominal_nm = before.residual_nm.iter().map(|column| rms(column)).collect();
+    }
     let residual_after = subtracted(&scene.residual_nm, &held_out.plain, &coefficients);
     // A model file takes named causes alone: they are fitted anew without the nameless.
     let named: Vec<usize> =
@@ -121,17 +131,19 @@ pub(crate) fn conclude<const N: usize>(
     }
     findings.sort_by(|a, b| b.evidence.total_cmp(&a.evidence));
 
+    let rejected = rejected(search, &findings);
     // What is reported is what the written model leaves when it is read back.
     let extension: Vec<Effect> = findings.iter().filter_map(|finding| finding.effect.clone()).collect();
     let mut extended = scene.nominal.clone();
     extended.effects.extend(extension.iter().cloned());
     let read_back = Scene::of_logs(evaluated.logs, &extended, scene.chains.first().map(|chain| chain.band_hz))?;
-    let joints = misfits(scene, evaluated.original, &read_back.residual_nm, &before, &after);
+    let joints = misfits(scene, asked_nm, &read_back.residual_nm, &before, &after);
     // The verdict.
     let mut notes = notes_of(scene);
+    notes.extend(lateness_of_stamps(&mut findings));
     let doubted = |finding: &Finding| {
         let place = (finding.label, finding.location);
-        finding.alternatives.iter().any(|rival| !same_by_physics::<N>(place, (rival.label, rival.location)))
+        finding.alternatives.iter().any(|rival| !same_torque(&scene.nominal, place, (rival.label, rival.location)))
     };
     let explained = |j: usize| {
         findings.iter().any(|finding| match finding.location {
@@ -168,12 +180,11 @@ pub(crate) fn conclude<const N: usize>(
         ));
     }
 
-    let rejected = rejected(search, &findings);
-    let overview = plots::overview(scene, evaluated.original);
-    let pattern = plots::cross_joint_pattern(scene, evaluated.original);
+    let overview = plots::overview(scene, asked_nm);
+    let pattern = plots::cross_joint_pattern(scene, asked_nm);
     step("validation", 0.97)?;
     let validation = validated(
-        &scene.nominal,
+        [asked, &scene.nominal],
         &extension,
         validate,
         scene.chains.first().map(|chain| chain.band_hz),
@@ -191,6 +202,7 @@ pub(crate) fn conclude<const N: usize>(
         validation,
         rejected,
         extension,
+        smoothing_rad_s: None,
         unseen,
         predictive_sd_nm: Vec::new(),
         assumptions: assumptions_of(search, evaluated.chance),

@@ -1,5 +1,6 @@
 //! Which causes physics confuses, and what separates them.
 
+use crate::Nominal;
 use crate::diagnosis::{CauseLabel, Location};
 
 /// Pairs of causes that look alike, and the sentence that a report gives.
@@ -59,4 +60,47 @@ pub(crate) fn same_by_physics<const N: usize>(a: (CauseLabel, Location), b: (Cau
                 && y == (CauseLabel::LinkInertial, Location::Link(0)))
     };
     is(a, b) || is(b, a)
+}
+
+/// Width of the smooth sign [rad/s] from which downwards dry friction jumps: no joint is seen within it.
+const JUMP_RAD_S: f64 = 1e-3;
+
+/// Whether the two give the same torque in any motion that this model can follow: by physics, or a constant and friction that differs by
+/// direction where dry friction jumps, which differ in a joint that stands, held by any friction there is.
+pub(crate) fn same_torque<const N: usize>(
+    nominal: &Nominal<N>,
+    a: (CauseLabel, Location),
+    b: (CauseLabel, Location),
+) -> bool {
+    let labels = (a.0.min(b.0), a.0.max(b.0));
+    let constant = labels == (CauseLabel::CoulombAsymmetry, CauseLabel::TorqueOffset) && a.1 == b.1;
+    same_by_physics::<N>(a, b) || (constant && nominal.smoothing_rad_s < JUMP_RAD_S)
+}
+
+#[cfg(test)]
+mod tests {
+    use tribo_friction::FrictionModel;
+    use tribo_robot::presets;
+    use tribo_sim::TorqueSide;
+
+    use super::*;
+
+    #[test]
+    fn a_constant_and_one_sided_friction_are_one_torque_where_friction_jumps() {
+        let nominal = |smoothing_rad_s| Nominal::<7> {
+            arm: presets::panda(),
+            friction: FrictionModel::none(),
+            smoothing_rad_s,
+            effects: Vec::new(),
+            torque_side: TorqueSide::Motor,
+        };
+        let at = |label, joint| (label, Location::Joint(joint));
+        let (offset, asymmetry) = (CauseLabel::TorqueOffset, CauseLabel::CoulombAsymmetry);
+        assert!(same_torque(&nominal(3e-4), at(offset, 2), at(asymmetry, 2)));
+        assert!(same_torque(&nominal(3e-4), at(asymmetry, 2), at(offset, 2)));
+        assert!(!same_torque(&nominal(3e-4), at(offset, 2), at(asymmetry, 3)), "two joints");
+        assert!(!same_torque(&nominal(5e-3), at(offset, 2), at(asymmetry, 2)), "a joint creeps within the sign");
+        let last = (CauseLabel::LinkInertial, Location::Link(6));
+        assert!(same_torque(&nominal(5e-3), (CauseLabel::Payload, Location::Arm), last));
+    }
 }

@@ -15,7 +15,8 @@ use crate::evidence::joint_fit;
 use crate::noise_level::rms;
 use crate::posterior::baseline::PlainFits;
 use crate::posterior::explain::{Given, explain};
-use crate::posterior::gate::{AS_WELL, wrongness};
+use crate::posterior::gate::{AS_WELL, regression, wrongness};
+use crate::posterior::sign_width::sharper_sign;
 use crate::ripple::{RippleLine, ripples};
 use crate::scene::{Column, Scene, subtracted};
 use crate::search::{Search, joints_and_kinds};
@@ -105,8 +106,23 @@ pub(crate) fn explained<const N: usize>(
     if scene.time_s.len() < LEAST_SAMPLES {
         return Err(DiagnoseError::TooShort { got: scene.time_s.len(), need: LEAST_SAMPLES });
     }
+    // The width of the smooth sign is the model's own affair: what is asked of is the model with the width that the log shows.
+    let asked = nominal;
+    let mut whole = regression(&scene, &[]);
+    let sharper = sharper_sign(&scene, &whole);
+    let before = sharper.map(|_| scene.residual_nm.clone());
+    let sharp_nominal = sharper.map(|width| nominal.with_sign(width));
+    let nominal = sharp_nominal.as_ref().unwrap_or(asked);
+    if sharper.is_some() {
+        let mut sharp = Scene::of_logs(logs, nominal, scene.chains.first().map(|chain| chain.band_hz))?;
+        sharp.borrow_regressors(&scene);
+        scene = sharp;
+        whole = regression(&scene, &[]);
+    }
+    let before = before.as_ref().map(|residual_nm| Before { model: asked, residual_nm });
     // With logs of a bare flange all is fitted together anyway: nobody needs to ask how much is wrong.
-    let few = unloaded.is_empty().then(|| wrongness(&scene)).filter(|wrong| !wrong.everywhere);
+    let few = unloaded.is_empty().then(|| wrongness(&scene, &whole)).filter(|wrong| !wrong.everywhere);
+    drop(whole);
     // Causes in most joints are a model that is wrong everywhere if they are of many kinds, or leave most joints unexplained and more
     // than all families would; and causes found one by one need not make an arm together, families fitted with every link a body do.
     let stands = |found: &Diagnosis, all_nm: &[f64]| {
@@ -137,7 +153,7 @@ pub(crate) fn explained<const N: usize>(
             let plain_fits = wrong.plain_fits.as_ref();
             // A search gives up only here: elsewhere it ends soon, and the small causes that it finds beside the true ones are pruned.
             let most_kinds = wrong.in_many_joints.then_some(HOPELESS_KINDS);
-            let question = Question { looked_for: &|_| true, most_kinds, plain_fits, validate };
+            let question = Question { looked_for: &|_| true, most_kinds, plain_fits, validate, before };
             let mut found = cause_by_cause(&question, logs, &mut scene, settings, &step)?;
             if let (Some(found), None) = (&mut found, plain_fits) {
                 found.notes.push(TOO_SHORT_TO_SPLIT.to_owned());
@@ -147,16 +163,30 @@ pub(crate) fn explained<const N: usize>(
         None => None,
     };
     drop(scene);
-    let diagnosis = match one_by_one {
+    let mut diagnosis = match one_by_one {
         Some(found) => found,
-        None => explain(&Given { logs, unloaded, validate }, nominal, settings, &step)?,
+        None => explain(&Given { logs, unloaded, validate }, [asked, nominal], settings, &step)?,
     };
+    if let Some(width) = sharper {
+        diagnosis.smoothing_rad_s = Some(width);
+        diagnosis.notes.push(format!(
+            "dry friction turns round within {} rad/s, faster than the model's {} rad/s: the extended model has that width (friction.smoothing_rad_s)",
+            width, asked.smoothing_rad_s
+        ));
+    }
     progress("done", 1.0);
     Ok(diagnosis)
 }
 
+/// A model that is asked about, where the scene has another in its place, and what it leaves (Nm).
+#[derive(Clone, Copy)]
+pub(crate) struct Before<'b, const N: usize> {
+    pub model: &'b Nominal<N>,
+    pub residual_nm: &'b [Vec<f64>; N],
+}
+
 /// What is asked of logs, cause by cause.
-pub(crate) struct Question<'q> {
+pub(crate) struct Question<'q, const N: usize> {
     /// Labels of the causes.
     pub looked_for: &'q dyn Fn(CauseLabel) -> bool,
     /// Kinds of causes in most joints beyond which nobody would believe an answer; `None` where any number will do.
@@ -165,12 +195,14 @@ pub(crate) struct Question<'q> {
     pub plain_fits: Option<&'q PlainFits>,
     /// Logs that nothing is fitted to.
     pub validate: &'q [(String, RobotLog)],
+    /// What figures before the findings are of; the scene's own model where `None`.
+    pub before: Option<Before<'q, N>>,
 }
 
 /// Explains logs by the fewest causes, each at its place; `None` if they are of too many kinds. What ripples explain is taken out of the
 /// scene's residual.
 pub(crate) fn cause_by_cause<const N: usize>(
-    question: &Question<'_>,
+    question: &Question<'_, N>,
     logs: &[RobotLog],
     scene: &mut Scene<N>,
     settings: &DiagnoseSettings,
@@ -245,6 +277,7 @@ pub(crate) fn cause_by_cause<const N: usize>(
         step("evidence", 0.88)?;
         let evaluated = Evaluated {
             original: &original,
+            before: question.before,
             lines: &lines,
             plain_fits: question.plain_fits,
             deflections: &deflections(scene),

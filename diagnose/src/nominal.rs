@@ -37,6 +37,11 @@ impl<const N: usize> Nominal<N> {
         Self { arm, effects, ..self.clone() }
     }
 
+    /// The same model with another width of the smooth sign [rad/s].
+    pub(crate) fn with_sign(&self, smoothing_rad_s: f64) -> Self {
+        Self { smoothing_rad_s, ..self.clone() }
+    }
+
     /// Friction of a joint that slides: of its law, with what `effects` add that goes with speed alone.
     pub(crate) fn sliding_friction(&self, joint: usize) -> SlidingFriction {
         let mut sliding = SlidingFriction {
@@ -99,6 +104,7 @@ impl<const N: usize> Nominal<N> {
 }
 
 /// Friction of one joint over its speed.
+#[derive(Clone)]
 pub(crate) struct SlidingFriction {
     law: JointFriction,
     smoothing_rad_s: f64,
@@ -109,6 +115,11 @@ pub(crate) struct SlidingFriction {
 }
 
 impl SlidingFriction {
+    /// The same with another width of the smooth sign [rad/s] and more Coulomb friction (Nm).
+    pub fn with_sign(&self, smoothing_rad_s: f64, more_coulomb_nm: f64) -> Self {
+        Self { smoothing_rad_s, delta_coulomb_nm: self.delta_coulomb_nm + more_coulomb_nm, ..self.clone() }
+    }
+
     /// Torque at a speed [rad/s] (Nm).
     pub fn torque_nm(&self, qd: f64) -> f64 {
         let curves = self.curves.iter().map(|(amplitude_nm, width_rad_s)| amplitude_nm * smooth_sign(qd, *width_rad_s));

@@ -239,7 +239,7 @@ const LONELY: f64 = 0.85;
 const CONVINCING: f64 = 1500.0;
 
 /// Held-out gain on its best joint that a finding must have.
-const LEAST_GAIN: f64 = 0.015;
+pub(crate) const LEAST_GAIN: f64 = 0.015;
 /// The same of a cause without a name, which has to tell the user something.
 const LEAST_GAIN_OF_NAMELESS: f64 = 0.05;
 /// Residual left over sensor noise beyond which a joint keeps secrets from every cause considered.

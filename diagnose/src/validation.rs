@@ -13,9 +13,10 @@ use crate::scene::Scene;
 /// Length of a block of the interval (s).
 const BLOCK_S: f64 = 2.0;
 
-/// Residual RMS of each log with the nominal and with the extended model, in the band of the diagnosis.
+/// Residual RMS of each log with the model that is asked about and with the extended one, which is the nominal with its effects, in the band
+/// of the diagnosis.
 pub(crate) fn validated<const N: usize>(
-    nominal: &Nominal<N>,
+    [asked, nominal]: [&Nominal<N>; 2],
     effects: &[Effect],
     logs: &[(String, RobotLog)],
     band_hz: Option<f64>,
@@ -28,7 +29,7 @@ pub(crate) fn validated<const N: usize>(
     logs.iter()
         .map(|(name, log)| {
             let one = std::slice::from_ref(log);
-            let before = Scene::of_logs(one, nominal, band_hz)?;
+            let before = Scene::of_logs(one, asked, band_hz)?;
             let after = Scene::of_logs(one, &extended, Some(before.chains[0].band_hz))?;
             let per_joint = |scene: &Scene<N>| scene.residual_nm.iter().map(|column| rms(column)).collect();
             let length = (BLOCK_S * before.chains[0].output_rate_hz()).ceil().max(1.0) as usize;

@@ -1,11 +1,12 @@
 //! The `effects` section of a model file: its check, and how findings join it.
 
 use nalgebra::Cholesky;
+use tribo_diagnose::Diagnosis;
 use tribo_friction::{MAX_BRISTLES, MAX_CURVES, MAX_RIPPLES};
 use tribo_robot::mass_matrix;
 use tribo_sim::{Effect, EffectError};
 
-use crate::{FieldError, Model, ModelFile};
+use crate::{FieldError, FrictionSection, Model, ModelFile};
 
 /// The most effects of a model; a diagnosis leaves some hundred at most, and each is checked on top of all before it.
 const MOST_EFFECTS: usize = 256;
@@ -53,6 +54,16 @@ fn field_error(k: usize, effect: &Effect, error: &EffectError) -> FieldError {
 }
 
 impl ModelFile {
+    /// The model with all that a diagnosis of it found: its effects, and the width of its smooth sign where the log shows a sharper one.
+    pub fn diagnosed(&self, diagnosis: &Diagnosis) -> Self {
+        let mut file = self.extended(&diagnosis.effects());
+        if let Some(width) = diagnosis.smoothing_rad_s {
+            let none = || FrictionSection::none(diagnosis.joints.len());
+            file.friction.get_or_insert_with(none).smoothing_rad_s = width;
+        }
+        file
+    }
+
     /// The same file with `findings` on top, as `diagnose --extend` writes it. Findings that are linear in their
     /// parameters add up with what the file has of the same cause in the same place:
     ///

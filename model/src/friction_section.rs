@@ -92,6 +92,13 @@ joint_parameters! {
 }
 
 impl FrictionSection {
+    /// No friction, joint by joint.
+    pub(crate) fn none(joints: usize) -> Self {
+        let joint =
+            JointParameters { coulomb_nm: Some(0.0), viscous_nm_s_per_rad: Some(0.0), ..JointParameters::default() };
+        Self { law: LawName::CoulombViscous, smoothing_rad_s: SIGN_SMOOTHING_RAD_S, joints: vec![joint; joints] }
+    }
+
     /// The section that describes `model`; all joints must follow one law (the first joint's law names it).
     pub fn of<const N: usize>(model: &FrictionModel<N>, smoothing_rad_s: f64) -> Self {
         let law = match model.joints[0] {

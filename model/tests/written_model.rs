@@ -1,6 +1,6 @@
 //! What a diagnosis reports is what its written model leaves when the file is read back.
 
-#![allow(clippy::unwrap_used, reason = "tests")]
+#![allow(clippy::unwrap_used, clippy::panic, reason = "tests")]
 
 use nalgebra::SVector;
 use tribo_diagnose::{
@@ -61,7 +61,7 @@ fn wrong_everywhere(loaded: bool) -> Vec<Effect> {
 
 /// The model file that a diagnosis leaves, through its text.
 fn read_back(diagnosis: &Diagnosis) -> Model<7> {
-    let text = to_yaml(&nominal_file().extended(&diagnosis.effects())).unwrap();
+    let text = to_yaml(&nominal_file().diagnosed(diagnosis)).unwrap();
     let file: ModelFile = YamlDocument::embedded("extended.yaml", &text).parse().unwrap();
     file.validate().unwrap()
 }
@@ -183,6 +183,66 @@ fn the_soft_friction_of_a_physics_engine_leads_the_velocity() {
     let named: Vec<&str> = diagnosis.findings.iter().map(|finding| finding.label.name()).collect();
     assert!(!named.contains(&"time_delay") && !named.contains(&"rotor_inertia"), "{named:?}");
     assert!(diagnosis.notes.iter().any(|note| note.contains("physics engine")), "{:?}", diagnosis.notes);
+}
+
+/// Where dry friction turns round faster than the model's sign, the log says how fast, the file holds it, and nothing else is named for it;
+/// where it turns round as the model says, the model keeps its width.
+#[test]
+fn a_sharper_sign_is_found_and_written() {
+    const TRUE_RAD_S: f64 = 1e-3;
+    let model: Model<7> = nominal_file().validate().unwrap();
+    let around = Envelope::around(&presets::panda(), presets::panda_ready_pose());
+    let logged = |effects: Vec<Effect>, smoothing_rad_s: f64, seed: u64| {
+        let truth = Truth { effects, ..model.to_truth() };
+        let recording = Recording { rate_hz: 500.0, ..Recording::default() };
+        let motion = Excitation::Multisine.draw(&around, 24.0, seed);
+        record(&truth, smoothing_rad_s, motion.as_ref(), &recording, seed).unwrap()
+    };
+    let settings = DiagnoseSettings::default();
+    let asked = |log: &RobotLog, unseen: &[(String, RobotLog)]| {
+        diagnose(std::slice::from_ref(log), &model.to_nominal(), unseen, &settings, &|_, _| true).unwrap()
+    };
+    let names = |of: &Diagnosis| of.findings.iter().map(|finding| finding.label.name()).collect::<Vec<_>>();
+    let unseen = [("unseen".to_owned(), logged(Vec::new(), TRUE_RAD_S, 22))];
+    let right = asked(&logged(Vec::new(), TRUE_RAD_S, 21), &unseen);
+    assert_eq!(names(&right), [] as [&str; 0], "friction is right but for its sign");
+    let width = right.smoothing_rad_s.expect("a width");
+    assert!((0.5 * TRUE_RAD_S..2.0 * TRUE_RAD_S).contains(&width), "{width}");
+    assert!(right.notes.iter().any(|note| note.contains("smoothing_rad_s")), "{:?}", right.notes);
+    one_residual(&logged(Vec::new(), TRUE_RAD_S, 21), &right);
+    // What the model of the user leaves is what its own file leaves.
+    let logs = [logged(Vec::new(), TRUE_RAD_S, 21)];
+    let own = ModelResidual::of(&logs, &model.to_nominal(), Some(right.band_hz)).unwrap().rms_nm();
+    for (joint, own) in right.joints.iter().zip(own) {
+        assert!((joint.rms_nm - own).abs() < 1e-9 && joint.rms_after_nm < joint.rms_nm, "{joint:?} {own}");
+    }
+    let [checked] = &right.validation[..] else { panic!("one log") };
+    assert!(checked.gain_ci95[0] > 0.0, "{checked:?}");
+
+    let hidden = Effect::Coulomb { joint: 3, delta_coulomb_nm: 0.3 };
+    let beside = logged(vec![hidden], TRUE_RAD_S, 23);
+    let found = asked(&beside, &[]);
+    let [finding] = &found.findings[..] else { panic!("{:?}", names(&found)) };
+    assert_eq!((finding.label.name(), &finding.joints[..]), ("coulomb", &[3][..]));
+    assert!((finding.parameters[0].value[0] / 0.3 - 1.0).abs() < 0.05, "{finding:?}");
+    one_residual(&beside, &found);
+
+    let kept = asked(&logged(Vec::new(), model.smoothing_rad_s, 24), &[]);
+    assert_eq!((kept.smoothing_rad_s, kept.findings.len()), (None, 0));
+}
+
+/// A model without friction has a width all the same: the file that a diagnosis leaves says it beside frictions of 0.
+#[test]
+fn a_file_without_friction_takes_the_width() {
+    let log = log(Vec::new(), 3);
+    let nominal = nominal_file().validate::<7>().unwrap().to_nominal();
+    let diagnosis =
+        diagnose(std::slice::from_ref(&log), &nominal, &[], &DiagnoseSettings::default(), &|_, _| true).unwrap();
+    let sharper = Diagnosis { smoothing_rad_s: Some(6e-4), ..diagnosis };
+    let bare = ModelFile { friction: None, ..nominal_file() };
+    let model: Model<7> = bare.diagnosed(&sharper).validate().unwrap();
+    assert_eq!(model.smoothing_rad_s, 6e-4);
+    assert!((0..7).all(|j| model.friction.joints[j].torque(0.3, 6e-4) == 0.0));
 }
 
 /// The payload is told from links and scales by a log of the bare flange: within 10 %.

@@ -137,7 +137,7 @@ pub(crate) fn diagnose(
         DiagnoseError::Cancelled => bad("stopped"),
         other => bad(format!("{}: {other}", names.join(", "))),
     })?;
-    let extended = PyModel::of(model.file.extended(&diagnosis.effects()), "extended model".to_owned())?;
+    let extended = PyModel::of(model.file.diagnosed(&diagnosis), "extended model".to_owned())?;
     let not_cancelled = match (&model.model, &extended.model) {
         (AnyModel::Six(before), AnyModel::Six(after)) => not_cancelled_of(&diagnosis, before, after),
         (AnyModel::Seven(before), AnyModel::Seven(after)) => not_cancelled_of(&diagnosis, before, after),

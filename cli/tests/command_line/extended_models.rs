@@ -77,6 +77,43 @@ fn believing_the_extended_model_pays() {
     assert!(extended < 4.0, "the oracle of the plain truth reaches 3.1: {extended}");
 }
 
+/// The plant's friction jumps where the model's is smooth: a robot that is as its model says is told so, and the width of its sign with it.
+#[test]
+fn a_robot_as_its_model_says_lacks_nothing() {
+    let at = models();
+    let via = |(k, q): (usize, [f64; 3])| {
+        let [a, b, c] = q;
+        format!(
+            "- {{time_s: {}, q_rad: [{a}, {}, {b}, {}, {c}, {}, {}]}}\n",
+            3 * k,
+            b - 0.785,
+            a - 2.1,
+            1.6 + c,
+            0.5 - b
+        )
+    };
+    let poses = [
+        [0.0, 0.0, 0.0],
+        [0.3, 0.2, -0.3],
+        [0.28, 0.22, -0.25],
+        [-0.4, -0.1, 0.3],
+        [-0.38, -0.15, 0.33],
+        [0.1, 0.3, 0.0],
+    ];
+    let points: String = poses.into_iter().chain(poses.into_iter().rev()).enumerate().map(via).collect();
+    write(at.path(), "around.yaml", &format!("schema: tribo.trajectory/1\nrobot: panda\nvia_points:\n{points}"));
+    run(at.path(), "simulate --truth nominal.yaml --trajectory around.yaml --log right.parquet --seed 3 -q").ok();
+    let answer =
+        run(at.path(), "diagnose right.parquet --model nominal.yaml --extend found.yaml --json -q").ok().json();
+    assert_eq!(answer["verdict"], "nothing_missing", "{}", answer["findings"]);
+    let width = number(&answer["smoothing_rad_s"]);
+    assert!(width < 1e-3, "{width}");
+    let found = std::fs::read_to_string(at.path().join("found.yaml")).unwrap();
+    assert!(found.contains(&format!("smoothing_rad_s: {width}\n")), "{found}");
+    let sum = |which: &str| answer["rms_nm"][which].as_array().unwrap().iter().map(number).sum::<f64>();
+    assert!(sum("after") < 0.7 * sum("before"), "{} {}", sum("after"), sum("before"));
+}
+
 /// What cannot be cancelled is said, with the reason, and does no harm.
 #[test]
 fn what_cannot_be_cancelled_is_said() {

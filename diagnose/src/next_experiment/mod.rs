@@ -55,7 +55,7 @@ pub(crate) fn next_experiment<const N: usize>(
     joints: &[JointMisfit],
 ) -> Option<NextExperiment> {
     let pair = Pair::closest(scene, findings)?;
-    if pair.same_by_physics::<N>() {
+    if pair.same_torque(scene) {
         return Some(without_motion(&pair, 0.0));
     }
     let others: Vec<&Effect> = findings

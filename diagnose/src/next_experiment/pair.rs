@@ -2,7 +2,7 @@
 
 use tribo_sim::Effect;
 
-use crate::confusable::same_by_physics;
+use crate::confusable::same_torque;
 use crate::diagnosis::{CauseLabel, Finding, Location};
 use crate::scene::Scene;
 
@@ -40,7 +40,7 @@ impl Pair {
             .collect();
         doubted.sort_by(|a, b| a.0.total_cmp(&b.0));
         let (physics, closest): (Vec<_>, Vec<_>) =
-            doubted.into_iter().map(|(_, pair)| pair).partition(Self::same_by_physics::<N>);
+            doubted.into_iter().map(|(_, pair)| pair).partition(|pair: &Self| pair.same_torque(scene));
         closest.into_iter().next().or_else(|| Self::one_way(scene, findings)).or_else(|| physics.into_iter().next())
     }
 
@@ -69,8 +69,8 @@ impl Pair {
     }
 
     /// Whether the two give the same torque whatever the motion.
-    pub fn same_by_physics<const N: usize>(&self) -> bool {
-        same_by_physics::<N>(self.found, self.rival)
+    pub fn same_torque<const N: usize>(&self, scene: &Scene<N>) -> bool {
+        same_torque(&scene.nominal, self.found, self.rival)
     }
 
     /// Whether either is this cause.

@@ -1,6 +1,7 @@
 //! The diagnosis of an arm whose model is wrong everywhere.
 
 use std::collections::BTreeSet;
+use std::ops::Range;
 
 use tribo_logs::{RobotLog, median_period_s};
 use tribo_robot::JointNames;
@@ -21,7 +22,7 @@ use super::unseen::{Unseen, deviations, unknown_variance};
 use super::written;
 use crate::deflection::deflections;
 use crate::diagnosis::{self, CauseLabel, Diagnosis, Finding, Location, Rejected, Validation, Verdict};
-use crate::finding::deflection_finding;
+use crate::finding::{deflection_finding, lateness_of_stamps};
 use crate::held_out::gain_of_pairs;
 use crate::next_experiment::NextExperiment;
 use crate::noise_level::rms;
@@ -106,11 +107,13 @@ fn fitted(
 ///      → all of it again around these → findings → file read back: residual after, validation
 /// ```
 ///
+/// Figures before are those of the model `asked`, which may differ from the nominal in the width of its sign.
+///
 /// # Errors
 /// [`DiagnoseError`].
 pub(crate) fn explain<const N: usize>(
     given: &Given<'_>,
-    nominal: &Nominal<N>,
+    [asked, nominal]: [&Nominal<N>; 2],
     settings: &DiagnoseSettings,
     step: &dyn Fn(&str, f64) -> Result<(), DiagnoseError>,
 ) -> Result<Diagnosis, DiagnoseError> {
@@ -167,8 +170,15 @@ pub(crate) fn explain<const N: usize>(
     step("extended model", 0.85)?;
     let mut extension = effects_of(&further);
     extension.extend(written::effects(&scene, &problem, &all.state));
-    let fitted_to_the_same = further.is_empty() && given.unloaded.is_empty();
-    let before = if fitted_to_the_same { None } else { Some(in_band(given.logs, nominal)?) };
+    let own_width = asked.smoothing_rad_s == nominal.smoothing_rad_s;
+    let fitted_to_the_same = further.is_empty() && given.unloaded.is_empty() && own_width;
+    let before = if fitted_to_the_same { None } else { Some(in_band(given.logs, asked)?) };
+    if !own_width {
+        let all = in_band(&all_logs, asked)?;
+        let square = |samples: &Range<usize>, j: usize| all.residual_nm[j][samples.clone()].iter().map(|r| r * r).sum();
+        let squares = |part: &usize| (0..N).map(|j| square(&problem.columns.parts[*part].samples, j)).collect();
+        unseen.nominal = unseen.parts.iter().map(squares).collect();
+    }
     let before_scene = before.as_ref().unwrap_or(&scene);
     // Two encoders show springs and gaps without any torque model.
     let seen: Vec<Finding> = deflections(before_scene)
@@ -198,6 +208,7 @@ pub(crate) fn explain<const N: usize>(
         .flat_map(|family| answer.findings(*family))
         .filter(|finding| finding.held_out_gain_ci95[1] >= 0.0)
         .collect();
+    let late = lateness_of_stamps(&mut findings);
     let cut = findings.len().saturating_sub(MOST_FINDINGS);
     findings.truncate(MOST_FINDINGS);
     findings.extend(further);
@@ -232,7 +243,17 @@ pub(crate) fn explain<const N: usize>(
         .validate
         .iter()
         .map(|(name, log)| {
-            validated(name, log, [nominal, &lasting, &extended], &problem, &all, &baselines, &band, settings, band_hz)
+            validated(
+                name,
+                log,
+                [asked, nominal, &lasting, &extended],
+                &problem,
+                &all,
+                &baselines,
+                &band,
+                settings,
+                band_hz,
+            )
         })
         .collect::<Result<Vec<_>, _>>()?;
 
@@ -245,6 +266,7 @@ pub(crate) fn explain<const N: usize>(
         })
         .collect();
     let mut notes = notes_of(&scene);
+    notes.extend(late);
     notes.extend(notes_on(&problem, &all, &report, cut, bare_scene.as_ref(), &scene.nominal.arm.joint_names));
     let verdict = match () {
         () if findings.is_empty() => Verdict::NothingMissing,
@@ -263,6 +285,7 @@ pub(crate) fn explain<const N: usize>(
         validation,
         rejected: rejected(&selection),
         extension,
+        smoothing_rad_s: None,
         unseen: Some(report),
         predictive_sd_nm,
         assumptions: assumptions(&scene, &all),
@@ -344,7 +367,7 @@ fn next_experiment(findings: &[Finding], payload_unsure: bool) -> Option<NextExp
 fn validated<const N: usize>(
     name: &str,
     log: &RobotLog,
-    [nominal, around, extended]: [&Nominal<N>; 3],
+    [asked, nominal, around, extended]: [&Nominal<N>; 4],
     problem: &Problem,
     all: &Fit,
     baselines: &Baselines,
@@ -354,12 +377,15 @@ fn validated<const N: usize>(
 ) -> Result<Validation, DiagnoseError> {
     let one = std::slice::from_ref(log);
     let in_band = |model: &Nominal<N>| Scene::of_logs(one, model, Some(band_hz));
-    let (before, bare, after) = (in_band(nominal)?, in_band(around)?, in_band(extended)?);
+    let (before, bare, after) = (in_band(asked)?, in_band(around)?, in_band(extended)?);
     let regression = |scene: &Scene<N>| {
         Problem::of(scene, Columns::of(scene, &problem.scale, PARTS), problem.scale.clone(), vec![false])
     };
     let here = regression(&bare);
-    let untouched = (around.effects.len() > nominal.effects.len()).then(|| regression(&before));
+    let untouched = match around.effects.len() > nominal.effects.len() {
+        true => Some(regression(&in_band(nominal)?)),
+        false => None,
+    };
     let parts = here.all_parts();
     let samples = before.time_s.len().max(1) as f64;
     let of_state = |state| -> Vec<f64> {

@@ -41,7 +41,8 @@ pub(crate) fn further_causes<const N: usize>(
     let looked_for = |label: CauseLabel| BEYOND.contains(&label) || BESIDE.contains(&label);
     let mut scene = Scene::of_logs(logs, model, Some(band_hz))?;
     let residual_nm = scene.residual_nm.clone();
-    let question = Question { looked_for: &looked_for, most_kinds: None, plain_fits: None, validate: &[] };
+    let question =
+        Question { looked_for: &looked_for, most_kinds: None, plain_fits: None, validate: &[], before: None };
     let Some(found) = cause_by_cause(&question, logs, &mut scene, settings, step)? else {
         return Ok(Vec::new());
     };

@@ -48,24 +48,30 @@ pub(crate) struct Wrongness {
 /// file, or another copy of the robot, differs in every joint: so do all joints of the real logs of four arms.
 ///
 /// A push is in all joints too, and no property of the arm: where one explains much of what every family together leaves, the rest of the log is asked.
-pub(crate) fn wrongness<const N: usize>(scene: &Scene<N>) -> Wrongness {
-    let (whole, mut left) = wrongness_around(scene, &[]);
+///
+/// `whole` is the regression of the scene.
+pub(crate) fn wrongness<const N: usize>(scene: &Scene<N>, whole: &Problem) -> Wrongness {
+    let (wrong, mut left) = wrongness_around(scene, whole, &[]);
     let mut pushes = Vec::new();
     while let Some(Left { left_nm, weights }) = left.filter(|_| pushes.len() < MOST_PUSHES) {
         let weights: Vec<&[f64]> = weights.iter().map(Vec::as_slice).collect();
         let Some(push) = dominant_window(scene, &left_nm, &weights, PUSHED_SHARE) else { break };
         pushes.push(push);
-        let (rest, left_beside) = wrongness_around(scene, &pushes);
+        let (rest, left_beside) = wrongness_around(scene, &regression(scene, &pushes), &pushes);
         if !rest.everywhere {
             // What any user reaches, who knows of no push.
-            let scale = ArmScale::of(scene);
-            let columns = Columns::of(scene, &scale, PARTS);
-            let whole = Problem::of(scene, columns, scale, vec![false; scene.chains.len()]);
-            return Wrongness { plain_fits: PlainFits::of(&whole), ..rest };
+            return Wrongness { plain_fits: PlainFits::of(whole), ..rest };
         }
         left = left_beside;
     }
-    whole
+    wrong
+}
+
+/// The regression of a scene on all families, around pushes that the model does not have.
+pub(crate) fn regression<const N: usize>(scene: &Scene<N>, pushes: &[PushWindow]) -> Problem {
+    let scale = ArmScale::of(scene);
+    let columns = Columns::around(scene, &scale, PARTS, pushes);
+    Problem::of(scene, columns, scale, vec![false; scene.chains.len()])
 }
 
 /// Pushes that are looked for.
@@ -80,14 +86,15 @@ struct Left {
 }
 
 /// [`wrongness`] of what is beside these pushes.
-fn wrongness_around<const N: usize>(scene: &Scene<N>, pushes: &[PushWindow]) -> (Wrongness, Option<Left>) {
-    let scale = ArmScale::of(scene);
-    let columns = Columns::around(scene, &scale, PARTS, pushes);
-    let problem = Problem::of(scene, columns, scale, vec![false; scene.chains.len()]);
+fn wrongness_around<const N: usize>(
+    scene: &Scene<N>,
+    problem: &Problem,
+    pushes: &[PushWindow],
+) -> (Wrongness, Option<Left>) {
     let parts = problem.all_parts();
     let families: Vec<Family> = Family::of_gears(problem.scale.link_side).collect();
-    let Some((all, _)) = posterior(&problem, &parts, &Start::of(&families)) else {
-        let plain_fits = PlainFits::of(&problem);
+    let Some((all, _)) = posterior(problem, &parts, &Start::of(&families)) else {
+        let plain_fits = PlainFits::of(problem);
         let left_nm = vec![f64::INFINITY; N];
         return (Wrongness { everywhere: false, in_many_joints: false, left_nm, plain_fits }, None);
     };
@@ -126,7 +133,7 @@ fn wrongness_around<const N: usize>(scene: &Scene<N>, pushes: &[PushWindow]) -> 
     let differing = (0..N).filter(moves).filter(|j| differs(*j)).count();
     let leaving = (0..N).filter(moves).filter(|j| left(*j)).count();
     // Friction and offsets alone are few causes of a joint, however many joints have them: a search names each by its law.
-    let plain = plain_state(&problem, &parts);
+    let plain = plain_state(problem, &parts);
     let beside: Vec<bool> = push_weights(scene, pushes).iter().map(|weight| *weight == 1.0).collect();
     let rms_nm = |state: &State, j: usize| {
         let weighted = problem.residual_along(state, j, &parts);
@@ -136,7 +143,7 @@ fn wrongness_around<const N: usize>(scene: &Scene<N>, pushes: &[PushWindow]) -> 
     let left_nm: Vec<f64> = (0..N).map(|j| rms_nm(&all.state, j)).collect();
     let plain_will_do = (0..N).all(|j| rms_nm(&plain, j) < AS_WELL * left_nm[j].max(noise_nm(j)));
     let everywhere = 2 * leaving > N || (2 * differing > N && !plain_will_do);
-    let plain_fits = if everywhere || !pushes.is_empty() { None } else { PlainFits::of(&problem) };
+    let plain_fits = if everywhere || !pushes.is_empty() { None } else { PlainFits::of(problem) };
     let left = everywhere.then(|| Left {
         left_nm: (0..N).map(|j| problem.residual_along(&all.state, j, &parts)).collect(),
         weights: (0..N).map(|j| problem.columns.row_weights(j).to_vec()).collect(),

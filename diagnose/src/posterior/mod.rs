@@ -16,6 +16,7 @@ mod motion;
 pub(crate) mod prior;
 pub(crate) mod problem;
 pub(crate) mod selection;
+pub(crate) mod sign_width;
 mod simulated;
 mod spd;
 pub(crate) mod split;

@@ -36,6 +36,7 @@ pub fn document(diagnosis: &Diagnosis, extras: &Extras) -> Value {
         "gain_heldout_ci95": diagnosis.gain_heldout_ci95,
         "unseen": diagnosis.unseen.as_ref().map(unseen),
         "predictive_sd_nm": diagnosis.predictive_sd_nm,
+        "smoothing_rad_s": diagnosis.smoothing_rad_s,
         "closed_loop": extras.closed_loop,
         "next_experiment": diagnosis.next_experiment.as_ref().map(next_experiment),
         "validation": diagnosis.validation.iter().map(|validation| json!({
@@ -244,6 +245,7 @@ mod tests {
                 reason: "no theta_0".to_owned(),
             }],
             extension: Vec::new(),
+            smoothing_rad_s: None,
             unseen: Some(Unseen {
                 split: "each log in turn",
                 nominal_nm: vec![0.5],

@@ -165,7 +165,7 @@ where
     };
 
     // The extended model, what it is worth, and the files.
-    let extended = held.model_file.extended(&diagnosis.effects());
+    let extended = held.model_file.diagnosed(&diagnosis);
     let valid = extended.validate::<N>();
     let mut extras = Extras { read_as: held.readings.read_as.clone(), ..Extras::default() };
     let mut gain = None;
