@@ -194,7 +194,7 @@ fn a_sharper_sign_is_found_and_written() {
     let around = Envelope::around(&presets::panda(), presets::panda_ready_pose());
     let logged = |effects: Vec<Effect>, smoothing_rad_s: f64, seed: u64| {
         let truth = Truth { effects, ..model.to_truth() };
-        let recording = Recording { rate_hz: 500.0, ..Recording::default() };
+        let recording = Recording { rate_hz: 1000.0, encoder_sd_rad: 3e-6, ..Recording::default() };
         let motion = Excitation::Multisine.draw(&around, 24.0, seed);
         record(&truth, smoothing_rad_s, motion.as_ref(), &recording, seed).unwrap()
     };
@@ -224,7 +224,7 @@ fn a_sharper_sign_is_found_and_written() {
     let hidden = Effect::Coulomb { joint: 3, delta_coulomb_nm: 0.3 };
     let beside = logged(vec![hidden], TRUE_RAD_S, 23);
     let found = asked(&beside, &[]);
-    let [finding] = &found.findings[..] else { panic!("{:?}", names(&found)) };
+    let [finding] = &found.findings[..] else { panic!("{:?} {:?}", found.smoothing_rad_s, names(&found)) };
     assert_eq!((finding.label.name(), &finding.joints[..]), ("coulomb", &[3][..]));
     assert!((finding.parameters[0].value[0] / 0.3 - 1.0).abs() < 0.05, "{finding:?}");
     one_residual(&beside, &found);
