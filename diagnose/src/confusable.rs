@@ -52,12 +52,13 @@ pub(crate) fn why(a: CauseLabel, b: CauseLabel) -> String {
         .map_or_else(|| "on this motion their torques are nearly the same".to_owned(), |(_, _, why)| (*why).to_owned())
 }
 
-/// Whether the two give the same torque whatever the motion, so that the likelier story is told and the other listed.
+/// Whether the two give the same torque whatever the motion, so that the likelier story is told and the other listed: a body at the flange and on the last
+/// link; what turns about the first axis with the rotor, with the first link, or with the second, thin along its own axis across the first.
 pub(crate) fn same_by_physics<const N: usize>(a: (CauseLabel, Location), b: (CauseLabel, Location)) -> bool {
     let is = |x: (CauseLabel, Location), y: (CauseLabel, Location)| {
         (x == (CauseLabel::Payload, Location::Arm) && y == (CauseLabel::LinkInertial, Location::Link(N - 1)))
             || (x == (CauseLabel::RotorInertia, Location::Joint(0))
-                && y == (CauseLabel::LinkInertial, Location::Link(0)))
+                && matches!(y, (CauseLabel::LinkInertial, Location::Link(0 | 1))))
     };
     is(a, b) || is(b, a)
 }
