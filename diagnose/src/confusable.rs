@@ -63,9 +63,6 @@ pub(crate) fn same_by_physics<const N: usize>(a: (CauseLabel, Location), b: (Cau
     is(a, b) || is(b, a)
 }
 
-/// Width of the smooth sign [rad/s] from which downwards dry friction jumps: no joint is seen within it.
-const JUMP_RAD_S: f64 = 1e-3;
-
 /// Whether the two give the same torque in any motion that this model can follow: by physics, or a constant and friction that differs by
 /// direction where dry friction jumps, which differ in a joint that stands, held by any friction there is.
 pub(crate) fn same_torque<const N: usize>(
@@ -75,7 +72,7 @@ pub(crate) fn same_torque<const N: usize>(
 ) -> bool {
     let labels = (a.0.min(b.0), a.0.max(b.0));
     let constant = labels == (CauseLabel::CoulombAsymmetry, CauseLabel::TorqueOffset) && a.1 == b.1;
-    same_by_physics::<N>(a, b) || (constant && nominal.smoothing_rad_s < JUMP_RAD_S)
+    same_by_physics::<N>(a, b) || (constant && nominal.friction_jumps())
 }
 
 #[cfg(test)]

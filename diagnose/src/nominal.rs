@@ -20,6 +20,9 @@ pub struct Nominal<const N: usize> {
     pub torque_side: TorqueSide,
 }
 
+/// Width of the smooth sign [rad/s] from which downwards dry friction jumps.
+const JUMP_RAD_S: f64 = 1e-3;
+
 impl<const N: usize> Nominal<N> {
     /// The same model with payloads, tilts, links and rotors among its effects moved into the arm.
     pub(crate) fn with_rigid_effects_in_the_arm(&self) -> Self {
@@ -35,6 +38,11 @@ impl<const N: usize> Nominal<N> {
         let (in_arm, effects): (Vec<Effect>, Vec<Effect>) = self.effects.iter().cloned().partition(rigid);
         let arm = Truth { effects: in_arm, ..Truth::new(self.arm.clone(), self.friction) }.true_arm();
         Self { arm, effects, ..self.clone() }
+    }
+
+    /// Whether dry friction jumps where a joint turns round: no joint is seen within its sign, and one that stands is stuck.
+    pub(crate) fn friction_jumps(&self) -> bool {
+        self.smoothing_rad_s < JUMP_RAD_S
     }
 
     /// The same model with another width of the smooth sign [rad/s].
