@@ -2,6 +2,7 @@
 
 #![allow(clippy::unwrap_used, clippy::panic, reason = "a test fails by panicking, in its helpers too")]
 
+use std::collections::BTreeSet;
 use std::fs;
 
 use serde_json::json;
@@ -50,9 +51,10 @@ fn a_log_of_other_columns_is_diagnosed_as_ours_is() {
     let theirs = run(at.path(), "diagnose mine.csv --map map.yaml --json").ok();
     assert!(!theirs.stderr.contains("read as"), "who gave a map needs no line: {}", theirs.stderr);
     let theirs = theirs.json();
-    let labels = |document: &serde_json::Value| -> Vec<(serde_json::Value, serde_json::Value)> {
+    // Two of nearly the same evidence may change places.
+    let labels = |document: &serde_json::Value| -> BTreeSet<String> {
         let findings = document["findings"].as_array().unwrap();
-        findings.iter().map(|finding| (finding["label"].clone(), finding["joint"].clone())).collect()
+        findings.iter().map(|finding| format!("{} {}", finding["label"], finding["joint"])).collect()
     };
     assert_eq!(labels(&theirs), labels(&ours));
     assert!(!labels(&ours).is_empty());

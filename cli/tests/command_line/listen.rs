@@ -271,11 +271,10 @@ fn topics_that_cannot_be_used_are_named() {
     let at = scratch();
     let ran = network.run(at.path(), "$tribo listen --robot panda --for 1 --record r.mcap");
     assert_eq!(ran.code, Some(2), "{ran:?}");
-    assert!(
-        ran.stderr.contains("topic /joint_states: no message in 1.0 s, domain 0; nobody publishes"),
-        "{}",
-        ran.stderr
-    );
+    // A machine that is busy looks a little longer than it was asked to.
+    for expected in ["topic /joint_states: no message in ", " s, domain 0; nobody publishes"] {
+        assert!(ran.stderr.contains(expected), "{expected}: {}", ran.stderr);
+    }
 }
 
 /// What cannot be is refused before anybody listens.

@@ -10,7 +10,6 @@ mod commands;
 mod common;
 mod control_characters;
 mod convert;
-mod diagnose_next_experiment;
 mod diagnose_refusals;
 mod diagnose_story;
 mod exports;
