@@ -155,13 +155,22 @@ fn run(block: &Block, at: &Path, bin: &Path) -> Run {
 /// The first block that fails or prints something else.
 fn follow(page: &Path, bin: &Path) -> Result<(), String> {
     let at = scratch();
+    let followed = follow_in(at.path(), page, bin);
+    // A page that is left half-way has a robot running, whose port the next one needs.
+    if let (Err(_), Ok(robot)) = (&followed, std::fs::read_to_string(at.path().join("robot.pid"))) {
+        std::process::Command::new("kill").arg(robot.trim()).status().unwrap();
+    }
+    followed
+}
+
+fn follow_in(at: &Path, page: &Path, bin: &Path) -> Result<(), String> {
     for block in blocks(&std::fs::read_to_string(page).unwrap()) {
         let place = format!("{}:{}", page.display(), block.line);
         if let Some(why) = block.need.as_deref().and_then(unmet) {
             skipped(&format!("{place}: {why}"));
             continue;
         }
-        let run = run(&block, at.path(), bin);
+        let run = run(&block, at, bin);
         let printed = format!("standard output:\n{}\nstandard error:\n{}", run.stdout, run.stderr);
         if run.code != Some(0) {
             return Err(format!("{place}: exit code {:?}\n{}\n{printed}", run.code, block.script));
