@@ -158,7 +158,7 @@ fn follow(page: &Path, bin: &Path) -> Result<(), String> {
     let followed = follow_in(at.path(), page, bin);
     // A page that is left half-way has a robot running, whose port the next one needs.
     if let (Err(_), Ok(robot)) = (&followed, std::fs::read_to_string(at.path().join("robot.pid"))) {
-        std::process::Command::new("kill").arg(robot.trim()).status().unwrap();
+        Command::new("kill").arg(robot.trim()).status().unwrap();
     }
     followed
 }
