@@ -109,17 +109,16 @@ pub(crate) fn explained<const N: usize>(
     // The width of the smooth sign is the model's own affair: what is asked of is the model with the width that the log shows.
     let asked = nominal;
     let mut whole = regression(&scene, &[]);
-    let sharper = sharper_sign(&scene, &whole);
-    let before = sharper.map(|_| scene.residual_nm.clone());
-    let sharp_nominal = sharper.map(|width| nominal.with_sign(width));
-    let nominal = sharp_nominal.as_ref().unwrap_or(asked);
+    let sharper = sharper_sign(&scene, &whole).map(|width| asked.with_sign(width));
+    let nominal = sharper.as_ref().unwrap_or(asked);
+    let mut asked_nm = None;
     if sharper.is_some() {
         let mut sharp = Scene::of_logs(logs, nominal, scene.chains.first().map(|chain| chain.band_hz))?;
         sharp.borrow_regressors(&scene);
-        scene = sharp;
+        asked_nm = Some(std::mem::replace(&mut scene, sharp).residual_nm);
         whole = regression(&scene, &[]);
     }
-    let before = before.as_ref().map(|residual_nm| Before { model: asked, residual_nm });
+    let before = asked_nm.as_ref().map(|residual_nm| Before { model: asked, residual_nm });
     // With logs of a bare flange all is fitted together anyway: nobody needs to ask how much is wrong.
     let few = unloaded.is_empty().then(|| wrongness(&scene, &whole)).filter(|wrong| !wrong.everywhere);
     drop(whole);
@@ -167,11 +166,11 @@ pub(crate) fn explained<const N: usize>(
         Some(found) => found,
         None => explain(&Given { logs, unloaded, validate }, [asked, nominal], settings, &step)?,
     };
-    if let Some(width) = sharper {
-        diagnosis.smoothing_rad_s = Some(width);
+    if let Some(Nominal { smoothing_rad_s, .. }) = sharper {
+        diagnosis.smoothing_rad_s = Some(smoothing_rad_s);
         diagnosis.notes.push(format!(
-            "dry friction turns round within {} rad/s, faster than the model's {} rad/s: the extended model has that width (friction.smoothing_rad_s)",
-            width, asked.smoothing_rad_s
+            "dry friction turns round within {smoothing_rad_s} rad/s, faster than the model's {} rad/s: the extended model has that width (friction.smoothing_rad_s)",
+            asked.smoothing_rad_s
         ));
     }
     progress("done", 1.0);

@@ -240,9 +240,10 @@ pub(crate) fn deflection_finding(found: &DeflectionFinding, names: &JointNames, 
 /// Period of the control loop of an arm (s), in which a torque is held and measured.
 const CONTROL_PERIOD_S: f64 = 1e-3;
 
-/// How much longer a delay may surely, and possibly, be that gains nothing.
-const HARDLY_LONGER: f64 = 1.25;
-const SURELY_LONGER: f64 = 1.5;
+/// Periods that the near end of the interval of a delay that gains nothing may reach.
+const SURELY_PERIODS: f64 = 1.25;
+/// Periods that its far end may reach.
+const POSSIBLY_PERIODS: f64 = 1.5;
 
 /// Takes a delay of a period of the control loop from the findings, and says so: one that is surely shorter, or that gains nothing where it was
 /// not fitted and is hardly longer. Such a lateness is a matter of when in a period a log's rows are stamped, and the extended model has it.
@@ -251,7 +252,7 @@ pub(crate) fn lateness_of_stamps(findings: &mut Vec<Finding>) -> Option<String> 
         let delay = finding.parameters.first().filter(|_| finding.label == CauseLabel::TimeDelay)?;
         let ends = || delay.ci95.iter().flatten().map(|end| end.abs());
         let (least_s, most_s) = (ends().fold(f64::INFINITY, f64::min), ends().fold(0.0, f64::max));
-        let hardly_longer = least_s < HARDLY_LONGER * CONTROL_PERIOD_S && most_s < SURELY_LONGER * CONTROL_PERIOD_S;
+        let hardly_longer = least_s < SURELY_PERIODS * CONTROL_PERIOD_S && most_s < POSSIBLY_PERIODS * CONTROL_PERIOD_S;
         let gains_nothing = finding.held_out_gain < LEAST_GAIN && hardly_longer;
         delay.value.first().copied().filter(|_| most_s < CONTROL_PERIOD_S || gains_nothing)
     };

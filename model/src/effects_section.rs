@@ -78,7 +78,7 @@ impl ModelFile {
     ///
     /// Means are weighted by size and not exact, but a joint has one such curve. All else (a second payload, say) becomes
     /// an entry of its own; of more ripples, curves or bristles than a joint can have the weakest goes.
-    pub fn extended(&self, findings: &[Effect]) -> Self {
+    fn extended(&self, findings: &[Effect]) -> Self {
         let mut file = self.clone();
         for finding in findings {
             let merged = file.effects.iter().enumerate().find_map(|(k, old)| Some((k, merged(old, finding)?)));

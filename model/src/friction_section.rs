@@ -94,8 +94,7 @@ joint_parameters! {
 impl FrictionSection {
     /// No friction, joint by joint.
     pub(crate) fn none(joints: usize) -> Self {
-        let joint =
-            JointParameters { coulomb_nm: Some(0.0), viscous_nm_s_per_rad: Some(0.0), ..JointParameters::default() };
+        let joint = JointParameters::of(&CoulombViscous::default().into());
         Self { law: LawName::CoulombViscous, smoothing_rad_s: SIGN_SMOOTHING_RAD_S, joints: vec![joint; joints] }
     }
 

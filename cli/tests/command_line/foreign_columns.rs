@@ -2,7 +2,6 @@
 
 #![allow(clippy::unwrap_used, clippy::panic, reason = "a test fails by panicking, in its helpers too")]
 
-use std::collections::BTreeSet;
 use std::fs;
 
 use serde_json::json;
@@ -52,9 +51,12 @@ fn a_log_of_other_columns_is_diagnosed_as_ours_is() {
     assert!(!theirs.stderr.contains("read as"), "who gave a map needs no line: {}", theirs.stderr);
     let theirs = theirs.json();
     // Two of nearly the same evidence may change places.
-    let labels = |document: &serde_json::Value| -> BTreeSet<String> {
-        let findings = document["findings"].as_array().unwrap();
-        findings.iter().map(|finding| format!("{} {}", finding["label"], finding["joint"])).collect()
+    let labels = |document: &serde_json::Value| -> Vec<String> {
+        let findings = document["findings"].as_array().unwrap().iter();
+        let mut labels: Vec<String> =
+            findings.map(|finding| format!("{} {}", finding["label"], finding["joint"])).collect();
+        labels.sort();
+        labels
     };
     assert_eq!(labels(&theirs), labels(&ours));
     assert!(!labels(&ours).is_empty());

@@ -272,9 +272,11 @@ fn topics_that_cannot_be_used_are_named() {
     let ran = network.run(at.path(), "$tribo listen --robot panda --for 1 --record r.mcap");
     assert_eq!(ran.code, Some(2), "{ran:?}");
     // A machine that is busy looks a little longer than it was asked to.
-    for expected in ["topic /joint_states: no message in ", " s, domain 0; nobody publishes"] {
-        assert!(ran.stderr.contains(expected), "{expected}: {}", ran.stderr);
-    }
+    let looked_s = ran
+        .stderr
+        .split_once("topic /joint_states: no message in ")
+        .and_then(|(_, rest)| rest.split_once(" s, domain 0; nobody publishes")?.0.parse::<f64>().ok());
+    assert!(looked_s.is_some_and(|looked_s| looked_s >= 1.0), "{}", ran.stderr);
 }
 
 /// What cannot be is refused before anybody listens.

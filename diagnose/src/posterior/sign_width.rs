@@ -46,12 +46,14 @@ pub(crate) fn sharper_sign<const N: usize>(scene: &Scene<N>, problem: &Problem) 
             let left = problem.residual_along(&all.state, j, &parts);
             let friction = scene.nominal.sliding_friction(j);
             let more_nm = problem.index(Place::Own(j, JointTerm::Coulomb)).map_or(0.0, |i| all.state[i]);
-            let of_width = |width: f64| -> Vec<f64> {
-                let sharper = friction.with_sign(width, more_nm);
-                let own = friction.with_sign(own_rad_s, more_nm);
-                scene.samples.iter().map(|at| sharper.torque_nm(at.qd[j]) - own.torque_nm(at.qd[j])).collect()
+            let torque = |width: f64| -> Vec<f64> {
+                let friction = friction.with_sign(width, more_nm);
+                scene.samples.iter().map(|at| friction.torque_nm(at.qd[j])).collect()
             };
-            let fine: Vec<Vec<f64>> = widths.iter().map(|width| of_width(*width)).collect();
+            let own = torque(own_rad_s);
+            let beyond_own =
+                |width: &f64| torque(*width).iter().zip(&own).map(|(sharper, own)| sharper - own).collect();
+            let fine: Vec<Vec<f64>> = widths.iter().map(beyond_own).collect();
             let count = left.len() as f64 / kappa(&left);
             let square: f64 = left.iter().map(|r| r * r).sum();
             let weights = problem.columns.row_weights(j);
