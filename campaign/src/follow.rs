@@ -103,7 +103,7 @@ fn follow_seen<const N: usize, P: Plant<N>>(
         let torque = rigid + compensation;
 
         // Limit, actuate, record.
-        let (command, saturated) = limiter.limit(&torque, dt_s);
+        let (command, saturated) = limiter.limit(&torque, &terms.gravity_nm, dt_s);
         plant.actuate(&command);
         recorder.push(&frame, &command, &compensation, wrench(plant).as_ref());
         saturated_ticks += u64::from(saturated);

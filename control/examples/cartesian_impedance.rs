@@ -32,7 +32,7 @@ fn error_after_a_step_mm(share: f64) -> Result<f64, Box<dyn std::error::Error>> 
         let terms = ControlTerms::at(&arm, &q, &qd);
         let mine = |qd: &SVector<f64, 7>, _: &_, _: &_| (friction_nm(qd) * share, SVector::zeros());
         let (torque, _) = controller.tick(&terms, &q, &qd, &reference, &Vector6::zeros(), mine)?;
-        let (command, _) = limiter.limit(&torque.total(), DT_S);
+        let (command, _) = limiter.limit(&torque.total(), &torque.gravity, DT_S);
         let qdd = forward_dynamics(&arm, &q, &qd, &(command - friction_nm(&qd)));
         qd += qdd * DT_S;
         q += qd * DT_S;

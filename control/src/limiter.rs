@@ -3,38 +3,46 @@
 use nalgebra::SVector;
 use tribo_robot::Limits;
 
-/// Clips a torque to `|tau| ≤ tau_max` and `|tau − tau_last| ≤ tau_rate_max dt`, and says whether it had to.
+/// What a control unit that adds gravity itself makes of a wanted torque τ:
+///
+/// ```text
+/// s = τ − g clipped to |s − s_last| ≤ .999 tau_rate_max dt,   τ' = s + g clipped to |τ'| ≤ tau_max
+/// ```
+///
+/// s is what is sent. A loop that takes τ' for its command has the same bits before a simulated arm as before a Franka.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TorqueLimiter<const N: usize> {
     tau_max_nm: SVector<f64, N>,
     tau_rate_max_nm_s: SVector<f64, N>,
-    last_nm: Option<SVector<f64, N>>,
+    last_sent_nm: Option<SVector<f64, N>>,
 }
+
+/// Share of the rate that is used: version 10 of Franka's interface rounds torques to floats.
+const SHARE_OF_RATE: f64 = 0.999;
 
 impl<const N: usize> TorqueLimiter<N> {
     /// A limiter for these limits; the first torque it sees is free of the rate limit.
     pub fn new(limits: &Limits<N>) -> Self {
-        Self { tau_max_nm: limits.tau_max_nm, tau_rate_max_nm_s: limits.tau_rate_max_nm_s, last_nm: None }
+        Self { tau_max_nm: limits.tau_max_nm, tau_rate_max_nm_s: limits.tau_rate_max_nm_s, last_sent_nm: None }
     }
 
-    /// The permitted torque (Nm) nearest to `tau` after dt (s), and whether the magnitude limit of any joint was hit.
+    /// The permitted torque (Nm) nearest to `tau` after dt (s) where `gravity` (Nm) is part of it, and whether the magnitude limit of any
+    /// joint was hit.
     #[inline]
-    pub fn limit(&mut self, tau: &SVector<f64, N>, dt_s: f64) -> (SVector<f64, N>, bool) {
-        let mut saturated = false;
-        let limited = SVector::from_fn(|j, _| {
-            let mut torque = tau[j];
-            if let Some(last) = self.last_nm {
-                let step = self.tau_rate_max_nm_s[j] * dt_s;
-                torque = torque.max(last[j] - step).min(last[j] + step);
-            }
-            if torque.abs() > self.tau_max_nm[j] {
-                saturated = true;
-                torque = self.tau_max_nm[j].copysign(torque);
-            }
-            torque
-        });
-        self.last_nm = Some(limited);
-        (limited, saturated)
+    pub fn limit(&mut self, tau: &SVector<f64, N>, gravity: &SVector<f64, N>, dt_s: f64) -> (SVector<f64, N>, bool) {
+        let mut sent = tau - gravity;
+        if let Some(last) = self.last_sent_nm {
+            let step = self.tau_rate_max_nm_s * (SHARE_OF_RATE * dt_s);
+            sent = sent.sup(&(last - step)).inf(&(last + step));
+        }
+        let mut acts = sent + gravity;
+        let saturated = (0..N).any(|j| acts[j].abs() > self.tau_max_nm[j]);
+        if saturated {
+            acts = SVector::from_fn(|j, _| acts[j].max(-self.tau_max_nm[j]).min(self.tau_max_nm[j]));
+            sent = acts - gravity;
+        }
+        self.last_sent_nm = Some(sent);
+        (acts, saturated)
     }
 }
 
@@ -43,12 +51,39 @@ mod tests {
     use super::*;
     use tribo_robot::presets;
 
+    /// Taken for the wanted torque, what acts is sent and acts again: bit by bit, whatever the sizes.
+    #[test]
+    fn what_acts_stays_what_it_is() {
+        let draw = |k: u64| (k.wrapping_mul(0x9E37_79B9_7F4A_7C15) >> 12) as f64 / (1_u64 << 52) as f64 - 0.5;
+        let mut limits = presets::panda().limits;
+        limits.tau_rate_max_nm_s.fill(1e9);
+        let mut limiter = TorqueLimiter::new(&limits);
+        for k in 0..100_000_u64 {
+            let sized = |size: u64, at: u64| {
+                SVector::<f64, 7>::from_fn(|j, _| 2.0_f64.powi((size % 20) as i32 - 14) * draw(at + j as u64))
+            };
+            let (tau, gravity) = (sized(k, 14 * k), sized(k / 20, 14 * k + 7));
+            let (acts, _) = limiter.limit(&tau, &gravity, 1e-3);
+            assert_eq!(limiter.limit(&acts, &gravity, 1e-3).0, acts, "{k}");
+            assert!((acts - tau).amax() <= f64::EPSILON * tau.amax().max(gravity.amax()), "{k}");
+        }
+    }
+
     #[test]
     fn limits_magnitude_and_rate() {
-        let mut limiter = TorqueLimiter::new(&presets::panda().limits);
-        let (first, saturated) = limiter.limit(&SVector::repeat(100.0), 1e-3);
+        let (limits, none) = (presets::panda().limits, SVector::zeros());
+        let mut limiter = TorqueLimiter::new(&limits);
+        let (first, saturated) = limiter.limit(&SVector::repeat(100.0), &none, 1e-3);
         assert!(saturated && first[0] == 87.0 && first[6] == 12.0);
-        let (second, saturated) = limiter.limit(&SVector::zeros(), 1e-3);
-        assert!(!saturated && second[0] == 86.0 && second[6] == 11.0);
+        let (second, saturated) = limiter.limit(&SVector::zeros(), &none, 1e-3);
+        assert!(!saturated && (second[0] - 86.001).abs() < 1e-12 && (second[6] - 11.001).abs() < 1e-12);
+        // Gravity is the unit's own, and may change as it will.
+        let mut limiter = TorqueLimiter::new(&limits);
+        limiter.limit(&none, &none, 1e-3);
+        let gravity = SVector::repeat(10.0);
+        let (third, saturated) = limiter.limit(&SVector::repeat(10.5), &gravity, 1e-3);
+        assert!(!saturated && third == SVector::repeat(10.5));
+        let (fourth, _) = limiter.limit(&SVector::repeat(12.0), &gravity, 1e-3);
+        assert!((fourth - SVector::repeat(11.499)).amax() < 1e-12);
     }
 }

@@ -24,13 +24,18 @@ impl<const N: usize> SafeTorque<N> {
         self.q = *q;
     }
 
+    /// Gravity torque (Nm) of the remembered configuration: that within the last safe torque.
+    pub fn gravity(&self, arm: &Arm<N>) -> SVector<f64, N> {
+        gravity_torque(arm, &self.q)
+    }
+
     /// The safe torque (Nm) at the measured state (q (rad), qd [rad/s]), within the torque limits.
     #[inline]
     pub fn torque(&mut self, arm: &Arm<N>, q: &SVector<f64, N>, qd: &SVector<f64, N>) -> SVector<f64, N> {
         if q.iter().all(|x| x.is_finite()) {
             self.q = *q;
         }
-        let gravity = gravity_torque(arm, &self.q);
+        let gravity = self.gravity(arm);
         SVector::from_fn(|j, _| {
             let brake = if qd[j].is_finite() { -self.damping_nm_s_per_rad * qd[j] } else { 0.0 };
             let limit = arm.limits.tau_max_nm[j];

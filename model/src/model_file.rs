@@ -103,6 +103,17 @@ impl ModelFile {
         }
     }
 
+    /// The same arm as torque sensors behind its gears see it: rigid bodies alone, without rotors, friction and whatever else is the gears'.
+    pub fn behind_gears(mut self) -> Self {
+        self.torque_side = TorqueSide::Link;
+        (self.rotor_inertia_kg_m2, self.friction) = (None, None);
+        let of_bodies = |effect: &Effect| {
+            matches!(effect, Effect::Payload { .. } | Effect::LinkInertial { .. } | Effect::BaseTilt { .. })
+        };
+        self.effects.retain(of_bodies);
+        self
+    }
+
     /// Reads a file, and the URDF or MJCF that it names.
     pub fn read(path: &Path) -> Result<(Self, YamlDocument), FileError> {
         let document = YamlDocument::read(path)?;

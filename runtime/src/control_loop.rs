@@ -107,16 +107,16 @@ impl<const N: usize, E: WrenchEstimator<N>> ControlLoop<N, E> {
             }
         }
         let record = &mut self.record;
-        let wanted = match record.fault {
-            None => record.torque.total(),
+        let (wanted, gravity) = match record.fault {
+            None => (record.torque.total(), record.torque.gravity),
             Some(fault) => {
                 // A sensor that has lied is not believed again: the last good position holds.
                 let mut frame = record.frame;
                 self.watch.disbelieve(fault, &mut frame);
-                self.safe.torque(&self.arm, &frame.q, &frame.qd)
+                (self.safe.torque(&self.arm, &frame.q, &frame.qd), self.safe.gravity(&self.arm))
             }
         };
-        (record.command, record.saturated) = self.limiter.limit(&wanted, self.settings.dt_s);
+        (record.command, record.saturated) = self.limiter.limit(&wanted, &gravity, self.settings.dt_s);
         plant.actuate(&record.command);
         record
     }

@@ -121,5 +121,5 @@ pub fn tell(
 #[test]
 fn the_limiter_limits() {
     let mut limiter = TorqueLimiter::new(&tribo_robot::presets::panda().limits);
-    assert_eq!(limiter.limit(&Joints::repeat(1e6), 1e-3).0[0], 87.0);
+    assert_eq!(limiter.limit(&Joints::repeat(1e6), &Joints::zeros(), 1e-3).0[0], 87.0);
 }

@@ -1,5 +1,5 @@
 //! What the wire does to a trial: nothing. A trial over TCP and UDP is, bit for bit, the trial before the same control unit in
-//! this process.
+//! this process, and its cost that of the simulated arm without any unit.
 
 #![allow(clippy::unwrap_used, clippy::panic, reason = "tests")]
 
@@ -14,7 +14,7 @@ use tribo_fci::{
     ServerSettings,
 };
 use tribo_logs::RobotLog;
-use tribo_robot::{Plant, PlantLost, SensorFrame, gravity_torque};
+use tribo_robot::{ControlTerms, Plant, PlantLost, SensorFrame};
 use tribo_sim::{BoxFrictionPlant, Sensors, TorqueSide};
 
 /// The control unit without a network, as the loop sees it.
@@ -31,8 +31,9 @@ impl Plant<7> for Near {
     }
 
     fn actuate(&mut self, tau_nm: &SVector<f64, 7>) {
-        let q = self.unit.state(0).q_rad;
-        let torque_nm = (tau_nm - gravity_torque(self.unit.bare_arm(), &q)).into();
+        let state = self.unit.state(0);
+        let terms = ControlTerms::at(self.unit.bare_arm(), &state.q_rad, &state.qd_rad_s);
+        let torque_nm = (tau_nm - terms.gravity_nm).into();
         let (zero, pose) = ([0.0; 7], [0.0; 16]);
         let command = CyclicCommand {
             message_id: self.periods,
@@ -90,6 +91,10 @@ fn a_trial_over_the_wire_has_the_bits_of_one_before_the_unit() {
     stop.store(true, Ordering::Relaxed);
     thread.join().unwrap().unwrap();
 
+    let (trial, seed) = tune.numbered(0);
+    let (cost_here, _) = recorded(&mut trial.plant(seed), &tune);
+
     assert_eq!(cost_near.to_bits(), cost_far.to_bits());
+    assert_eq!(cost_here.to_bits(), cost_far.to_bits());
     assert_eq!(log_near, log_far);
 }

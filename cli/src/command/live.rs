@@ -80,13 +80,12 @@ impl Link {
         }
     }
 
-    /// Plays a joint-space motion with this compensator and records it; tau_J is that of this side of the gears.
+    /// Plays a joint-space motion with this compensator and records it as the robot said it (see [`seen_from`]).
     pub fn play(
         &self,
         trial: &Trial<7>,
         friction: &FrictionModel<7>,
         motion: &dyn JointTrajectory<7>,
-        torque_side: TorqueSide,
         resume: &str,
     ) -> anyhow::Result<RobotLog> {
         let connection = self.connect()?;
@@ -99,7 +98,7 @@ impl Link {
                 let at_s = followed.duration_s;
                 Err(BadInput(format!("the motion ended after {at_s:.3} s: {reason}")).into())
             }
-            None => Ok(seen_from(torque_side, log)?),
+            None => Ok(log),
         }
     }
 }
@@ -151,8 +150,8 @@ pub fn watched(host: &str, seconds: f64, common: &Common) -> anyhow::Result<(Rob
     Ok((columns.validate()?, preset_of(connection.version())))
 }
 
-/// The log with the torque of this side of the gears as tau_J: the sensors', or the motors', which is what was sent before the sample.
-fn seen_from(side: TorqueSide, log: RobotLog) -> Result<RobotLog, LogError> {
+/// The log of a live robot with the torque of this side of the gears as tau_J: the sensors', or the motors', which is what was sent before the sample.
+pub fn seen_from(side: TorqueSide, log: RobotLog) -> Result<RobotLog, LogError> {
     let motors = log.tau_j_d_nm.as_ref().filter(|_| side == TorqueSide::Motor);
     let late = |sent: &Vec<f64>| sent.first().into_iter().chain(sent).take(sent.len()).copied().collect();
     let Some(tau_j_nm) = motors.map(|sent| sent.iter().map(late).collect()) else { return Ok(log) };

@@ -10,7 +10,7 @@ use tribo_model::{Believed, ModelFile, NotCancelled, TrajectoryFile, TunedFile, 
 use tribo_sim::{WrenchPulses, not_simulated};
 
 use super::convert::{target_of, write_log};
-use super::live::{Link, confirm, of_seven_joints, preset_of};
+use super::live::{Link, confirm, of_seven_joints, preset_of, seen_from};
 use super::{configured, named, warn_not_cancelled};
 use crate::arguments::{Common, Simulate};
 use crate::failure::BadInput;
@@ -209,7 +209,7 @@ fn play(arguments: &Simulate, host: &str, common: &Common) -> anyhow::Result<()>
     let motion = TrajectoryFile::read(path, &tune.trial.model)?.path();
     stop_on_signal();
     let (friction, side) = (friction.scaled(arguments.scale), named(&arguments.torque_side)?);
-    let log = link.play(&tune.trial, &friction, &motion, side, "nothing is written")?;
+    let log = seen_from(side, link.play(&tune.trial, &friction, &motion, "nothing is written")?)?;
     write_log(target, &log)?;
     if common.json {
         print_json(

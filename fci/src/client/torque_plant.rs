@@ -4,12 +4,12 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use franka::{ActiveTorqueControl, FrankaError, RobotState, Torques};
 use nalgebra::SVector;
-use tribo_robot::{Arm, Plant, PlantLost, SensorFrame, gravity_torque};
+use tribo_robot::{Arm, ControlTerms, Plant, PlantLost, SensorFrame};
 
 /// The robot as a [`Plant`]: torques of the loop contain gravity, which the unit adds itself.
 ///
 /// ```text
-/// sent = limited(τ − g(q), 1000 Nm/s)        g of the model, at the measured q
+/// sent = limited(τ − g(q), 1000 Nm/s)        g of the model, at the measured q, with the bits of the control loop's
 /// ```
 ///
 /// Time counts from the first frame in the robot's own milliseconds. Where the robot ends the motion, the connection is lost or
@@ -26,7 +26,7 @@ pub struct TorquePlant<'a> {
     reason: Option<FrankaError>,
 }
 
-/// Rate of torques that the unit accepts (Nm per period), with a margin for the floats of version 10.
+/// Rate of torques that the unit accepts (Nm per period), with a margin for the floats of version 10; the control loop keeps to it.
 const STEP_NM: f64 = 0.999;
 
 /// What the sensors of a state say, at the robot's own time.
@@ -106,7 +106,7 @@ impl Plant<7> for TorquePlant<'_> {
 
     fn actuate(&mut self, tau_nm: &SVector<f64, 7>) {
         let Some(frame) = self.frame.filter(|_| self.reason.is_none()) else { return };
-        let without_gravity = tau_nm - gravity_torque(&self.arm, &frame.q);
+        let without_gravity = tau_nm - ControlTerms::at(&self.arm, &frame.q, &frame.qd).gravity_nm;
         self.sent = std::array::from_fn(|j| {
             let wanted = without_gravity[j];
             // The same bits unless it is too fast.

@@ -42,12 +42,13 @@ pub fn run(arguments: &Investigate, common: &Common) -> anyhow::Result<()> {
     };
     steps.plan(&steps.trajectory(0), &first)?;
     let mut number = 0;
+    let (mut diagnosis, mut torques);
     loop {
         let called = format!("motion {}", number + 1);
-        steps.make(&robot, &called, &steps.trajectory(number), &steps.log(number))?;
-        let diagnosis = steps.answer(number)?;
+        steps.make(&robot, &called, &steps.trajectory(number), &steps.name(number))?;
+        (diagnosis, torques) = steps.answer(number)?;
         let motions = counted(number + 1);
-        steps.say(format_args!("after {motions}: {}", verdict_sentence(&diagnosis)));
+        steps.say(format_args!("after {motions}: {}{}", torques.introduction(), verdict_sentence(&diagnosis)));
         let undecided = matches!(diagnosis.verdict, Verdict::Ambiguous | Verdict::Unknown);
         if !undecided || number + 1 >= usize::from(arguments.budget) {
             break;
@@ -65,8 +66,35 @@ pub fn run(arguments: &Investigate, common: &Common) -> anyhow::Result<()> {
         }
         number += 1;
     }
-    let (diagnosis, document) = steps.check(number, &robot, arguments.seed)?;
-    steps.show(number + 1, &diagnosis, document)
+    let (diagnosis, document) = steps.check(number, torques, &robot, arguments.seed)?;
+    steps.show(number + 1, torques, &diagnosis, document)
+}
+
+/// Which torques an answer is about.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Torques {
+    /// Those that were asked about.
+    Asked,
+    /// Those that the sensors of a live robot measured, where what its motors were sent lacks nothing: see [`Steps::answer`].
+    Sensors,
+}
+
+impl Torques {
+    /// Ending of the names of its files.
+    fn ending(self) -> &'static str {
+        match self {
+            Self::Asked => "",
+            Self::Sensors => "_sensors",
+        }
+    }
+
+    /// What goes before a verdict.
+    fn introduction(self) -> &'static str {
+        match self {
+            Self::Asked => "",
+            Self::Sensors => "what the motors were sent lacks nothing; of what the torque sensors say: ",
+        }
+    }
 }
 
 /// The files of an investigation.
@@ -82,12 +110,17 @@ impl Steps<'_> {
         self.directory.join(format!("motion_{number:02}.yaml"))
     }
 
-    fn log(&self, number: usize) -> PathBuf {
-        self.directory.join(format!("log_{number:02}.{}", self.settings.log_format))
+    /// Name of the logs of a motion.
+    fn name(&self, number: usize) -> String {
+        format!("log_{number:02}")
     }
 
-    fn logs(&self, last: usize) -> Vec<PathBuf> {
-        (0..=last).map(|number| self.log(number)).collect()
+    fn log(&self, name: &str, torques: Torques) -> PathBuf {
+        self.directory.join(format!("{name}{}.{}", torques.ending(), self.settings.log_format))
+    }
+
+    fn logs(&self, last: usize, torques: Torques) -> Vec<PathBuf> {
+        (0..=last).map(|number| self.log(&self.name(number), torques)).collect()
     }
 
     fn extended(&self) -> PathBuf {
@@ -113,49 +146,70 @@ impl Steps<'_> {
         if trajectory.exists() { Ok(()) } else { write_text(trajectory, &to_yaml(motion)?) }
     }
 
-    /// Lets the robot make a motion, which is `called` so; one whose log is there has been made.
-    fn make(&self, robot: &Robot, called: &str, trajectory: &Path, log: &Path) -> anyhow::Result<()> {
+    /// Lets the robot make a motion, which is `called` so; one whose log of this `name` is there has been made.
+    fn make(&self, robot: &Robot, called: &str, trajectory: &Path, name: &str) -> anyhow::Result<()> {
+        let [log, sensors] = [Torques::Asked, Torques::Sensors].map(|torques| self.log(name, torques));
         if log.exists() {
             return Ok(());
         }
         self.say(format_args!("{called}: {}", trajectory.display()));
-        robot.make(trajectory, log, &self.settings)
+        robot.make(trajectory, &log, &sensors, &self.settings)
     }
 
-    /// The answer to all logs so far; the motion that it advises becomes the next one.
-    fn answer(&self, number: usize) -> anyhow::Result<Diagnosis> {
+    /// The answer to all logs so far; the motion that it advises becomes the next one. Where what the motors were sent lacks nothing, the sensors
+    /// of a live robot are asked: their gain and delay show in no other torque.
+    fn answer(&self, number: usize) -> anyhow::Result<(Diagnosis, Torques)> {
+        let asked = self.answer_of(number, Torques::Asked)?;
+        let measured = self.logs(number, Torques::Sensors).iter().all(|log| log.exists());
+        if asked.verdict != Verdict::NothingMissing || !measured {
+            return Ok((asked, Torques::Asked));
+        }
+        write_text(&self.sensors_model(), &to_yaml(&self.settings.of_sensors()?)?)?;
+        let of_sensors = self.answer_of(number, Torques::Sensors)?;
+        Ok(match of_sensors.verdict {
+            Verdict::NothingMissing => (asked, Torques::Asked),
+            _ => (of_sensors, Torques::Sensors),
+        })
+    }
+
+    fn answer_of(&self, number: usize, torques: Torques) -> anyhow::Result<Diagnosis> {
         let next = self.trajectory(number + 1);
         // What is there was advised by the same logs, or belongs to the check at the end.
         let trajectory = (!next.exists()).then_some(next);
-        let diagnosed = diagnosed(&self.diagnose(self.logs(number), trajectory), self.common)?;
+        let diagnosed = diagnosed(&self.diagnose(self.logs(number, torques), torques, trajectory), self.common)?;
         let (diagnosis, document) = diagnosed.document()?;
-        let path = self.directory.join(format!("answer_{number:02}.json"));
+        let path = self.directory.join(format!("answer_{number:02}{}.json", torques.ending()));
         write_text(&path, &serde_json::to_string_pretty(&document)?)?;
         Ok(diagnosis)
     }
 
+    /// The model that sensors are held against.
+    fn sensors_model(&self) -> PathBuf {
+        self.directory.join("sensors.yaml")
+    }
+
     /// The same answer with what its extended model is worth on a motion that nothing was fitted to.
-    fn check(&self, last: usize, robot: &Robot, seed: u64) -> anyhow::Result<(Diagnosis, Value)> {
+    fn check(&self, last: usize, torques: Torques, robot: &Robot, seed: u64) -> anyhow::Result<(Diagnosis, Value)> {
         let trajectory = self.directory.join("check.yaml");
-        let log = self.directory.join(format!("check.{}", self.settings.log_format));
         // Another draw than the first motion's.
         self.plan(&trajectory, &self.exploring(seed.wrapping_add(1)))?;
-        self.make(robot, "a last motion, to check the answer", &trajectory, &log)?;
-        let mut arguments = self.diagnose(self.logs(last), None);
-        arguments.validate = vec![log];
+        self.make(robot, "a last motion, to check the answer", &trajectory, "check")?;
+        let mut arguments = self.diagnose(self.logs(last, torques), torques, None);
+        arguments.validate = vec![self.log("check", torques)];
         arguments.extend = Some(self.extended());
         arguments.report = Some(self.report());
         diagnosed(&arguments, self.common)?.document()
     }
 
-    fn diagnose(&self, logs: Vec<PathBuf>, trajectory: Option<PathBuf>) -> Diagnose {
+    fn diagnose(&self, logs: Vec<PathBuf>, torques: Torques, trajectory: Option<PathBuf>) -> Diagnose {
+        let of_sensors = torques == Torques::Sensors;
         Diagnose {
             logs,
             columns: Columns::default(),
             anyway: false,
             of: RobotModel {
-                model: self.settings.model.clone(),
-                robot: self.settings.robot.clone(),
+                model: if of_sensors { Some(self.sensors_model()) } else { self.settings.model.clone() },
+                robot: self.settings.robot.clone().filter(|_| !of_sensors),
                 ends: Ends { base_link: self.settings.base_link.clone(), tip_link: self.settings.tip_link.clone() },
                 torque_side: self.settings.torque_side.clone(),
             },
@@ -177,12 +231,13 @@ impl Steps<'_> {
         }
     }
 
-    fn show(&self, motions: usize, diagnosis: &Diagnosis, answer: Value) -> anyhow::Result<()> {
+    fn show(&self, motions: usize, torques: Torques, diagnosis: &Diagnosis, answer: Value) -> anyhow::Result<()> {
         let document = json!({
             "schema": "tribo.investigate/1",
             "directory": self.directory,
             "motions": motions,
             "verdict": diagnosis.verdict.name(),
+            "torque_sensors": torques == Torques::Sensors,
             "extended": self.extended(),
             "report": self.report(),
             "answer": answer,
@@ -192,7 +247,7 @@ impl Steps<'_> {
             print_json(&document);
             return Ok(());
         }
-        print(verdict_sentence(diagnosis));
+        print(format_args!("{}{}", torques.introduction(), verdict_sentence(diagnosis)));
         if self.common.quiet {
             return Ok(());
         }

@@ -6,11 +6,12 @@ use std::process::{Command, Stdio};
 use tribo_campaign::TuneConfig;
 use tribo_friction::FrictionModel;
 use tribo_model::TrajectoryFile;
+use tribo_sim::TorqueSide;
 
 use super::settings::Settings;
 use crate::arguments::Investigate;
 use crate::command::convert::write_log;
-use crate::command::live::{Link, confirm, of_seven_joints, preset_of};
+use crate::command::live::{Link, confirm, of_seven_joints, preset_of, seen_from};
 use crate::failure::BadInput;
 
 /// A live Franka, or a command.
@@ -48,8 +49,15 @@ impl Robot {
         }
     }
 
-    /// Makes a motion; the log appears whole or not at all.
-    pub(super) fn make(&self, trajectory: &Path, log: &Path, settings: &Settings) -> anyhow::Result<()> {
+    /// Makes a motion; the log appears whole or not at all. A live robot that is asked about its motors has `sensors` besides: the same motion
+    /// with the torques that they measured.
+    pub(super) fn make(
+        &self,
+        trajectory: &Path,
+        log: &Path,
+        sensors: &Path,
+        settings: &Settings,
+    ) -> anyhow::Result<()> {
         match self {
             Self::Live(link, preset) => {
                 let config = TuneConfig {
@@ -61,7 +69,11 @@ impl Robot {
                 let motion = TrajectoryFile::read(trajectory, &tune.trial.model)?.path();
                 let resume = "the same command goes on";
                 let side = settings.side()?;
-                write_log(log, &link.play(&tune.trial, &FrictionModel::none(), &motion, side, resume)?)
+                let made = link.play(&tune.trial, &FrictionModel::none(), &motion, resume)?;
+                if side == TorqueSide::Motor {
+                    write_log(sensors, &seen_from(TorqueSide::Link, made.clone())?)?;
+                }
+                write_log(log, &seen_from(side, made)?)
             }
             Self::Command(command) => called(command, trajectory, log),
         }

@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use serde::{Deserialize, Serialize};
-use tribo_model::{AnyModel, Model, ModelChoice, YamlDocument, to_yaml};
+use tribo_model::{AnyModel, Model, ModelChoice, ModelFile, YamlDocument, to_yaml};
 use tribo_robot::Arm;
 use tribo_sim::TorqueSide;
 
@@ -55,15 +55,20 @@ impl Settings {
 
     /// The arm as the model has it.
     pub(super) fn arm(&self) -> anyhow::Result<Arm<7>> {
-        Ok(self.held_against()?.arm)
+        Ok(self.held_against()?.1.arm)
     }
 
     /// Side of the gears of the torque that the model is about.
     pub(super) fn side(&self) -> anyhow::Result<TorqueSide> {
-        Ok(self.held_against()?.torque_side)
+        Ok(self.held_against()?.1.torque_side)
     }
 
-    fn held_against(&self) -> anyhow::Result<Model<7>> {
+    /// The model that sensors behind the gears are held against.
+    pub(super) fn of_sensors(&self) -> anyhow::Result<ModelFile> {
+        Ok(self.held_against()?.0.behind_gears())
+    }
+
+    fn held_against(&self) -> anyhow::Result<(ModelFile, Model<7>)> {
         let choice = ModelChoice {
             model: self.model.clone(),
             robot: self.robot.clone(),
@@ -71,12 +76,12 @@ impl Settings {
             tip_link: self.tip_link.clone(),
             torque_side: named(&self.torque_side)?,
         };
-        let (_, model) = match choice.given()? {
+        let (file, model) = match choice.given()? {
             Some(given) => given,
             None => choice.bare(Path::new(FILE), 7, &[])?,
         };
         match model {
-            AnyModel::Seven(model) => Ok(model),
+            AnyModel::Seven(model) => Ok((file, model)),
             AnyModel::Six(_) => Err(BadInput("investigate moves arms of seven joints".to_owned()).into()),
         }
     }
