@@ -11,6 +11,13 @@ use crate::oscillation_energy::{OSCILLATION_MEMORY_S, OscillationEnergy};
 const MOTION_MEMORY_S: f64 = 10.0;
 /// Five standard deviations of a velocity differentiated and filtered at 50 Hz, over its mean change from tick to tick [-].
 const NOISE: f64 = 8.0;
+/// Speed [rad/s] up to which a joint stands, of its velocity averaged over [`STANDING_MEAN_S`]; at least the noise of that, over its mean change
+/// from tick to tick [-].
+const STANDING_RAD_S: f64 = 2e-3;
+const STANDING_MEAN_S: f64 = 0.1;
+const STANDING_NOISE: f64 = 1.5;
+/// Time after which a joint that has been so slow is stuck, and does not turn round (s).
+const STUCK_S: f64 = 0.5;
 /// Time over which a compensation is withdrawn (s).
 const WITHDRAWAL_S: f64 = 0.1;
 /// Work of the compensator over what an oscillation gains, at least [-]: what it did not put in is not its fault.
@@ -94,17 +101,18 @@ pub enum GuardTrip {
 /// Withdraws a compensator before it shakes the arm or lets it run away.
 ///
 /// ```text
-/// motion       E_c = ∫ qdᵀ tau_c dt,   E = ∫ (hᵀ v + qdᵀ tau_null) dt,   E_f = E_c + E       ratio E_c/E_f, surplus −E
+/// motion       E_c = ∫ qdᵀ tau_c dt,   E = ∫ qdᵀ (tau_task + tau_null) dt,   E_f = E_c + E       ratio E_c/E_f, surplus −E
 /// oscillation  [`OscillationEnergy`]                                            surplus of what it gains
-/// drift        x = ∫ (I − J#J) qd dt
+/// drift        x = ∫ s (I − J#J) qd dt      s ≤ 1: as far as joints that are stuck let the arm slide
 /// swings       changes of side of qd − qd_reference, beyond ± swing
 /// ```
 ///
-/// forgotten exponentially, motion and drift over 10 s, oscillation and swings over 1 s. In free motion the estimated wrench h is the friction
-/// that is left: what it takes from the tool, and the damping from the null space, is what friction takes (E_f) less what the
-/// compensator puts in (E_c). This is a passivity observer (hannaford2002) of the compensator that knows no friction: its
+/// forgotten exponentially, motion and drift over 10 s, oscillation and swings over 1 s. Gravity and Coriolis torques cancel what they are sent
+/// against, and motion gives its energy back: what the impedance and the null space put in (E) is what friction takes (E_f) less what the
+/// compensator puts in (E_c). The impedance, not the estimated wrench: where a joint is stuck, the wrench is of a torque that does no work. This is a passivity observer (hannaford2002) of the compensator that knows no friction: its
 /// ratio is 1 for exact compensation. A wrong weight does no work over a motion that comes back, and hardly any in an oscillation.
-/// Sliding that the tool does not feel shows as drift, oscillation that loses as much as it gains as swings.
+/// Sliding that the tool does not feel shows as drift, oscillation that loses as much as it gains as swings. An arm slides along one direction of
+/// its joints: where one of them is stuck in its friction, what looks like it is the way of the others round that joint.
 ///
 /// Whoever pushes the arm puts energy in too: the guard is for free motion, and what it does, taking friction compensation away
 /// within 0.1 s, is safe in contact as well. It stays away until the guard is built anew.
@@ -117,6 +125,9 @@ pub struct CompensationGuard<const N: usize> {
     /// Compensator's work, of the memory of oscillations.
     lately_compensated_j: f64,
     drift_rad: SVector<f64, N>,
+    /// Velocity averaged over [`STANDING_MEAN_S`] [rad/s], and for how long it has been that of a standing joint (s).
+    mean_qd: SVector<f64, N>,
+    stands_s: SVector<f64, N>,
     side: SVector<f64, N>,
     swings: SVector<f64, N>,
     /// Mean change of the measured velocity from tick to tick [rad/s], and of how many ticks.
@@ -139,6 +150,8 @@ impl<const N: usize> CompensationGuard<N> {
             oscillation: OscillationEnergy::new(),
             lately_compensated_j: 0.0,
             drift_rad: zero,
+            mean_qd: zero,
+            stands_s: zero,
             side: zero,
             swings: zero,
             change_rad_s: zero,
@@ -172,13 +185,14 @@ impl<const N: usize> CompensationGuard<N> {
             return self.trip;
         }
         let (keep, keep_fast) = (1.0 - dt_s / MOTION_MEMORY_S, 1.0 - dt_s / OSCILLATION_MEMORY_S);
-        let damped_w = input.qd.dot(input.nullspace_torque);
+        let left_w = input.qd.dot(&(input.task_torque + input.nullspace_torque));
         let compensated_w = input.qd.dot(input.compensation);
         self.compensated_j = keep * self.compensated_j + compensated_w * dt_s;
         self.lately_compensated_j = keep_fast * self.lately_compensated_j + compensated_w * dt_s;
-        self.left_j = keep * self.left_j + (input.wrench.dot(input.twist) + damped_w) * dt_s;
+        self.left_j = keep * self.left_j + left_w * dt_s;
         self.oscillation.observe(input);
-        self.drift_rad = self.drift_rad * keep + input.nullspace_qd * dt_s;
+        let slides = self.slides(input);
+        self.drift_rad = self.drift_rad * keep + input.nullspace_qd * (slides * dt_s);
         self.swings *= keep_fast;
         let weight = (1.0 / self.ticks.max(1.0)).max(1.0 - keep_fast);
         self.change_rad_s += ((input.qd - self.last_qd).abs() - self.change_rad_s) * weight;
@@ -193,6 +207,22 @@ impl<const N: usize> CompensationGuard<N> {
         }
         self.trip = self.reason();
         self.trip
+    }
+
+    /// Share of the motion that the tool does not feel that is sliding.
+    #[inline]
+    fn slides(&mut self, input: &GuardInput<'_, N>) -> f64 {
+        self.mean_qd += (input.qd - self.mean_qd) * (input.dt_s / STANDING_MEAN_S);
+        let mut share = 1.0_f64;
+        for j in 0..N {
+            let standing_rad_s = STANDING_RAD_S.max(STANDING_NOISE * self.change_rad_s[j]);
+            let stands = self.mean_qd[j].abs() < standing_rad_s;
+            self.stands_s[j] = if stands { self.stands_s[j] + input.dt_s } else { 0.0 };
+            if self.stands_s[j] > STUCK_S {
+                share = share.min(standing_rad_s / input.nullspace_qd[j].abs());
+            }
+        }
+        share
     }
 
     #[inline]
@@ -237,6 +267,7 @@ mod tests {
                 qd_reference: &qd,
                 nullspace_qd: &zero,
                 compensation: &SVector::<f64, 1>::new(k * friction),
+                task_torque: &SVector::<f64, 1>::new(0.4 * wrench[3]),
                 nullspace_torque: &zero,
                 twist: &twist,
                 wrench: &wrench,
@@ -299,6 +330,7 @@ mod tests {
                 qd_reference: &qd,
                 nullspace_qd: &zero,
                 compensation,
+                task_torque: &SVector::<f64, 1>::new(0.4 * wrench[5]),
                 nullspace_torque: &zero,
                 twist: &twist,
                 wrench: &wrench,
@@ -316,6 +348,7 @@ mod tests {
             qd_reference: &ZERO,
             nullspace_qd,
             compensation: &ZERO,
+            task_torque: &ZERO,
             nullspace_torque: &ZERO,
             twist: &ZERO6,
             wrench: &ZERO6,
@@ -326,15 +359,27 @@ mod tests {
     /// Closed form of the leaky integral of a constant speed: x(t) = v T (1 − exp(−t/T)).
     #[test]
     fn a_slow_slide_is_seen_when_it_has_gone_far_enough() {
-        let (still, slide) = (SVector::zeros(), SVector::<f64, 2>::new(0.024, -0.018));
+        let slide = SVector::<f64, 2>::new(0.024, -0.018);
         let mut guard = CompensationGuard::new(GuardSettings::default());
         let mut ticks = 0;
-        while guard.observe(&standing(&still, &slide)).is_none() {
+        while guard.observe(&standing(&slide, &slide)).is_none() {
             ticks += 1;
         }
         let expected_s = -MOTION_MEMORY_S * (1.0 - 0.1 / (0.03 * MOTION_MEMORY_S)).ln();
         assert!((f64::from(ticks) * DT_S - expected_s).abs() < 0.01, "{ticks} {expected_s}");
         assert_eq!(guard.trip, Some(GuardTrip::NullSpaceDrift));
+    }
+
+    /// A stuck joint keeps the arm from sliding: what the others do round it is no drift, once it is surely stuck.
+    #[test]
+    fn an_arm_with_a_stuck_joint_does_not_slide() {
+        let (round_it, slide) = (SVector::<f64, 2>::new(0.024, 0.0), SVector::<f64, 2>::new(0.024, -0.018));
+        let mut guard = CompensationGuard::new(GuardSettings::default());
+        for _ in 0..60_000 {
+            assert_eq!(guard.observe(&standing(&round_it, &slide)), None);
+        }
+        let most_m = (STUCK_S * 0.03 + MOTION_MEMORY_S * 0.03 * STANDING_RAD_S / 0.018).min(0.1);
+        assert!(guard.drift_rad.norm() < most_m, "{}", guard.drift_rad.norm());
     }
 
     #[test]

@@ -13,6 +13,8 @@ pub struct GuardInput<'a, const N: usize> {
     pub nullspace_qd: &'a SVector<f64, N>,
     /// Compensation (Nm).
     pub compensation: &'a SVector<f64, N>,
+    /// Torque of the impedance at the tool, gravity and Coriolis torques apart (Nm).
+    pub task_torque: &'a SVector<f64, N>,
     /// Torque of null-space damping and posture spring (Nm).
     pub nullspace_torque: &'a SVector<f64, N>,
     /// Twist of the tool, base axes, angular part first [rad/s; m/s].

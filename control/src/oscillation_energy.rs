@@ -75,6 +75,7 @@ mod tests {
             qd_reference: &zero,
             nullspace_qd: &zero,
             compensation: &zero,
+            task_torque: &zero,
             nullspace_torque: &SVector::<f64, 1>::new(damping),
             twist: &twist,
             wrench: &wrench,

@@ -9,9 +9,7 @@ use crate::deflection::DeflectionFinding;
 use crate::diagnosis::{CauseLabel, Diagnosis, Finding, JointMisfit, Location, Unseen, Verdict};
 use crate::engine::Before;
 use crate::evidence::joint_fit;
-use crate::finding::{
-    Fitted, Selected, deflection_finding, describe, finding_of, lateness_of_stamps, ripple_finding, squares,
-};
+use crate::finding::{Fitted, Selected, deflection_finding, describe, finding_of, ripple_finding, squares};
 use crate::held_out::{HeldOut, gain_of_pairs, gain_with_interval, plain_squares};
 use crate::next_experiment::next_experiment;
 use crate::noise_level::rms;
@@ -26,6 +24,7 @@ use crate::ripple::RippleLine;
 use crate::scene::{Scene, subtracted};
 use crate::search::Search;
 use crate::significance::Chance;
+use crate::stamps::take_stamps;
 use crate::validation::validated;
 
 /// What the search ran on.
@@ -140,7 +139,7 @@ pub(crate) fn conclude<const N: usize>(
     let joints = misfits(scene, asked_nm, &read_back.residual_nm, &before, &after);
     // The verdict.
     let mut notes = notes_of(scene);
-    notes.extend(lateness_of_stamps(&mut findings));
+    notes.extend(take_stamps(scene, &mut findings));
     let doubted = |finding: &Finding| {
         let place = (finding.label, finding.location);
         finding.alternatives.iter().any(|rival| !same_torque(&scene.nominal, place, (rival.label, rival.location)))

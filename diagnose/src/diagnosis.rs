@@ -372,6 +372,9 @@ pub struct Unseen {
     pub full_nm: Vec<f64>,
 }
 
+/// Mean ratio of the RMS from which a better baseline is more than chance.
+const PREFERABLE: f64 = 1.1;
+
 impl Unseen {
     /// The baseline that predicts better in the mean of the joints' ratios, and its name.
     pub fn better_baseline(&self) -> (&'static str, &[f64]) {
@@ -386,6 +389,12 @@ impl Unseen {
     /// Whether that baseline predicts better than the extended model, in the second decimal of [`Self::ratio`].
     pub fn baseline_is_better(&self) -> bool {
         self.ratio() >= 1.005
+    }
+
+    /// Whether it predicts so much better that the causes of the extended model are not those of the log. A little better is chance: other
+    /// parts of the same log would decide otherwise.
+    pub fn baseline_is_preferable(&self) -> bool {
+        self.ratio() >= PREFERABLE
     }
 
     /// Mean over joints of the extended model's RMS over that of the better baseline.

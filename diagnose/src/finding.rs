@@ -13,7 +13,7 @@ use crate::held_out::{
 };
 use crate::parameters::parameters_of;
 use crate::plots;
-use crate::pruning::{LARGEST_P, LEAST_GAIN, torque_rms};
+use crate::pruning::{LARGEST_P, torque_rms};
 use crate::ripple::RippleLine;
 use crate::rivals::rivals;
 use crate::scene::{Column, Scene};
@@ -234,77 +234,5 @@ pub(crate) fn deflection_finding(found: &DeflectionFinding, names: &JointNames, 
         evidence: found.evidence,
         alternatives: Vec::new(),
         plots: plots::of_deflection(found, names),
-    }
-}
-
-/// Period of the control loop of an arm (s), in which a torque is held and measured.
-const CONTROL_PERIOD_S: f64 = 1e-3;
-
-/// Periods that the near end of the interval of a delay that gains nothing may reach.
-const SURELY_PERIODS: f64 = 1.25;
-/// Periods that its far end may reach.
-const POSSIBLY_PERIODS: f64 = 1.5;
-
-/// Takes a delay of a period of the control loop from the findings, and says so: one that is surely shorter, or that gains nothing where it was
-/// not fitted and is hardly longer. Such a lateness is a matter of when in a period a log's rows are stamped, and the extended model has it.
-pub(crate) fn lateness_of_stamps(findings: &mut Vec<Finding>) -> Option<String> {
-    let delay_s = |finding: &Finding| {
-        let delay = finding.parameters.first().filter(|_| finding.label == CauseLabel::TimeDelay)?;
-        let ends = || delay.ci95.iter().flatten().map(|end| end.abs());
-        let (least_s, most_s) = (ends().fold(f64::INFINITY, f64::min), ends().fold(0.0, f64::max));
-        let hardly_longer = least_s < SURELY_PERIODS * CONTROL_PERIOD_S && most_s < POSSIBLY_PERIODS * CONTROL_PERIOD_S;
-        let gains_nothing = finding.held_out_gain < LEAST_GAIN && hardly_longer;
-        delay.value.first().copied().filter(|_| most_s < CONTROL_PERIOD_S || gains_nothing)
-    };
-    let (place, delay_s) = findings.iter().enumerate().find_map(|(place, finding)| Some((place, delay_s(finding)?)))?;
-    findings.remove(place);
-    let (delay_ms, how) = (1e3 * delay_s, if delay_s < 0.0 { "early" } else { "late" });
-    Some(format!(
-        "torques are stamped {:.2} ms {how}, a period of the control loop or less: the extended model has it, and it is no finding",
-        delay_ms.abs()
-    ))
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    fn found(label: CauseLabel, ms: [f64; 3], held_out_gain: f64) -> Finding {
-        let [low, value, high] = ms.map(|ms| 1e-3 * ms);
-        let name = if label == CauseLabel::TimeDelay { "delay_s" } else { "delta_coulomb_nm" };
-        Finding {
-            label,
-            location: Location::Arm,
-            joints: Vec::new(),
-            links: Vec::new(),
-            effect: None,
-            parameters: vec![Parameter { name, value: vec![value], ci95: vec![[low, high]] }],
-            signature: None,
-            p_value: 0.0,
-            held_out_gain,
-            held_out_gain_ci95: [held_out_gain; 2],
-            explained_rms_nm: 0.1,
-            evidence: 100.0,
-            alternatives: Vec::new(),
-            plots: Vec::new(),
-        }
-    }
-
-    #[test]
-    fn a_delay_of_a_control_period_is_a_matter_of_stamps() {
-        let kept = |label, ms, gain| {
-            let mut findings = vec![found(CauseLabel::Payload, [0.1, 0.2, 0.3], 0.5), found(label, ms, gain)];
-            let said = lateness_of_stamps(&mut findings);
-            assert_eq!(said.is_some(), findings.len() == 1, "{said:?}");
-            assert_eq!(findings[0].label, CauseLabel::Payload);
-            findings.len() == 2
-        };
-        let delay = CauseLabel::TimeDelay;
-        assert!(!kept(delay, [0.7, 0.8, 0.9], 0.3), "surely shorter");
-        assert!(!kept(delay, [-0.9, -0.8, -0.7], 0.3), "surely shorter, and early");
-        assert!(!kept(delay, [0.97, 1.0, 1.03], 0.001), "gains nothing");
-        assert!(kept(delay, [0.97, 1.0, 1.03], 0.05), "gains something");
-        assert!(kept(delay, [2.8, 3.0, 3.2], 0.001), "three periods");
-        assert!(kept(CauseLabel::Coulomb, [0.1, 0.2, 0.3], 0.001), "no delay");
     }
 }

@@ -65,6 +65,7 @@ mod scene_effects;
 mod search;
 mod signal_chain;
 mod significance;
+mod stamps;
 mod system;
 mod torque_residual;
 mod validation;

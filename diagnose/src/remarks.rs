@@ -51,14 +51,11 @@ pub(crate) fn misfits<const N: usize>(
         .collect()
 }
 
-/// Mean ratio of the RMS up to which a better baseline is no reason to leave the extended model: other parts of the same log would decide
-/// otherwise.
-const AS_GOOD: f64 = 1.1;
-
 /// Says so where a plain fit predicts better than the extended model.
 pub(crate) fn note_on_baseline(unseen: &Unseen) -> Option<String> {
     let ((name, _), ratio) = (unseen.better_baseline(), unseen.ratio());
-    let advice = if ratio < AS_GOOD { "about as good" } else { "prefer it, or record more motion" };
+    let preferable = unseen.baseline_is_preferable();
+    let advice = if preferable { "prefer it, or record more motion" } else { "about as good" };
     unseen
         .baseline_is_better()
         .then(|| format!("{name} predicts unseen data better than the extended model, {ratio:.2} times: {advice}"))

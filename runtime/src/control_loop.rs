@@ -166,6 +166,7 @@ impl<const N: usize, E: WrenchEstimator<N>> ControlLoop<N, E> {
                 qd_reference: &record.task.qd_reference,
                 nullspace_qd: &record.task.nullspace_qd,
                 compensation: &(record.torque.friction + record.torque.effects),
+                task_torque: &record.torque.task,
                 nullspace_torque: &record.torque.nullspace,
                 twist: &record.task.twist,
                 wrench: &record.estimate.wrench_base.to_vector(),

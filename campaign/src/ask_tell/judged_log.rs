@@ -199,3 +199,34 @@ fn check<const N: usize>(
 fn nanoseconds(time_s: f64) -> f64 {
     (time_s * 1e9).round() / 1e9
 }
+
+#[cfg(test)]
+mod tests {
+    use tribo_logs::LogColumns;
+
+    use super::*;
+    use crate::{TuneConfig, simulate_log};
+
+    /// An estimate that stands still because nothing of the log can be used costs nothing, and is refused: J of 0 would be the best there is.
+    #[test]
+    fn a_log_of_which_nothing_can_be_used_is_refused() {
+        let user_trials = UserTrials { judged_from_s: 0.2, judged_s: 1.0, ..UserTrials::default() };
+        let config = TuneConfig { user_trials: Some(user_trials), ..TuneConfig::default() };
+        let mut tune = config.validate::<7>().unwrap();
+        tune.trial.reference.duration_s = 1.0;
+        let friction = tune.space.friction(&tune.space.zero());
+        let estimator =
+            AnyEstimator::for_tuning(tune.config.residual, tune.config.ekf, &tune.trial.model, &friction).unwrap();
+        let (_, log) = simulate_log(&tune.trial, &friction, estimator, 1).unwrap();
+        let judged = |log: &RobotLog| judge_log(&tune, &user_trials, &tune.space.zero(), log, false);
+        let whole = judged(&log).unwrap();
+        assert_eq!((whole.samples, whole.faults), (1000, 0));
+        // Torques of which the sum over the joints is no number.
+        let absurd = log.tau_j_d_nm.as_ref().map(|all| all.iter().map(|tau| vec![f64::MAX; tau.len()]).collect());
+        let log = LogColumns { tau_j_d_nm: absurd, ..log.into_columns() }.validate().unwrap();
+        match judged(&log) {
+            Err(JudgeError::Unused { samples: 1000, faults }) => assert!(faults > 990, "{faults}"),
+            other => panic!("{:?}", other.map(|judged| (judged.cost, judged.faults))),
+        }
+    }
+}

@@ -99,3 +99,34 @@ pub fn finished_trial(
     let origin: Origin = attribute(trial, "origin").ok_or_else(|| broken("origin"))?;
     Ok(FinishedTrial { number, theta, cost, aborted, origin })
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Whatever part of a cost is no number, the journal stays as it is, byte for byte.
+    #[test]
+    fn a_cost_that_is_no_number_never_enters() {
+        let dir = tempfile::tempdir().unwrap();
+        let path = dir.path().join("journal.log");
+        let mut journal = Journal::create(&path, || "2026-01-01T00:00:00.000000+00:00".to_owned()).unwrap();
+        journal.create_trial().unwrap();
+        let before = std::fs::read(&path).unwrap();
+        let cost = Cost { max: [1.0; 6], mean: [0.1; 6], penalty: 0.0 };
+        let trial =
+            |cost| FinishedTrial { number: 0, theta: Vec::new(), cost, aborted: None, origin: Origin::Constant };
+        for broken in [
+            Cost { penalty: f64::NAN, ..cost },
+            Cost { max: [1.0, f64::INFINITY, 1.0, 1.0, 1.0, 1.0], ..cost },
+            Cost { mean: [0.1, 0.1, 0.1, 0.1, 0.1, f64::NAN], ..cost },
+            // Infinite only in the sum.
+            Cost { max: [f64::MAX; 6], ..cost },
+        ] {
+            let refused = finish(&mut journal, &trial(broken), &Ended::default()).unwrap_err().to_string();
+            assert!(refused.contains("the cost of trial 0 is no finite number; nothing is recorded"), "{refused}");
+            assert_eq!(std::fs::read(&path).unwrap(), before);
+        }
+        finish(&mut journal, &trial(cost), &Ended::default()).unwrap();
+        assert!(std::fs::read(&path).unwrap().len() > before.len());
+    }
+}

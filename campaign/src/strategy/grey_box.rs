@@ -29,7 +29,7 @@ const TRIALS_WORTH: f64 = 2.0;
 const FEWEST: usize = 2;
 /// Trials for which two that were stopped make the next ones more careful.
 const CAREFUL_FOR: usize = 6;
-/// Trials in a row that were stopped, after which the next one promises nothing.
+/// Trials in a row that were stopped, or cost more than [`NEAR`] the best one, after which the next one promises nothing.
 const HOPELESS: usize = 5;
 /// Part of the largest possible change of J by the next fit that counts as its gain.
 const SETTLING: f64 = 0.5;
@@ -277,9 +277,11 @@ impl<const N: usize> Strategy<N> for GreyBox<N> {
         if !past.running.is_empty() {
             return Ok(None);
         }
-        // Where one trial after the other is stopped, ever smaller steps gain nothing that is worth them.
-        if FinishedTrial::failed_in_a_row(past.finished) >= HOPELESS {
-            let best = past.finished.iter().map(|trial| trial.cost.total()).fold(f64::INFINITY, f64::min);
+        // Where one trial after the other is stopped, or worse than one before, the next one gains nothing that is worth it.
+        let best = past.finished.iter().map(|trial| trial.cost.total()).fold(f64::INFINITY, f64::min);
+        let in_vain =
+            |trial: &&FinishedTrial| trial.failed() || trial.aborted.is_none() && trial.cost.total() > NEAR * best;
+        if past.finished.iter().rev().take_while(in_vain).count() >= HOPELESS {
             return Ok(Some(ExpectedGain { gain: 0.0, repeatability: REPEATABILITY * best, best }));
         }
         if self.deciding(past.finished).len() < FEWEST {

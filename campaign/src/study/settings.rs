@@ -245,4 +245,24 @@ mod tests {
         let message = refused(1, "[0]", 1..1002).unwrap_err();
         assert!(message.contains("`strategies` is 1001 entries; allowed: at most 1000"), "{message}");
     }
+
+    /// Campaigns are of equal length unless the settings say otherwise; then those end early that can.
+    #[test]
+    fn campaigns_of_a_study_end_early_where_it_is_asked_for() {
+        let rules = |settings: &str| {
+            let text = format!(
+                "schema: tribo.study/1\nseeds: 1\nposes: [0]\ncases: [{{truth: stribeck, friction: stribeck}}]\n\
+                 strategies: [{{strategy: grey_box, trials: 9}}, {{strategy: bo, trials: 9}}, {{strategy: sobol, trials: 9}}]\n{settings}"
+            );
+            let study = Study::parse(&YamlDocument::embedded("s.yaml", &text)).unwrap();
+            let cells = study.cells();
+            let campaigns = cells.iter().filter(|cell| matches!(cell.work, Work::Campaign(_)));
+            let campaigns: Vec<TuneConfig> = campaigns.map(|cell| study.config_of(cell)).collect();
+            let of = |strategy| campaigns.iter().find(|config| config.strategy == strategy).unwrap().stop_below;
+            [StrategyName::GreyBox, StrategyName::Bo, StrategyName::Sobol].map(of)
+        };
+        assert_eq!(rules(""), [Some(StopBelow::Never); 3]);
+        let asked = rules("settings: {stop_below: 0.5}\n");
+        assert_eq!(asked, [Some(StopBelow::Share(0.5)), Some(StopBelow::Share(0.5)), Some(StopBelow::Never)]);
+    }
 }

@@ -159,6 +159,27 @@ fn a_live_robot_is_asked_for_its_friction() {
     assert_eq!(other.code, Some(2), "another seed is another investigation: {other:?}");
 }
 
+/// A sensor that reads too much is seen in no torque that was sent: the motors lack nothing, the sensors are asked next.
+#[test]
+fn a_live_robots_sensors_are_asked_where_its_motors_lack_nothing() {
+    let at = scratch();
+    hide(at.path(), "{cause: torque_gain, joint: 3, gain_error: 0.08}");
+    let server = Served::new(at.path(), "--truth truth.yaml");
+    let call = format!("investigate --live {} --yes --model known.yaml --json -q --out found", server.host);
+    let found = run(at.path(), &call).ok().json();
+    assert_eq!((&found["torque_sensors"], &found["verdict"]), (&true.into(), &"named".into()), "{found:#}");
+    let first = &found["answer"]["findings"][0];
+    assert_eq!((&first["label"], &first["joint"]), (&"torque_gain".into(), &3.into()), "{found:#}");
+    let written = |name: &str| std::fs::read_to_string(at.path().join("found").join(name)).unwrap();
+    let of_motors: Value = serde_json::from_str(&written("answer_00.json")).unwrap();
+    assert_eq!(of_motors["verdict"], "nothing_missing", "{of_motors:#}");
+    let extended = written("extended.yaml");
+    assert!(extended.contains("torque_side: link") && extended.contains("torque_gain"), "{extended}");
+    let unseen = &found["answer"]["validation"][0];
+    let rms = |when: &str| unseen[when].as_array().map(|all| all[3].as_f64().unwrap()).unwrap();
+    assert!(rms("after_nm") < 0.1 * rms("before_nm"), "{unseen:#}");
+}
+
 /// One motion cannot tell a light payload from a heavier link; the one that the answer advises does, and adds no cause that is not there. The
 /// robot is a command.
 #[test]

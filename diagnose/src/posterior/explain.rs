@@ -22,13 +22,14 @@ use super::unseen::{Unseen, deviations, unknown_variance};
 use super::written;
 use crate::deflection::deflections;
 use crate::diagnosis::{self, CauseLabel, Diagnosis, Finding, Location, Rejected, Validation, Verdict};
-use crate::finding::{deflection_finding, lateness_of_stamps};
+use crate::finding::deflection_finding;
 use crate::held_out::gain_of_pairs;
 use crate::next_experiment::NextExperiment;
 use crate::noise_level::rms;
 use crate::plots;
 use crate::remarks::{misfits_of_squares, note_on_baseline, notes_of};
 use crate::scene::Scene;
+use crate::stamps::take_stamps;
 use crate::{DiagnoseError, DiagnoseSettings, Nominal};
 
 /// Logs to diagnose, logs of the same arm with a bare flange, and logs that nothing is fitted to.
@@ -208,7 +209,7 @@ pub(crate) fn explain<const N: usize>(
         .flat_map(|family| answer.findings(*family))
         .filter(|finding| finding.held_out_gain_ci95[1] >= 0.0)
         .collect();
-    let late = lateness_of_stamps(&mut findings);
+    let late = take_stamps(&scene, &mut findings);
     let cut = findings.len().saturating_sub(MOST_FINDINGS);
     findings.truncate(MOST_FINDINGS);
     findings.extend(further);
@@ -268,7 +269,9 @@ pub(crate) fn explain<const N: usize>(
     let mut notes = notes_of(&scene);
     notes.extend(late);
     notes.extend(notes_on(&problem, &all, &report, cut, bare_scene.as_ref(), &scene.nominal.arm.joint_names));
+    // Where plain least squares predicts better, the torque is not what any of the causes makes of it.
     let verdict = match () {
+        () if report.baseline_is_preferable() => Verdict::Unknown,
         () if findings.is_empty() => Verdict::NothingMissing,
         () if payload_unsure || findings.iter().any(|finding| !finding.alternatives.is_empty()) => Verdict::Ambiguous,
         () => Verdict::Named,

@@ -48,7 +48,14 @@ pub fn verdict_sentence(diagnosis: &Diagnosis) -> String {
                 let named = named.map(|finding| short_name(finding, names));
                 format!("{}, beside {}; {gain}.", description(unknown, names), shortened(named))
             }
-            None => "Something is missing from the model that no named cause describes.".to_owned(),
+            None if findings.is_empty() => {
+                "Something is missing from the model that no named cause describes.".to_owned()
+            }
+            None => {
+                let named = findings.iter().map(|finding| short_name(finding, names));
+                let beside = shortened(named);
+                format!("Something is missing from the model that no named cause describes, beside {beside}; {gain}.")
+            }
         },
     }
 }
