@@ -93,7 +93,7 @@ fn run<const N: usize>(believed: &Believed<N>, truth: &Model<N>, seed: u64) -> R
         effects: [JointEffects::default(); N],
         start,
         impedance: ImpedanceSettings::default(),
-        reference: SinusoidReference::paper(centre, PAPER_PHASES_RAD),
+        reference: SinusoidReference::paper(centre, PAPER_PHASES_RAD).scaled(truth.robot.path_times_panda()),
         velocity: VelocitySource::Hybrid,
         guard: None,
         limits: PenaltyLimits::default(),

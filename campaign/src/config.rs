@@ -107,6 +107,10 @@ pub struct TuneConfig {
     pub pose: usize,
     /// Phases of the reference.
     pub phases: Phases,
+    /// Factor on the lengths of the tool's path, 25 mm to either side; none is what [`Robot::path_times_panda`] says, or 1 in a campaign of
+    /// an earlier version that does not say.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub path_scale: Option<f64>,
     /// Plant sub-steps per control period.
     pub sub_steps: usize,
     /// Gains.
@@ -153,6 +157,7 @@ impl Default for TuneConfig {
             failure_rate: 0.0,
             pose: 0,
             phases: Phases::Documented,
+            path_scale: None,
             sub_steps: DEFAULT_SUB_STEPS,
             impedance: ImpedanceSettings::default(),
             ekf: WrenchEkfSettings::default(),
@@ -415,6 +420,9 @@ impl TuneConfig {
         positive("ekf.moment_walk_nm", e.moment_walk_nm, 1e4)?;
         positive("ekf.initial_force_sd_n", e.initial_force_sd_n, 1e4)?;
         positive("ekf.initial_moment_sd_nm", e.initial_moment_sd_nm, 1e4)?;
+        if let Some(path_scale) = self.path_scale {
+            FieldError::check("path_scale", path_scale, 0.05, 20.0)?;
+        }
         let l = &self.limits;
         positive("limits.acceleration_m_s2", l.acceleration_m_s2, 1e4)?;
         positive("limits.acceleration_rad_s2", l.acceleration_rad_s2, 1e4)?;
@@ -464,11 +472,16 @@ impl TuneConfig {
         let friction_scale = robot.friction_times_panda();
         let bounds = self.bounds.unwrap_or_else(|| Bounds::default_of(self.strategy));
         let box_scale = bounds.scale(friction_scale, &robot.arm.limits.tau_max_nm);
+        let path_times_panda = robot.path_times_panda();
         let model = robot.arm;
         let phase_rad = match self.phases {
             Phases::Documented => PAPER_PHASES_RAD,
             Phases::Random => random_phases(self.seed),
         };
+        let of_arm = if self.tribo_version.is_empty() { path_times_panda } else { 1.0 };
+        let path_scale = self.path_scale.unwrap_or(of_arm);
+        // Settings of a Panda stay as short as they were.
+        self.path_scale = (path_scale != 1.0).then_some(path_scale);
         let centre = Kinematics::at(&model, &start).base_from_flange();
         let trial = Trial {
             truth,
@@ -479,7 +492,7 @@ impl TuneConfig {
             effects: [JointEffects::default(); N],
             start,
             impedance: self.impedance,
-            reference: SinusoidReference::paper(centre, phase_rad),
+            reference: SinusoidReference::paper(centre, phase_rad).scaled(path_scale),
             velocity: self.velocity,
             // What its bounds are in proportion to is the friction of the joints.
             guard: self.guard.map(|guard| guard.for_friction(friction_scale.iter().sum::<f64>() / N as f64)),

@@ -103,7 +103,7 @@ pub enum GuardTrip {
 /// ```text
 /// motion       E_c = ∫ qdᵀ tau_c dt,   E = ∫ qdᵀ (tau_task + tau_null) dt,   E_f = E_c + E       ratio E_c/E_f, surplus −E
 /// oscillation  [`OscillationEnergy`]                                            surplus of what it gains
-/// drift        x = ∫ s (I − J#J) qd dt      s ≤ 1: as far as joints that are stuck let the arm slide
+/// drift        x = ∫ (I − J#J) qd dt and ∫ s (I − J#J) qd dt, the lesser of both      s ≤ 1: as far as joints that are stuck let the arm slide
 /// swings       changes of side of qd − qd_reference, beyond ± swing
 /// ```
 ///
@@ -125,6 +125,8 @@ pub struct CompensationGuard<const N: usize> {
     /// Compensator's work, of the memory of oscillations.
     lately_compensated_j: f64,
     drift_rad: SVector<f64, N>,
+    /// The same of what stuck joints leave free: that motion does not come back where they hold it on one way alone, and so is no drift by itself.
+    free_drift_rad: SVector<f64, N>,
     /// Velocity averaged over [`STANDING_MEAN_S`] [rad/s], and for how long it has been that of a standing joint (s).
     mean_qd: SVector<f64, N>,
     stands_s: SVector<f64, N>,
@@ -150,6 +152,7 @@ impl<const N: usize> CompensationGuard<N> {
             oscillation: OscillationEnergy::new(),
             lately_compensated_j: 0.0,
             drift_rad: zero,
+            free_drift_rad: zero,
             mean_qd: zero,
             stands_s: zero,
             side: zero,
@@ -191,8 +194,9 @@ impl<const N: usize> CompensationGuard<N> {
         self.lately_compensated_j = keep_fast * self.lately_compensated_j + compensated_w * dt_s;
         self.left_j = keep * self.left_j + left_w * dt_s;
         self.oscillation.observe(input);
-        let slides = self.slides(input);
-        self.drift_rad = self.drift_rad * keep + input.nullspace_qd * (slides * dt_s);
+        self.drift_rad = self.drift_rad * keep + input.nullspace_qd * dt_s;
+        let free = self.free_share(input);
+        self.free_drift_rad = self.free_drift_rad * keep + input.nullspace_qd * (free * dt_s);
         self.swings *= keep_fast;
         let weight = (1.0 / self.ticks.max(1.0)).max(1.0 - keep_fast);
         self.change_rad_s += ((input.qd - self.last_qd).abs() - self.change_rad_s) * weight;
@@ -209,9 +213,9 @@ impl<const N: usize> CompensationGuard<N> {
         self.trip
     }
 
-    /// Share of the motion that the tool does not feel that is sliding.
+    /// Share of the motion that the tool does not feel that no stuck joint forces.
     #[inline]
-    fn slides(&mut self, input: &GuardInput<'_, N>) -> f64 {
+    fn free_share(&mut self, input: &GuardInput<'_, N>) -> f64 {
         self.mean_qd += (input.qd - self.mean_qd) * (input.dt_s / STANDING_MEAN_S);
         let mut share = 1.0_f64;
         for j in 0..N {
@@ -234,7 +238,7 @@ impl<const N: usize> CompensationGuard<N> {
             && self.lately_compensated_j > PUT_IN * self.oscillation.gained_j()
         {
             Some(GuardTrip::Oscillation)
-        } else if self.drift_rad.norm() > settings.drift_rad {
+        } else if self.drift_rad.norm().min(self.free_drift_rad.norm()) > settings.drift_rad {
             Some(GuardTrip::NullSpaceDrift)
         } else {
             self.ratio().filter(|ratio| *ratio > settings.observed_ratio).map(|_| GuardTrip::EnergySurplus)
@@ -378,8 +382,10 @@ mod tests {
         for _ in 0..60_000 {
             assert_eq!(guard.observe(&standing(&round_it, &slide)), None);
         }
-        let most_m = (STUCK_S * 0.03 + MOTION_MEMORY_S * 0.03 * STANDING_RAD_S / 0.018).min(0.1);
-        assert!(guard.drift_rad.norm() < most_m, "{}", guard.drift_rad.norm());
+        // What it would have been: x(t) = v T (1 − exp(−t/T)).
+        assert!((guard.drift_rad.norm() - 0.03 * MOTION_MEMORY_S).abs() < 0.01, "{}", guard.drift_rad.norm());
+        let left_rad = MOTION_MEMORY_S * 0.03 * STANDING_RAD_S / 0.018;
+        assert!((guard.free_drift_rad.norm() - left_rad).abs() < 0.01, "{}", guard.free_drift_rad.norm());
     }
 
     #[test]

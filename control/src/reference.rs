@@ -51,6 +51,12 @@ impl SinusoidReference {
         }
     }
 
+    /// The same path, `factor` times as long, through the same orientations.
+    pub fn scaled(mut self, factor: f64) -> Self {
+        self.amplitude[..3].iter_mut().for_each(|amplitude_m| *amplitude_m *= factor);
+        self
+    }
+
     /// The same pre-roll and duration at a fixed set-point.
     pub fn fixed(centre: Pose) -> Self {
         Self { amplitude: [0.0; 6], ..Self::paper(centre, [0.0; 6]) }

@@ -2,9 +2,8 @@
 
 use nalgebra::SVector;
 use tribo_friction::FrictionModel;
-use tribo_robot::DescribedArm;
 use tribo_robot::presets::{AnyPreset, Preset};
-use tribo_robot::{Arm, presets, well_conditioned_poses};
+use tribo_robot::{Arm, DescribedArm, Kinematics, presets, well_conditioned_poses};
 use tribo_sim::{AnyTypicalFriction, TypicalFriction};
 
 /// An arm, where to try it, and how much friction its joints are taken to have.
@@ -55,6 +54,24 @@ impl<const N: usize> Robot<N> {
             None => std::array::from_fn(|j| (self.arm.limits.tau_max_nm[j] / PANDA_TORQUE_NM).max(1.0)),
         }
     }
+
+    /// How many times as far as a Panda's the tool moves in a trial: as many as its reach, to a hundredth, so that the joints turn as far; at least
+    /// once, since shorter ways are those that dry friction swallows.
+    ///
+    /// ```text
+    /// reach = Σ |p_k+1 − p_k|        origins of the joints from the second on, then the flange
+    /// ```
+    pub fn path_times_panda(&self) -> f64 {
+        let panda_m = reach_m(&presets::panda(), &presets::panda_ready_pose());
+        ((100.0 * reach_m(&self.arm, &self.poses_rad[0]) / panda_m).round() / 100.0).max(1.0)
+    }
+}
+
+fn reach_m<const N: usize>(arm: &Arm<N>, q: &SVector<f64, N>) -> f64 {
+    let kinematics = Kinematics::at(arm, q);
+    let flange = kinematics.base_from_flange().translation.vector;
+    let origins: Vec<_> = (1..N).map(|k| kinematics.link(arm, k).1).chain([flange]).collect();
+    origins.windows(2).map(|pair| (pair[1] - pair[0]).norm()).sum()
 }
 
 impl Robot<7> {

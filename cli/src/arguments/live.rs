@@ -10,8 +10,8 @@ use super::RobotModel;
 /// Arguments of `investigate`.
 #[derive(Debug, Args)]
 #[command(mut_arg("robot", |arg| arg.conflicts_with("live").help("The robot of --robot-command, when no --model says it: a preset or the path of a URDF or MJCF with seven joints")))]
-#[command(mut_arg("torque_side", |arg| arg.help("Side of the gears of the torque, when no --model says it: of a live robot what its motors were sent (motor), or its sensors \
-     (link); of a command what it logs as tau_J")))]
+#[command(mut_arg("torque_side", |arg| arg.help("Side of the gears of the torque, when no --model says it: of a live robot what its motors were sent (motor), and what its \
+     sensors measured where that lacks nothing, or its sensors alone (link); of a command what it logs as tau_J")))]
 #[command(group = clap::ArgGroup::new("robot_that_moves").required(true).args(["live", "robot_command"]))]
 pub struct Investigate {
     /// A Panda or FR3 at this address; tribo serve imitates one. The arm moves.

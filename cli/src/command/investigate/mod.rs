@@ -42,16 +42,15 @@ pub fn run(arguments: &Investigate, common: &Common) -> anyhow::Result<()> {
     };
     steps.plan(&steps.trajectory(0), &first)?;
     let mut number = 0;
-    let (mut diagnosis, mut torques);
-    loop {
+    let torques = loop {
         let called = format!("motion {}", number + 1);
-        steps.make(&robot, &called, &steps.trajectory(number), &steps.name(number))?;
-        (diagnosis, torques) = steps.answer(number)?;
+        steps.make(&robot, &called, &steps.trajectory(number), &log_name(number))?;
+        let (diagnosis, torques) = steps.answer(number)?;
         let motions = counted(number + 1);
         steps.say(format_args!("after {motions}: {}{}", torques.introduction(), verdict_sentence(&diagnosis)));
         let undecided = matches!(diagnosis.verdict, Verdict::Ambiguous | Verdict::Unknown);
         if !undecided || number + 1 >= usize::from(arguments.budget) {
-            break;
+            break torques;
         }
         match diagnosis.next_experiment.as_ref().filter(|next| !next.via_points.is_empty()) {
             // Its motion is in a file by now.
@@ -65,7 +64,7 @@ pub fn run(arguments: &Investigate, common: &Common) -> anyhow::Result<()> {
             }
         }
         number += 1;
-    }
+    };
     let (diagnosis, document) = steps.check(number, torques, &robot, arguments.seed)?;
     steps.show(number + 1, torques, &diagnosis, document)
 }
@@ -110,17 +109,12 @@ impl Steps<'_> {
         self.directory.join(format!("motion_{number:02}.yaml"))
     }
 
-    /// Name of the logs of a motion.
-    fn name(&self, number: usize) -> String {
-        format!("log_{number:02}")
-    }
-
     fn log(&self, name: &str, torques: Torques) -> PathBuf {
         self.directory.join(format!("{name}{}.{}", torques.ending(), self.settings.log_format))
     }
 
     fn logs(&self, last: usize, torques: Torques) -> Vec<PathBuf> {
-        (0..=last).map(|number| self.log(&self.name(number), torques)).collect()
+        (0..=last).map(|number| self.log(&log_name(number), torques)).collect()
     }
 
     fn extended(&self) -> PathBuf {
@@ -280,6 +274,11 @@ fn worth(validation: &Validation) -> String {
         }
     }
     text
+}
+
+/// Name of the logs of a motion.
+fn log_name(number: usize) -> String {
+    format!("log_{number:02}")
 }
 
 /// `1 motion`, `2 motions`.
