@@ -6,15 +6,17 @@ use tribo_robot::Limits;
 /// What a control unit that adds gravity itself makes of a wanted torque τ:
 ///
 /// ```text
-/// s = τ − g clipped to |s − s_last| ≤ .999 tau_rate_max dt,   τ' = s + g clipped to |τ'| ≤ tau_max
+/// s  = τ − g     clipped to |s − s_last| ≤ .999 tau_rate_max dt
+/// τ' = s + g     clipped to |τ' − τ'_last| ≤ tau_rate_max dt and |τ'| ≤ tau_max
 /// ```
 ///
-/// s is what is sent. A loop that takes τ' for its command has the same bits before a simulated arm as before a Franka.
+/// s is what is sent, τ' what acts. A loop that takes τ' for its command has the same bits before a simulated arm as before a Franka.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TorqueLimiter<const N: usize> {
     tau_max_nm: SVector<f64, N>,
     tau_rate_max_nm_s: SVector<f64, N>,
-    last_sent_nm: Option<SVector<f64, N>>,
+    /// What was sent, and what acted.
+    last_nm: Option<[SVector<f64, N>; 2]>,
 }
 
 /// Share of the rate that is used: version 10 of Franka's interface rounds torques to floats.
@@ -23,17 +25,19 @@ const SHARE_OF_RATE: f64 = 0.999;
 impl<const N: usize> TorqueLimiter<N> {
     /// A limiter for these limits; the first torque it sees is free of the rate limit.
     pub fn new(limits: &Limits<N>) -> Self {
-        Self { tau_max_nm: limits.tau_max_nm, tau_rate_max_nm_s: limits.tau_rate_max_nm_s, last_sent_nm: None }
+        Self { tau_max_nm: limits.tau_max_nm, tau_rate_max_nm_s: limits.tau_rate_max_nm_s, last_nm: None }
     }
 
-    /// The permitted torque (Nm) nearest to `tau` after dt (s) where `gravity` (Nm) is part of it, and whether the magnitude limit of any
+    /// The permitted torque (Nm) near `tau` after dt (s) where `gravity` (Nm) is part of it, and whether the magnitude limit of any
     /// joint was hit.
     #[inline]
     pub fn limit(&mut self, tau: &SVector<f64, N>, gravity: &SVector<f64, N>, dt_s: f64) -> (SVector<f64, N>, bool) {
+        let step = self.tau_rate_max_nm_s * dt_s;
         let mut sent = tau - gravity;
-        if let Some(last) = self.last_sent_nm {
-            let step = self.tau_rate_max_nm_s * (SHARE_OF_RATE * dt_s);
-            sent = sent.sup(&(last - step)).inf(&(last + step));
+        if let Some([last_sent, last]) = self.last_nm {
+            let sent_step = step * SHARE_OF_RATE;
+            sent = sent.sup(&(last_sent - sent_step)).inf(&(last_sent + sent_step));
+            sent = (sent + gravity).sup(&(last - step)).inf(&(last + step)) - gravity;
         }
         let mut acts = sent + gravity;
         let saturated = (0..N).any(|j| acts[j].abs() > self.tau_max_nm[j]);
@@ -41,7 +45,7 @@ impl<const N: usize> TorqueLimiter<N> {
             acts = SVector::from_fn(|j, _| acts[j].max(-self.tau_max_nm[j]).min(self.tau_max_nm[j]));
             sent = acts - gravity;
         }
-        self.last_sent_nm = Some(sent);
+        self.last_nm = Some([sent, acts]);
         (acts, saturated)
     }
 }
@@ -80,10 +84,13 @@ mod tests {
         // Gravity is the unit's own, and may change as it will.
         let mut limiter = TorqueLimiter::new(&limits);
         limiter.limit(&none, &none, 1e-3);
-        let gravity = SVector::repeat(10.0);
-        let (third, saturated) = limiter.limit(&SVector::repeat(10.5), &gravity, 1e-3);
-        assert!(!saturated && third == SVector::<f64, 7>::repeat(10.5));
-        let (fourth, _) = limiter.limit(&SVector::repeat(12.0), &gravity, 1e-3);
-        assert!((fourth - SVector::repeat(11.499)).amax() < 1e-12);
+        let gravity = SVector::repeat(0.4);
+        let (third, saturated) = limiter.limit(&SVector::repeat(0.9), &gravity, 1e-3);
+        assert!(!saturated && third == SVector::<f64, 7>::repeat(0.9));
+        let (fourth, _) = limiter.limit(&SVector::repeat(3.0), &gravity, 1e-3);
+        assert!((fourth - SVector::repeat(1.899)).amax() < 1e-12);
+        // Nor does what acts change faster than the drives let it.
+        let (fifth, _) = limiter.limit(&SVector::repeat(5.0), &SVector::repeat(0.8), 1e-3);
+        assert!((fifth - SVector::repeat(2.899)).amax() < 1e-12);
     }
 }

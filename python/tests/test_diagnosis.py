@@ -2,6 +2,7 @@
 
 import _thread
 import json
+import signal
 import time
 
 import pytest
@@ -57,6 +58,11 @@ def test_control_c_ends_it(model, loaded_log):
         # Long enough for the main thread to be asked: the work must not go on after this.
         time.sleep(1.0)
 
-    with pytest.raises(KeyboardInterrupt):
-        tribo.diagnose([loaded_log, loaded_log.slice(0, 9000)], model, progress=press)
+    # Python in a job in the background ignores Ctrl-C unless it is told otherwise.
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)
+    try:
+        with pytest.raises(KeyboardInterrupt):
+            tribo.diagnose([loaded_log, loaded_log.slice(0, 9000)], model, progress=press)
+    finally:
+        signal.signal(signal.SIGINT, before)
     assert len(heard) == 1

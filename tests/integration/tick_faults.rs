@@ -58,25 +58,28 @@ fn latched_fault(at: u64, tamper: impl Fn(u64, &mut SensorFrame<7>)) -> TickFaul
     let arm = presets::panda();
     // The last configuration that was finite; before any, the one the loop was built for.
     let mut q = presets::panda_ready_pose();
-    let mut last: Option<Joints> = None;
+    let mut last: Option<[Joints; 2]> = None;
     for (tick, record) in records.iter().enumerate() {
         let frame = &record.frame;
         if frame.q.iter().all(|x| x.is_finite()) {
             q = frame.q;
         }
+        let gravity = if tick as u64 >= at { gravity_torque(&arm, &q) } else { record.torque.gravity };
         if tick as u64 >= at {
-            let gravity = gravity_torque(&arm, &q);
             let expected = Joints::from_fn(|j, _| {
                 let brake = if frame.qd[j].is_finite() { BRAKE_NM_S_PER_RAD * frame.qd[j] } else { 0.0 };
                 let step = arm.limits.tau_rate_max_nm_s[j] * DT_S;
-                let (low, high) = last.map_or((f64::MIN, f64::MAX), |last| (last[j] - step, last[j] + step));
                 let limit = arm.limits.tau_max_nm[j];
-                (gravity[j] - brake).clamp(-limit, limit).clamp(low, high)
+                let wanted = (gravity[j] - brake).clamp(-limit, limit);
+                let Some([last_sent, last]) = last else { return wanted };
+                let (of_sent, sent) = (0.999 * step, wanted - gravity[j]);
+                let sent = sent.clamp(last_sent[j] - of_sent, last_sent[j] + of_sent);
+                (sent + gravity[j]).clamp(last[j] - step, last[j] + step)
             });
             assert!((record.command - expected).amax() < ROUNDING_NM, "tick {tick}: not the safe torque");
             assert_eq!(record.torque.total(), Joints::zeros(), "tick {tick}: the controller still speaks");
         }
-        last = Some(record.command);
+        last = Some([record.command - gravity, record.command]);
     }
     first
 }
