@@ -109,8 +109,8 @@ pub enum GuardTrip {
 ///
 /// forgotten exponentially, motion and drift over 10 s, oscillation and swings over 1 s. Gravity and Coriolis torques cancel what they are sent
 /// against, and motion gives its energy back: what the impedance and the null space put in (E) is what friction takes (E_f) less what the
-/// compensator puts in (E_c). The impedance, not the estimated wrench: where a joint is stuck, the wrench is of a torque that does no work. This is a passivity observer (hannaford2002) of the compensator that knows no friction: its
-/// ratio is 1 for exact compensation. A wrong weight does no work over a motion that comes back, and hardly any in an oscillation.
+/// compensator puts in (E_c). The impedance, not the estimated wrench: where a joint is stuck, the wrench is of a torque that does no work. This
+/// is a passivity observer (hannaford2002) of the compensator that knows no friction: its ratio is 1 for exact compensation. A wrong weight does no work over a motion that comes back, and hardly any in an oscillation.
 /// Sliding that the tool does not feel shows as drift, oscillation that loses as much as it gains as swings. An arm slides along one direction of
 /// its joints: where one of them is stuck in its friction, what looks like it is the way of the others round that joint.
 ///
