@@ -5,9 +5,8 @@ use tribo_sim::Effect;
 
 use crate::DiagnoseError;
 use crate::confusable::same_torque;
-use crate::deflection::DeflectionFinding;
 use crate::diagnosis::{CauseLabel, Diagnosis, Finding, JointMisfit, Location, Unseen, Verdict};
-use crate::engine::Before;
+use crate::evaluated::{Before, Evaluated};
 use crate::evidence::joint_fit;
 use crate::finding::{Fitted, Selected, deflection_finding, describe, finding_of, ripple_finding, squares};
 use crate::held_out::{HeldOut, gain_of_pairs, gain_with_interval, plain_squares};
@@ -20,27 +19,11 @@ use crate::pruning::{
     yield_to_unknown,
 };
 use crate::remarks::{assumptions_of, misfits, note_on_baseline, notes_of, rejected};
-use crate::ripple::RippleLine;
 use crate::scene::{Scene, subtracted};
 use crate::search::Search;
 use crate::significance::Chance;
 use crate::stamps::take_stamps;
 use crate::validation::validated;
-
-/// What the search ran on.
-pub(crate) struct Evaluated<'e, const N: usize> {
-    /// Residual before ripples were taken out (Nm).
-    pub original: &'e [Vec<f64>; N],
-    /// What figures before the findings are of, if not the scene's own model.
-    pub before: Option<Before<'e, N>>,
-    pub lines: &'e [RippleLine],
-    /// What plain fits predict, to stand beside the answer.
-    pub plain_fits: Option<&'e PlainFits>,
-    pub deflections: &'e [DeflectionFinding],
-    pub logs: &'e [RobotLog],
-    pub chance: &'e Chance,
-    pub seed: u64,
-}
 
 /// Residual over sensor noise in the band beyond which a joint without a finding has something unexplained.
 const UNEXPLAINED_OVER_NOISE: f64 = 3.0;

@@ -1,12 +1,13 @@
 //! Findings with their parameters, intervals, gains and plots.
 
 use tribo_robot::JointNames;
+use tribo_sim::Effect;
 
 use crate::DiagnoseError;
-use crate::conclusion::Evaluated;
+use crate::cause::{Candidate, TorqueRipple};
 use crate::deflection::DeflectionFinding;
 use crate::diagnosis::{Alternative, CauseLabel, Finding, Location, Parameter};
-use crate::engine::ripple_effect;
+use crate::evaluated::Evaluated;
 use crate::evidence::joint_fit;
 use crate::held_out::{
     BlockGram, BlockSquares, HeldOut, TimeBlocks, gain_of_pairs, gain_with_interval, interval, plain_squares, resampled,
@@ -151,6 +152,12 @@ pub(crate) fn finding_of<const N: usize>(
         alternatives: member.alternatives.clone(),
         plots,
     }
+}
+
+/// The effect of a ripple.
+fn ripple_effect<const N: usize>(scene: &Scene<N>, line: &RippleLine) -> Option<Effect> {
+    let candidate = TorqueRipple { joint: line.joint };
+    candidate.effect(scene, &[line.cycles_per_rev], &[line.sine_nm, line.cosine_nm])
 }
 
 pub(crate) fn ripple_finding<const N: usize>(

@@ -7,7 +7,7 @@ use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64;
 
 use crate::diagnosis::CauseLabel;
-use crate::evidence::{inner, solve_ridge};
+use crate::least_squares::{inner, solve_ridge};
 use crate::posterior::split::THIRDS;
 use crate::scene::Column;
 use crate::system::System;

@@ -31,6 +31,7 @@
 
 mod blocks;
 mod cause;
+mod cause_by_cause;
 mod conclusion;
 mod confusable;
 mod contact_window;
@@ -39,12 +40,14 @@ mod diagnosable;
 mod diagnosis;
 mod engine;
 mod error;
+mod evaluated;
 mod evidence;
 pub mod filter;
 mod finding;
 mod friction_report;
 mod golden_section;
 mod held_out;
+mod least_squares;
 mod model_residual;
 mod next_experiment;
 mod noise_level;
@@ -63,6 +66,7 @@ mod rivals;
 mod scene;
 mod scene_effects;
 mod search;
+mod settings;
 mod signal_chain;
 mod significance;
 mod stamps;
@@ -72,12 +76,11 @@ mod validation;
 mod whitening;
 
 pub use blocks::{BlockSettings, Blocks, BlocksError, Split};
-pub use diagnosable::Diagnosable;
+pub use diagnosable::{Diagnosable, diagnose, diagnose_with_reference};
 pub use diagnosis::{
     Alternative, CauseLabel, CrossJointPattern, Diagnosis, Finding, JointMisfit, Location, Parameter, Plot, Rejected,
     Series, Unseen, Validation, Verdict,
 };
-pub use engine::{DiagnoseSettings, diagnose, diagnose_with_reference};
 pub use error::DiagnoseError;
 pub use friction_report::{FrictionReport, FrictionSettings, HeldOut, HeldOutError, JointFitError, JointReport};
 pub use model_residual::ModelResidual;
@@ -85,5 +88,6 @@ pub use next_experiment::NextExperiment;
 pub use noise_level::white_noise_sd;
 pub use nominal::Nominal;
 pub use residual_error::ResidualError;
+pub use settings::DiagnoseSettings;
 pub use signal_chain::{ResidualSettings, SignalChain};
 pub use torque_residual::{MotionSample, TorqueResidual};

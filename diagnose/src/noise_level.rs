@@ -1,6 +1,6 @@
 //! White noise of a signal, from the signal itself.
 
-use crate::evidence::fit_rows;
+use crate::least_squares::fit_rows;
 
 /// Median of |x| over the standard deviation of a Gaussian.
 const MEDIAN_OVER_SD: f64 = 0.674_489_750_196_081_7;

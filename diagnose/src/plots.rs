@@ -6,7 +6,7 @@ use tribo_robot::{Arm, JointNames, gravity_torque, inverse_dynamics_regressor};
 use crate::cause::Candidate;
 use crate::deflection::DeflectionFinding;
 use crate::diagnosis::{CauseLabel, CrossJointPattern, Location, Plot, Series};
-use crate::evidence::solve_truncated;
+use crate::least_squares::solve_truncated;
 use crate::report::cause_at;
 use crate::ripple::RippleLine;
 use crate::scene::{Column, FineColumn, Scene};

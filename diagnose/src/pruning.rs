@@ -3,8 +3,9 @@
 use crate::confusable::same_by_physics;
 use crate::contact_window::residual;
 use crate::diagnosis::{CauseLabel, Location};
-use crate::evidence::{inner, joint_fit};
+use crate::evidence::joint_fit;
 use crate::held_out::{BlockSquares, HeldOut};
+use crate::least_squares::inner;
 use crate::noise_level::rms;
 use crate::rivals::RIVAL_EVIDENCE;
 use crate::scene::Column;

@@ -6,7 +6,7 @@ use std::ops::Range;
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 
-use crate::evidence::{fit_rows, inner, solve_truncated};
+use crate::least_squares::{fit_rows, inner, solve_truncated};
 use crate::noise_level::median;
 use crate::scene::{FineColumn, Sample, Scene};
 use crate::whitening::Whitening;

@@ -15,8 +15,9 @@ use rayon::prelude::*;
 use crate::cause::{Candidate, ExternalContact};
 use crate::contact_window::{best_window, sharpened};
 use crate::diagnosis::{CauseLabel, Location};
-use crate::evidence::{Conditional, Gain, Selection, gain_given};
+use crate::evidence::{Conditional, Selection, gain_given};
 use crate::golden_section::golden_section;
+use crate::least_squares::Gain;
 use crate::system::System;
 
 /// Time that two windows share over the time of either from which on they are one push.
@@ -173,9 +174,9 @@ impl<'s, 'a, const N: usize> Search<'s, 'a, N> {
             if self.gave_up {
                 return true;
             }
-            if !(self.thorough && self.do_without_unknown()) {
-                break;
-            }
+            // What was done without is not asked again: it would come back for what little it is worth, and so on for ever.
+            let Some(place) = self.do_without_unknown() else { break };
+            fruitless.push(place);
             self.improve();
         }
         // Shapes against each other, once the company is known.
@@ -492,8 +493,11 @@ impl<'s, 'a, const N: usize> Search<'s, 'a, N> {
         }
     }
 
-    /// Drops a nameless cause if the named ones, refined without it, do as well: it may have bent their shapes.
-    fn do_without_unknown(&mut self) -> bool {
+    /// Drops a nameless cause if the named ones, refined without it, do as well: it may have bent their shapes. Its place, if there is one.
+    fn do_without_unknown(&mut self) -> Option<(CauseLabel, Location)> {
+        if !self.thorough {
+            return None;
+        }
         let nameless: Vec<usize> =
             self.selected.iter().copied().filter(|group| self.place(*group).0 == CauseLabel::Unknown).collect();
         for group in nameless {
@@ -502,11 +506,11 @@ impl<'s, 'a, const N: usize> Search<'s, 'a, N> {
             self.reshape();
             self.reshape();
             if self.total(&self.selected) > before.1 - SWAP_EVIDENCE {
-                return true;
+                return Some(self.place(group));
             }
             self.selected = before.0;
         }
-        false
+        None
     }
 
     /// Penalised evidence of a whole selection.

@@ -7,7 +7,8 @@ use rayon::prelude::*;
 
 use crate::contact_window::residual;
 use crate::diagnosis::Location;
-use crate::evidence::{Conditional, solve_truncated};
+use crate::evidence::Conditional;
+use crate::least_squares::solve_truncated;
 use crate::search::Search;
 
 /// Length of a block (s).
@@ -95,7 +96,7 @@ impl Chance {
                 let mut ratios = Vec::with_capacity(groups.len());
                 for (g, columns, square, norms) in &groups {
                     let score = DVector::from_fn(columns.len(), |i, _| projected[columns[i]]);
-                    let gain = solve_truncated(square, &score, norms, crate::evidence::OWN_PART);
+                    let gain = solve_truncated(square, &score, norms, crate::least_squares::OWN_PART);
                     let asked = gain.directions > 0;
                     ratios.push(asked.then(|| gain.explained / gain.directions as f64));
                     if asked {

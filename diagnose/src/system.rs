@@ -9,7 +9,7 @@ use rayon::prelude::*;
 
 use crate::cause::{Candidate, ExternalContact};
 use crate::diagnosis::{CauseLabel, Location};
-use crate::evidence::{ROUNDING, inner};
+use crate::least_squares::{ROUNDING, inner};
 use crate::noise_level::{rms, robust_sd};
 use crate::scene::{Column, Scene};
 use crate::whitening::Whitening;

@@ -2,13 +2,16 @@
 //!
 //! Every file is YAML with a `schema`; an error names file, line, field and the allowed range ([`FileError`]).
 
+mod any_model;
 mod believed;
+mod checked_model;
 mod config_error;
 mod effect_entries;
 mod effects_section;
 mod error;
 mod field_error;
 mod friction_section;
+mod limits_section;
 mod model;
 mod model_choice;
 mod model_file;
@@ -20,18 +23,19 @@ mod trajectory_file;
 mod tuned_file;
 mod yaml;
 
+pub use any_model::AnyModel;
 pub use believed::{Believed, NotCancelled, joint_effects, not_cancelled_sentences};
 pub use config_error::ConfigError;
 pub use error::FileError;
 pub use field_error::FieldError;
 pub use friction_section::{FrictionSection, JointParameters, LawName};
-pub use model::{AnyModel, Model, SIGN_SMOOTHING_RAD_S};
+pub use limits_section::LimitsSection;
+pub use model::{Model, SIGN_SMOOTHING_RAD_S};
 pub use model_choice::ModelChoice;
 pub use model_file::{ModelFile, PayloadSection};
 pub use not_cancelled_of::not_cancelled_of;
 pub use pushes_file::{Push, PushesFile};
 pub use robot::{POSES, Robot, joints_of_preset};
-pub use robot_section::LimitsSection;
 pub use trajectory_file::{TrajectoryFile, ViaPoint};
 pub use tuned_file::TunedFile;
 pub use yaml::{YamlDocument, file_name, read_text, to_yaml};

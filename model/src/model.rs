@@ -1,14 +1,11 @@
 //! A robot model, validated.
 
-use std::path::Path;
-
 use tribo_diagnose::Nominal;
 use tribo_friction::FrictionModel;
 use tribo_robot::Arm;
 use tribo_sim::{Effect, TorqueSide, Truth};
 
 use crate::Robot;
-use crate::{FileError, ModelFile};
 
 /// What a model file says, `tau = M qdd + C qd + g + Ir qdd + friction(qd) + effects`.
 #[derive(Clone, Debug, PartialEq)]
@@ -25,16 +22,6 @@ pub struct Model<const N: usize> {
     pub smoothing_rad_s: f64,
     /// Causes on top of arm and friction.
     pub effects: Vec<Effect>,
-}
-
-/// A model of an arm with as many joints as it happens to have.
-#[derive(Clone, Debug, PartialEq)]
-#[allow(clippy::large_enum_variant, reason = "both are large, and few exist")]
-pub enum AnyModel {
-    /// Of an arm with six joints.
-    Six(Model<6>),
-    /// Of an arm with seven joints.
-    Seven(Model<7>),
 }
 
 /// Width of the smooth sign on logs (rad/s) where no model says another: above the noise of a velocity.
@@ -86,37 +73,5 @@ impl Model<7> {
     /// The bare Panda without friction, torques on the given side.
     pub fn panda(torque_side: TorqueSide) -> Self {
         Self::bare(Robot::panda(), torque_side)
-    }
-}
-
-impl AnyModel {
-    /// Reads and validates a model file.
-    pub fn read(path: &Path) -> Result<Self, FileError> {
-        let (file, document) = ModelFile::read(path)?;
-        file.validate_any().map_err(|error| document.explain(error))
-    }
-
-    /// Width of the smooth sign on logs (rad/s).
-    pub fn smoothing_rad_s(&self) -> f64 {
-        match self {
-            Self::Six(model) => model.smoothing_rad_s,
-            Self::Seven(model) => model.smoothing_rad_s,
-        }
-    }
-
-    /// Number of joints.
-    pub fn joints(&self) -> usize {
-        match self {
-            Self::Six(_) => 6,
-            Self::Seven(_) => 7,
-        }
-    }
-
-    /// Name of the arm.
-    pub fn robot(&self) -> &str {
-        match self {
-            Self::Six(model) => &model.robot.arm.name,
-            Self::Seven(model) => &model.robot.arm.name,
-        }
     }
 }

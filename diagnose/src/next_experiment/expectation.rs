@@ -6,7 +6,7 @@ use tribo_sim::Effect;
 use super::pair::Pair;
 use crate::cause::{Candidate, ExternalContact, TorqueRipple, candidate_of_effect, candidates};
 use crate::diagnosis::{CauseLabel, JointMisfit, Location};
-use crate::evidence::solve_ridge;
+use crate::least_squares::solve_ridge;
 use crate::scene::{Column, Scene};
 
 /// Density of what the model cannot know (Nm² s), white in the band:

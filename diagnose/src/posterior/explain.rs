@@ -18,6 +18,7 @@ use super::prior::{ArmScale, Family};
 use super::problem::{Place, Problem};
 use super::selection::{Selection, is_payload, select};
 use super::simulated::soft_friction;
+use super::tempering::{correlation_time, repetition};
 use super::unseen::{Unseen, deviations, unknown_variance};
 use super::written;
 use crate::deflection::deflections;
@@ -47,8 +48,10 @@ const WIDEST_BAND: f64 = 0.2;
 const FURTHER_ROUNDS: usize = 3;
 /// Most findings.
 const MOST_FINDINGS: usize = 8;
-/// Relative standard deviation of a payload's mass beyond which the log does not determine it.
-const UNSURE_PAYLOAD: f64 = 0.1;
+/// Relative standard deviation of a payload's mass beyond which the log does not determine it to a tenth.
+const UNSURE_PAYLOAD: f64 = 0.05;
+/// How often what is left of a joint says the same, from which on its path comes again.
+const COMES_AGAIN: f64 = 1.5;
 /// Predicted standard deviation of unseen torque, over what is left, beyond which a joint is not determined.
 const UNDETERMINED: f64 = 1.0;
 
@@ -192,10 +195,12 @@ pub(crate) fn explain<const N: usize>(
     let left_nm: [Vec<f64>; N] = in_band(given.logs, &extended)?.residual_nm;
     let bare_scene = if given.unloaded.is_empty() { None } else { Some(in_band(given.unloaded, &without_payload)?) };
 
+    let unsure = all.with_usual_gains(&problem);
     let answer = Answer {
         scene: &scene,
         problem: &problem,
         fit: &all,
+        unsure: &unsure,
         selection: &selection,
         unseen: &unseen,
         seed: settings.seed,
@@ -215,7 +220,7 @@ pub(crate) fn explain<const N: usize>(
     findings.extend(further);
     findings.extend(seen);
     findings.sort_by(|a, b| b.evidence.total_cmp(&a.evidence));
-    let payload_unsure = doubt_payload(&problem, &all, &mut findings, given.unloaded.is_empty());
+    let payload_unsure = doubt_payload(&problem, [&all, &unsure], &mut findings, given.unloaded.is_empty());
 
     let rms_of = |squares: &[Vec<f64>]| unseen.rms_nm(&problem, squares);
     let report = diagnosis::Unseen {
@@ -315,9 +320,9 @@ fn with<const N: usize>(nominal: &Nominal<N>, effects: &[Effect], payload: bool)
 }
 
 /// Says of a payload that the log does not determine what else it could be.
-fn doubt_payload(problem: &Problem, all: &Fit, findings: &mut [Finding], no_reference: bool) -> bool {
+fn doubt_payload(problem: &Problem, [all, unsure]: [&Fit; 2], findings: &mut [Finding], no_reference: bool) -> bool {
     let Some(mass) = problem.index(Place::Payload(0)).filter(|i| all.active.contains(i)) else { return false };
-    let unsure = no_reference && is_payload(problem, all) && all.sd(mass) > UNSURE_PAYLOAD * all.state[mass];
+    let unsure = no_reference && is_payload(problem, all) && unsure.sd(mass) > UNSURE_PAYLOAD * all.state[mass];
     for finding in findings.iter_mut().filter(|finding| unsure && finding.label == CauseLabel::Payload) {
         for label in [CauseLabel::TorqueGain, CauseLabel::LinkInertial] {
             let known = finding.alternatives.iter().any(|other| other.label == label);
@@ -443,6 +448,17 @@ fn notes_on<const N: usize>(
         notes.push(
             "dry friction turns round before the joints do, as that of a physics engine (frictionloss of MuJoCo): the log is \
              simulated, or its velocities are late; the extended model holds it as friction_lead"
+                .to_owned(),
+        );
+    }
+    let comes_again = |j: usize| {
+        let left = problem.residual_along(&all.state, j, &parts);
+        repetition(&left, correlation_time(&left)) > COMES_AGAIN
+    };
+    if 2 * (0..N).filter(|j| comes_again(*j)).count() > N {
+        notes.push(
+            "the robot repeats its path in this log, and the model its errors: held-out parts show little that is new; a log of another path, \
+             given with --validate, says more"
                 .to_owned(),
         );
     }

@@ -35,6 +35,8 @@ pub(crate) struct Answer<'a, const N: usize> {
     pub scene: &'a Scene<N>,
     pub problem: &'a Problem,
     pub fit: &'a Fit,
+    /// The same with gains of which nothing is known, which what loads the whole arm is told with.
+    pub unsure: &'a Fit,
     pub selection: &'a Selection,
     pub unseen: &'a Unseen,
     pub seed: u64,
@@ -271,7 +273,8 @@ impl<const N: usize> Answer<'_, N> {
     }
 
     fn of_arm(&self, family: Family) -> Option<Shown> {
-        let at = |place: Place| self.problem.index(place).map_or((0.0, 0.0), |i| (self.fit.state[i], self.fit.sd(i)));
+        let at =
+            |place: Place| self.problem.index(place).map_or((0.0, 0.0), |i| (self.unsure.state[i], self.unsure.sd(i)));
         let parameters = match family {
             Family::Delay => vec![Self::table("delay_s", vec![at(Place::Delay)])],
             Family::Tilt => {

@@ -85,6 +85,28 @@ impl Fit {
 }
 
 impl Fit {
+    /// The same with the gains of the drives as unsure as they are before any log, however alike the log takes them to be:
+    ///
+    /// ```text
+    /// Λ' = Λ − Q_g/α_g² + Q_g/max(α_g, 1)²
+    /// ```
+    ///
+    /// A scale by evidence that says "no gain here" makes a body's mass look surer than it is: gains that are all off by little, and
+    /// less or more mass, load the joints nearly alike.
+    pub fn with_usual_gains(&self, problem: &Problem) -> Self {
+        let Some(scale) = self.scale(Family::Gain) else { return self.clone() };
+        let Some(information) = spd::inverse(&self.covariance) else { return self.clone() };
+        let mut information = information.matrix;
+        for (k, &i) in self.active.iter().enumerate().filter(|(_, i)| problem.places[**i].family() == Family::Gain) {
+            let own = scale * self.factors[i];
+            information[(k, k)] += problem.precision[(i, i)] * (own.max(1.0).powi(-2) - own.powi(-2));
+        }
+        match spd::inverse(&information) {
+            Some(inverse) => Self { covariance: inverse.matrix, ..self.clone() },
+            None => self.clone(),
+        }
+    }
+
     /// Other families at the noise colour, the scales and the pins of this fit.
     pub fn lend(&self, problem: &Problem, families: Vec<Family>) -> Start {
         let pinned = self.start.pinned.iter().copied();

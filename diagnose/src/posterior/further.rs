@@ -11,8 +11,8 @@ use tribo_logs::RobotLog;
 
 use super::selection::LEAST_NATS;
 use super::tempering::kappa;
+use crate::cause_by_cause::{Question, cause_by_cause};
 use crate::diagnosis::{CauseLabel, Finding};
-use crate::engine::{Question, cause_by_cause};
 use crate::noise_level::rms;
 use crate::scene::{Scene, subtracted};
 use crate::{DiagnoseError, DiagnoseSettings, Nominal};

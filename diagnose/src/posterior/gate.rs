@@ -15,12 +15,15 @@ use crate::scene::Scene;
 /// μᵀ S⁻¹ μ of a joint's own friction and offset from which on they are surely others than the model's. Stiction of held joints
 /// reaches some hundreds, a fifth of a joint's friction thousands.
 const SURE: f64 = 1000.0;
+/// The same of a torque that is so many times what every family together leaves: in a noisy or short log nothing reaches thousands.
+const SURE_OF_MOST: f64 = 100.0;
+const MOST: f64 = 4.0;
 /// RMS of that torque over the sensors' noise in the band from which on it matters.
 const NOTABLE: f64 = 1.0;
 /// Least noise over the RMS of the measured torque.
 const LEAST_RELATIVE: f64 = 1e-3;
-/// Share of its time from which on a joint that stands is not asked.
-const MOST_STANDING: f64 = 0.3;
+/// Samples in motion that a joint is asked by: a robot that works its way from point to point pauses for most of its time.
+const LEAST_MOVING: usize = 200;
 /// Share of standing samples in the filter's window below which a sample counts as one of motion.
 const MOVING: f64 = 0.1;
 /// What the plain fit leaves, over what every family together leaves, up to which friction and offsets are all that is wrong.
@@ -101,6 +104,13 @@ fn wrongness_around<const N: usize>(
     let samples = problem.columns.samples(&parts).max(1) as f64;
     // A simulated log has no sensors' noise, but interpolation.
     let noise_nm = |j: usize| scene.noise_floor_nm[j].max(LEAST_RELATIVE * rms(&scene.measured_nm[j]));
+    let beside: Vec<bool> = push_weights(scene, pushes).iter().map(|weight| *weight == 1.0).collect();
+    let rms_nm = |state: &State, j: usize| {
+        let weighted = problem.residual_along(state, j, &parts);
+        let unweighted = weighted.iter().zip(problem.columns.row_weights(j)).map(|(r, weight)| r / weight);
+        rms(&unweighted.zip(&beside).filter(|(_, beside)| **beside).map(|(r, _)| r).collect::<Vec<f64>>())
+    };
+    let left_nm: Vec<f64> = (0..N).map(|j| rms_nm(&all.state, j)).collect();
     let differs = |j: usize| {
         let terms = [JointTerm::Offset, JointTerm::Coulomb, JointTerm::Viscous];
         let own: Vec<usize> = terms.iter().filter_map(|term| problem.index(Place::Own(j, *term))).collect();
@@ -116,7 +126,8 @@ fn wrongness_around<const N: usize>(
             parts.iter().map(of_part).sum::<f64>()
         });
         let size_nm = ((mean.transpose() * gram * &mean)[0].max(0.0) / samples).sqrt();
-        evidence > SURE && size_nm > NOTABLE * noise_nm(j)
+        let is_most = evidence > SURE_OF_MOST && size_nm > MOST * left_nm[j];
+        (evidence > SURE || is_most) && size_nm > NOTABLE * noise_nm(j)
     };
     let left = |j: usize| {
         // Robust, in motion: a push that lasts seconds is no property of the arm, nor is what holds a joint that stands.
@@ -125,22 +136,12 @@ fn wrongness_around<const N: usize>(
         let left = robust_sd(moving.map(|(r, _)| r));
         left > MUCH_LEFT * noise_nm(j)
     };
-    // What holds a joint that stands is anything within its dry friction: such a joint is not asked.
-    let moves = |j: &usize| {
-        let standing = scene.standing(*j);
-        standing.iter().sum::<f64>() < MOST_STANDING * standing.len() as f64
-    };
+    // What holds a joint that stands is anything within its dry friction, so that its rests weigh little; one that hardly moves is not asked.
+    let moves = |j: &usize| scene.standing(*j).iter().filter(|share| **share < MOVING).count() >= LEAST_MOVING;
     let differing = (0..N).filter(moves).filter(|j| differs(*j)).count();
     let leaving = (0..N).filter(moves).filter(|j| left(*j)).count();
     // Friction and offsets alone are few causes of a joint, however many joints have them: a search names each by its law.
     let plain = plain_state(problem, &parts);
-    let beside: Vec<bool> = push_weights(scene, pushes).iter().map(|weight| *weight == 1.0).collect();
-    let rms_nm = |state: &State, j: usize| {
-        let weighted = problem.residual_along(state, j, &parts);
-        let unweighted = weighted.iter().zip(problem.columns.row_weights(j)).map(|(r, weight)| r / weight);
-        rms(&unweighted.zip(&beside).filter(|(_, beside)| **beside).map(|(r, _)| r).collect::<Vec<f64>>())
-    };
-    let left_nm: Vec<f64> = (0..N).map(|j| rms_nm(&all.state, j)).collect();
     let plain_will_do = (0..N).all(|j| rms_nm(&plain, j) < AS_WELL * left_nm[j].max(noise_nm(j)));
     let everywhere = 2 * leaving > N || (2 * differing > N && !plain_will_do);
     let plain_fits = if everywhere || !pushes.is_empty() { None } else { PlainFits::of(problem) };

@@ -21,7 +21,8 @@ use tribo_logs::recognise::Remark;
 use self::fit::{Columns, Fit, MOVES, fit};
 use self::hypothesis::{Change, Hypothesis};
 use self::samples::Samples;
-use crate::{Diagnosable, Nominal};
+use crate::Nominal;
+pub use crate::diagnosable::recognise;
 
 /// Gain (nats) from which a hypothesis is named.
 ///
@@ -42,6 +43,8 @@ const ARM_GAIN: f64 = 1.5;
 const SIGN_NATS: f64 = 4.0;
 /// Natural logarithm of the largest factor by which the torque of one joint is off, where only what its weight would be says so.
 const LARGEST_FACTOR_LN: f64 = 2.5;
+/// Share of the arm's weight that torques hold below which it was surely left out of them.
+const WEIGHTLESS: f64 = 0.25;
 /// Gain (nats) by which another arm is named although joints of this motion stay unexplained.
 const OTHER_ARM_NATS: f64 = 150.0;
 /// Lead (nats) over others that say something else.
@@ -61,13 +64,6 @@ const AS_A_CONSTANT: f64 = 0.7;
 const HALF: f64 = 0.5;
 /// By how much more a hypothesis may leave of any torque that is not explained well.
 const NO_WORSE: f64 = 1.1;
-
-/// The remarks of the rigid model on a log, of which `tau_j_nm` is the torque that acted; none on a good one, or on one too
-/// short to be judged.
-#[must_use]
-pub fn recognise(log: &RobotLog, nominal: &impl Diagnosable) -> Vec<Remark> {
-    nominal.recognised(log)
-}
 
 /// The remarks of [`recognise`].
 pub(crate) fn by_the_arm<const N: usize>(log: &RobotLog, nominal: &Nominal<N>) -> Vec<Remark> {
@@ -93,7 +89,8 @@ pub(crate) fn by_the_arm<const N: usize>(log: &RobotLog, nominal: &Nominal<N>) -
             break;
         }
         let Some(found) = found.filter(|found| !changes.contains(&found.change)) else { break };
-        remarks.push(words::remark(&found, names));
+        let weightless = samples.weight_share(&nominal.arm).is_some_and(|share| share.abs() < WEIGHTLESS);
+        remarks.push(words::remark(&found, weightless, names));
         believed = believed.with(&found.change, &nominal);
         changes.push(found.change);
     }

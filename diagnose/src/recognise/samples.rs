@@ -2,6 +2,7 @@
 
 use nalgebra::SVector;
 use tribo_logs::{Resampling, RobotLog, resample};
+use tribo_robot::{Arm, gravity_torque};
 
 use crate::repeats::without_repeats;
 use crate::torque_residual::{motion_of, smoothed};
@@ -19,6 +20,8 @@ const MOST_ROWS: usize = 300_000;
 const TURNS_RAD: f64 = 0.02;
 /// Rounding of a smoother over a constant torque [-].
 const SAME: f64 = 1e-9;
+/// Norm of the torques of an arm's weight from which on it is to be seen (Nm).
+const LEAST_WEIGHT_NM: f64 = 2.0;
 /// Fewest instants that a judgement needs.
 const LEAST: usize = 20;
 
@@ -68,6 +71,18 @@ impl<const N: usize> Samples<N> {
         let step = instants.len().div_ceil(MOST).max(1);
         let instants: Vec<Instant<N>> = instants.into_iter().step_by(step).filter(finite).collect();
         (instants.len() >= LEAST).then_some(Self { instants, duration_s })
+    }
+
+    /// How much of the weight of an arm the torques hold, by least squares over all joints: 1 of an arm as it is, 0 where gravity was left
+    /// out. A motion of centimetres, in which a weight is a constant, tells it as well as any; `None` where nothing is to be held.
+    pub fn weight_share(&self, arm: &Arm<N>) -> Option<f64> {
+        let (mut product, mut square) = (0.0, 0.0);
+        for at in &self.instants {
+            let weight_nm = gravity_torque(arm, &at.q);
+            product += weight_nm.dot(&at.tau_nm);
+            square += weight_nm.norm_squared();
+        }
+        (square > LEAST_WEIGHT_NM.powi(2) * self.instants.len() as f64).then(|| product / square)
     }
 
     /// Joints that turn while their torque stays the same to its last digits, as a column that was never filled in.

@@ -34,8 +34,8 @@ pub(super) fn unexplained<const N: usize>(fit: &Fit<N>, names: &JointNames) -> R
     )
 }
 
-/// The remark on a finding.
-pub(super) fn remark<const N: usize>(found: &Found<N>, names: &JointNames) -> Remark {
+/// The remark on a finding; torques that hold next to nothing of the arm's weight are `weightless`.
+pub(super) fn remark<const N: usize>(found: &Found<N>, weightless: bool, names: &JointNames) -> Remark {
     let left =
         |j: usize| format!("{:.2} Nm of it are left instead of {:.2} Nm", found.after.left[j], found.before.left[j]);
     let correlation = |j: usize, sign: f64| format!("correlation {:.2}", sign * found.after.correlation[j]);
@@ -46,7 +46,8 @@ pub(super) fn remark<const N: usize>(found: &Found<N>, names: &JointNames) -> Re
     let refuse = Remark::refuse;
     let everything: Vec<usize> = (0..N).collect();
     let surely = found.before.leaves_over(&found.after, ARM_GAIN);
-    let of_gravity = if surely { refuse } else { Remark::warn };
+    let without_gravity = matches!(found.change, Change::NoGravity) && weightless;
+    let of_gravity = if surely || without_gravity { refuse } else { Remark::warn };
     match &found.change {
         Change::TorqueSign(j) | Change::PositionSign(j) if found.either_sign(*j) => refuse(
             Fault::TorqueOrPositionSign,

@@ -4,6 +4,7 @@
 
 mod closed_form;
 mod next_experiment;
+mod noisy_arm;
 mod panda_gaz2019;
 mod plain_fits;
 #[path = "../../../tests/python_witness.rs"]

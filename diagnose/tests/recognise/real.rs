@@ -1,5 +1,6 @@
 //! The real logs in `$TRIBO_DATA`, each on the robot and the side of the gears that its README names.
 
+use std::io::Write;
 use std::path::{Path, PathBuf};
 
 use tribo_diagnose::{Diagnosable, Nominal};
@@ -32,10 +33,14 @@ fn said(path: &Path, nominal: &impl Diagnosable) -> Vec<String> {
 
 #[test]
 fn every_real_log_is_believed() {
-    let Some(data) = std::env::var_os("TRIBO_DATA").map(PathBuf::from) else {
-        println!("SKIPPED: TRIBO_DATA is not set");
+    let beside = || Path::new(env!("CARGO_MANIFEST_DIR")).join("../../shared/data");
+    let data = std::env::var_os("TRIBO_DATA").map_or_else(beside, PathBuf::from);
+    if !data.is_dir() {
+        // Past the capture of the test harness: nobody should think that they were read.
+        let _ =
+            writeln!(std::io::stderr(), "SKIPPED: no real logs under $TRIBO_DATA or ../shared/data; they are UNTESTED");
         return;
-    };
+    }
     let mut alarms = said(&data.join("panda_gaz2019"), &nominal(preset("panda"), TorqueSide::Link));
     let gen3 = nominal(preset("kinova_gen3"), TorqueSide::Motor);
     let motions = ["opti_traj_testing1", "opti_traj_testing2", "RunTrajectory1", "RecordTrajectory_quadratic"];

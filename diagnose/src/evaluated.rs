@@ -1,0 +1,31 @@
+//! What a search for single causes ran on, for whoever draws conclusions from it.
+
+use tribo_logs::RobotLog;
+
+use crate::Nominal;
+use crate::deflection::DeflectionFinding;
+use crate::posterior::baseline::PlainFits;
+use crate::ripple::RippleLine;
+use crate::significance::Chance;
+
+/// A model that is asked about, where the scene has another in its place, and what it leaves (Nm).
+#[derive(Clone, Copy)]
+pub(crate) struct Before<'b, const N: usize> {
+    pub model: &'b Nominal<N>,
+    pub residual_nm: &'b [Vec<f64>; N],
+}
+
+/// What the search ran on.
+pub(crate) struct Evaluated<'e, const N: usize> {
+    /// Residual before ripples were taken out (Nm).
+    pub original: &'e [Vec<f64>; N],
+    /// What figures before the findings are of, if not the scene's own model.
+    pub before: Option<Before<'e, N>>,
+    pub lines: &'e [RippleLine],
+    /// What plain fits predict, to stand beside the answer.
+    pub plain_fits: Option<&'e PlainFits>,
+    pub deflections: &'e [DeflectionFinding],
+    pub logs: &'e [RobotLog],
+    pub chance: &'e Chance,
+    pub seed: u64,
+}
