@@ -76,6 +76,7 @@ pub fn tuning_trial(truth: Truth<7>, velocity: VelocitySource) -> Trial<7> {
         sub_steps: DEFAULT_SUB_STEPS,
         pulses: WrenchPulses::default(),
         model: presets::panda(),
+        gears_nm_per_rad: presets::PANDA_JOINT_STIFFNESS_NM_PER_RAD,
         effects: Default::default(),
         start: presets::panda_ready_pose(),
         impedance: ImpedanceSettings::default(),

@@ -44,7 +44,7 @@ pub(super) fn rig<const N: usize>(
     seed: u64,
 ) -> Result<(ControlLoop<N, AnyEstimator<N>>, BoxFrictionPlant<N>), BenchError> {
     let friction = tune.oracle.friction;
-    let estimator = AnyEstimator::for_tuning(tune.config.residual, tune.config.ekf, &trial.model, &friction)?;
+    let estimator = AnyEstimator::for_tuning(tune.config.residual, tune.config.ekf, trial, &friction)?;
     Ok((trial.control_loop(&friction, estimator), trial.plant(seed)))
 }
 

@@ -139,6 +139,7 @@ impl<const N: usize> Campaign<N> {
         let mut early_stop = None;
         while let Some(next) = self.trials.iter().position(Option::is_none) {
             if observer.stop_requested() {
+                self.conclude(&chooser, &logs)?;
                 return Err(CampaignError::Stopped { finished: self.finished() });
             }
             let begins_batch = self.tune.config.batches().of(next).start == next;
@@ -159,19 +160,34 @@ impl<const N: usize> Campaign<N> {
                     break;
                 }
             }
+            if begins_batch {
+                // Whoever looks at it, or kills it now, has the trial that is believed best, not the luckiest.
+                self.conclude(&chooser, &logs)?;
+            }
             let batch = self.next_batch(next, &chooser, &logs)?;
             self.run_batch(&batch, &chooser, &logs, observer)?;
         }
 
+        let conclusion = self.conclude(&chooser, &logs)?;
         let trials: Vec<FinishedTrial> = self.trials.into_iter().flatten().collect();
-        let conclusion = Conclusion::of(&self.tune, &chooser, &trials, &logs).map_err(fail)?;
-        self.journal.conclude(&conclusion)?;
         let best = conclusion.best;
         let (config, space) = (self.tune.config.clone(), self.tune.space.clone());
         let (law_change, truth) = (self.journal.study().law_change, self.tune.true_parameters());
         let result = CampaignResult { config, space, truth, trials, conclusion, references, early_stop, law_change };
         write_tuned(&self.directory, &self.tune, &result.trials, best.as_ref(), Some(references.uncompensated))?;
         Ok(result)
+    }
+
+    /// What the trials that have finished amount to; in the journal too, where that says something else.
+    fn conclude(&mut self, chooser: &Chooser<N>, logs: &StoredLogs<N>) -> Result<Conclusion, CampaignError> {
+        let finished: Vec<FinishedTrial> = self.trials.iter().flatten().cloned().collect();
+        if finished.is_empty() {
+            return Ok(Conclusion::default());
+        }
+        let conclusion = Conclusion::of(&self.tune, chooser, &finished, logs)
+            .map_err(|source| CampaignError::Strategy { trial: finished.len(), source })?;
+        self.journal.conclude(&conclusion)?;
+        Ok(conclusion)
     }
 
     /// The trials to run next: as many as depend on no other, or those of one batch that the strategy proposes.

@@ -90,6 +90,7 @@ fn run<const N: usize>(believed: &Believed<N>, truth: &Model<N>, seed: u64) -> R
         sub_steps: DEFAULT_SUB_STEPS,
         pulses: WrenchPulses::default(),
         model: believed.arm.clone(),
+        gears_nm_per_rad: believed.joint_stiffness_nm_per_rad(),
         effects: [JointEffects::default(); N],
         start,
         impedance: ImpedanceSettings::default(),

@@ -9,6 +9,7 @@ use tribo_control::{GuardSettings, ImpedanceSettings, PAPER_PHASES_RAD, Sinusoid
 use tribo_ekf::{KnownInput, MeasurementNoise, WrenchEkfSettings};
 use tribo_friction::{JointEffects, JointFriction, VelocitySource};
 use tribo_robot::Kinematics;
+use tribo_robot::presets::joint_stiffness_nm_per_rad;
 use tribo_sim::{DEFAULT_SUB_STEPS, TorqueSide, WrenchPulses};
 
 use crate::scenario::{LoadedTruth, ModelError, TruthName, freeze, random_phases, within};
@@ -488,6 +489,7 @@ impl TuneConfig {
             sensors: self.model_error.sensors(),
             sub_steps: self.sub_steps,
             pulses: WrenchPulses::default(),
+            gears_nm_per_rad: joint_stiffness_nm_per_rad(&model),
             model,
             effects: [JointEffects::default(); N],
             start,

@@ -16,6 +16,8 @@ use tribo_residual::{
 use tribo_robot::presets::joint_stiffness_nm_per_rad;
 use tribo_robot::{Arm, ControlTerms, EstimatorInput, SensorFrame, WrenchEstimate, WrenchEstimator};
 
+use crate::Trial;
+
 /// Name of a wrench estimator; whose wrench is the tuning cost.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
@@ -103,7 +105,7 @@ impl<const N: usize> AnyEstimator<N> {
     ///
     /// Where a joint may stick, `momentum` and `qp` expect anything up to 0.6 Nm; at speed their bands are closed: what the
     /// compensator misses there is to be seen. `thermal` takes `friction`, what the compensator believes, as that of its joints
-    /// at any temperature; `double_encoder` is [`FrictionLeft`] with springs that are known to 2 %, `arm` the arm believed.
+    /// at any temperature; `double_encoder` is [`FrictionLeft`] with the springs that the controller of the trial believes in, known to 2 %.
     ///
     /// # Errors
     /// A friction that the thermal estimator cannot have.
@@ -111,7 +113,7 @@ impl<const N: usize> AnyEstimator<N> {
     pub fn for_tuning(
         name: EstimatorName,
         ekf: WrenchEkfSettings,
-        arm: &Arm<N>,
+        trial: &Trial<N>,
         friction: &FrictionModel<N>,
     ) -> Result<Self, EstimatorError> {
         let unknown = CoulombViscous { coulomb_nm: UNKNOWN_COULOMB_NM, viscous_nm_s_per_rad: 0.0 };
@@ -131,7 +133,7 @@ impl<const N: usize> AnyEstimator<N> {
                 let motors = momentum(band, BandOf::Remainder);
                 Self::FrictionLeft(Box::new(FrictionLeft::new(
                     motors,
-                    double_encoder(arm, joint_stiffness_nm_per_rad(arm), 1.0)?,
+                    double_encoder(&trial.model, trial.gears_nm_per_rad, 1.0)?,
                 )))
             }
         })

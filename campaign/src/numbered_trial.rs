@@ -42,7 +42,7 @@ pub(crate) fn run_estimated<const N: usize>(
     friction: &FrictionModel<N>,
     seed: u64,
 ) -> Result<TrialOutcome<N>, EstimatorError> {
-    let estimator = AnyEstimator::for_tuning(tune.config.residual, tune.config.ekf, &trial.model, friction)?;
+    let estimator = AnyEstimator::for_tuning(tune.config.residual, tune.config.ekf, trial, friction)?;
     Ok(run_trial(trial, friction, estimator, seed))
 }
 

@@ -51,7 +51,7 @@ pub fn references<const N: usize>(tune: &ValidTune<N>) -> Result<References, Est
         .par_iter()
         .enumerate()
         .map(|(k, (trial, friction))| {
-            let seed = noise_seed(tune.config.seed, u64::MAX - k as u64);
+            let seed = noise_seed(tune.config.seed, stream(k));
             let outcome = run_estimated(tune, trial, friction, seed)?;
             Ok((outcome.cost.total(), outcome.aborted))
         })
@@ -60,13 +60,26 @@ pub fn references<const N: usize>(tune: &ValidTune<N>) -> Result<References, Est
     Ok(References { uncompensated, oracle, frictionless, oracle_failed: ended[1].1 })
 }
 
+/// Streams of the noise of the three runs: no trial of a campaign has them.
+fn stream(run: usize) -> u64 {
+    u64::MAX - run as u64
+}
+
+/// J of a compensator that believes this friction, on the noise of [`References::oracle`].
+pub(crate) fn compensated_cost<const N: usize>(
+    tune: &ValidTune<N>,
+    friction: &FrictionModel<N>,
+) -> Result<f64, EstimatorError> {
+    Ok(run_estimated(tune, &tune.trial, friction, noise_seed(tune.config.seed, stream(1)))?.cost.total())
+}
+
 /// The trial of [`References::uncompensated`] with its log: what the arm does when nobody cancels its friction.
 ///
 /// # Errors
 /// A campaign whose estimator cannot be had.
 pub fn uncompensated_trial<const N: usize>(tune: &ValidTune<N>) -> Result<TrialOutcome<N>, EstimatorError> {
     let none = FrictionModel::none();
-    run_estimated(tune, &without_compensation(tune), &none, noise_seed(tune.config.seed, u64::MAX))
+    run_estimated(tune, &without_compensation(tune), &none, noise_seed(tune.config.seed, stream(0)))
 }
 
 fn without_compensation<const N: usize>(tune: &ValidTune<N>) -> Trial<N> {

@@ -41,6 +41,7 @@ impl CampaignResult {
             "best": self.conclusion.best,
             "uncompensated_cost": self.references.uncompensated,
             "oracle_cost": self.references.oracle,
+            "oracle_failed": self.references.oracle_failed,
             "frictionless_cost": self.references.frictionless,
             "params": params,
             "against_ekf": against_ekf.map(|judged| json!({

@@ -24,6 +24,8 @@ pub struct Trial<const N: usize> {
     pub pulses: WrenchPulses,
     /// The arm that the controller believes in.
     pub model: Arm<N>,
+    /// Stiffness of its gears (Nm/rad) by the controller's belief: what two encoders read as torque.
+    pub gears_nm_per_rad: [f64; N],
     /// Torques that the compensator believes in on top of the friction law of the trial.
     pub effects: [JointEffects; N],
     /// Configuration at the start (rad).
@@ -120,6 +122,7 @@ impl<const N: usize> Trial<N> {
     /// The same trial with a controller that believes in another arm and other effects.
     pub fn believing(mut self, believed: &Believed<N>) -> Self {
         self.model = believed.arm.clone();
+        self.gears_nm_per_rad = believed.joint_stiffness_nm_per_rad();
         self.effects = believed.effects;
         self
     }

@@ -25,6 +25,8 @@
 //! | a file that claims more than it holds, or unpacks without end | refused before the memory is gone | `fuzz_inputs/bombs.rs`, `logs/tests/formats/bad_parquet.rs`, `logs/tests/formats/convert.rs` |
 //! | names in files with control characters | shown, not obeyed | `cli/tests/command_line/control_characters.rs` |
 //! | a processor from before 2013 | a sentence, exit code 2 | `cli/tests/command_line/old_processor.rs` |
+//! | a motion that fails with the true friction compensated | said before the first trial, in `--json`, report and window | `cli/tests/command_line/commands.rs`, `campaign/tests/campaigns/standing_joints.rs` |
+//! | a log is read from a pipe to which nobody writes | the campaign is not held meanwhile | `cli/tests/command_line/streams_and_signals.rs` |
 //! | deadline missed, loop stalled | held, then stopped with the safe torque | `runtime/tests/overruns.rs` |
 //! | disk full, directory read-only | exit code 2, file and reason named, nothing lost | `cli/tests/command_line/storage_faults.rs` |
 //! | system clock jumps | a campaign's result does not change | `cli/tests/command_line/storage_faults.rs` |

@@ -19,7 +19,7 @@ fn instantaneous_oracle(tune: &tribo_campaign::ValidTune<7>, number: usize) -> f
     }
     let believed = Believed::of(truth);
     let trial = trial.believing(&believed);
-    let estimator = AnyEstimator::for_tuning(tune.config.residual, tune.config.ekf, &trial.model, &believed.friction);
+    let estimator = AnyEstimator::for_tuning(tune.config.residual, tune.config.ekf, &trial, &believed.friction);
     run_trial(&trial, &believed.friction, estimator.expect("an estimator"), noise).cost.total()
 }
 
@@ -55,7 +55,7 @@ fn grey_box_follows_friction_that_fades() {
     // What the first fit would cost at the end, when nobody looks again.
     let (last, seed) = tune.numbered(49);
     let frozen = tune.space.friction(&trials[1].theta);
-    let estimator = AnyEstimator::for_tuning(tune.config.residual, tune.config.ekf, &last.model, &frozen);
+    let estimator = AnyEstimator::for_tuning(tune.config.residual, tune.config.ekf, &last, &frozen);
     let cost = run_trial(&last, &frozen, estimator.expect("an estimator"), seed).cost.total();
     assert!(cost > 1.8 * trials[49].cost.total(), "the drift is no drift: {cost}");
 }

@@ -58,8 +58,7 @@ fn unit(tune: &ValidTune<7>) -> ControlUnit<BoxFrictionPlant<7>> {
 
 fn recorded(plant: &mut impl Plant<7>, tune: &ValidTune<7>) -> (f64, RobotLog) {
     let friction = tune.oracle.friction.scaled(0.8);
-    let estimator =
-        AnyEstimator::for_tuning(tune.config.residual, tune.config.ekf, &tune.trial.model, &friction).unwrap();
+    let estimator = AnyEstimator::for_tuning(tune.config.residual, tune.config.ekf, &tune.trial, &friction).unwrap();
     let (outcome, log) = record_trial(plant, &tune.trial, &friction, estimator).unwrap();
     assert_eq!(outcome.aborted, None);
     (outcome.cost.total(), log)

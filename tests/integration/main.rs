@@ -13,6 +13,7 @@ mod ekf_known_input;
 mod estimators_on_pulses;
 mod examples;
 mod file_circles;
+mod grey_box_ends;
 mod law_check;
 mod live_bits;
 mod payload;

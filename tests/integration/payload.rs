@@ -24,7 +24,7 @@ fn tune(seed: u64, velocity: VelocitySource, link_mass_error: f64) -> ValidTune<
 fn payload_error(tune: &ValidTune<7>) -> f64 {
     let zero = run_numbered(tune, 0, &tune.space.zero()).expect("a trial");
     let none = tune.space.friction(&tune.space.zero());
-    let estimator = AnyEstimator::for_tuning(tune.config.residual, tune.config.ekf, &tune.trial.model, &none);
+    let estimator = AnyEstimator::for_tuning(tune.config.residual, tune.config.ekf, &tune.trial, &none);
     let samples = identification_samples(&tune.trial.model, &zero.log, &estimator.expect("an estimator"));
     let fit = fit_from_wrench(&[&samples], &GlsSettings::new(Basis::CoulombViscous).with_nuisances()).expect("a fit");
     fit.payload_kg - PAYLOAD_KG
@@ -40,7 +40,7 @@ fn tuning_bears_a_wrong_model() {
         let friction = tune.oracle.friction;
         let oracle = |noise: u64| {
             let name = tune.config.residual;
-            let estimator = AnyEstimator::for_tuning(name, tune.config.ekf, &tune.trial.model, &friction);
+            let estimator = AnyEstimator::for_tuning(name, tune.config.ekf, &tune.trial, &friction);
             run_trial(&tune.trial, &friction, estimator.expect("an estimator"), 880 + noise).cost.total()
         };
         let oracle = (0..3).map(oracle).sum::<f64>() / 3.0;

@@ -59,7 +59,7 @@ impl<const N: usize> Plant<N> for TimedPlant<N> {
 pub fn loop_times<const N: usize>(tune: &ValidTune<N>, theta: &[f64]) -> Result<LoopTimes, EstimatorError> {
     let trial = &tune.trial;
     let friction = tune.space.friction(theta);
-    let estimator = AnyEstimator::for_tuning(tune.config.residual, tune.config.ekf, &trial.model, &friction)?;
+    let estimator = AnyEstimator::for_tuning(tune.config.residual, tune.config.ekf, trial, &friction)?;
     let mut plant = TimedPlant { inner: trial.plant(tune.config.seed), spent: Duration::ZERO };
     let mut control = trial.control_loop(&friction, estimator);
     let ticks = (trial.reference.total_s() / trial.dt_s).round() as usize;

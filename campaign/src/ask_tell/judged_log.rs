@@ -55,7 +55,7 @@ pub fn judge_log<const N: usize>(
     if !told && theta != tune.space.zero() {
         return Err(JudgeError::Missing { column: Quantity::FrictionCompensation, why: NOT_TOLD });
     }
-    let mut estimator = AnyEstimator::for_tuning(tune.config.residual, tune.config.ekf, arm, &friction)?;
+    let mut estimator = AnyEstimator::for_tuning(tune.config.residual, tune.config.ekf, &tune.trial, &friction)?;
     let compensator = Compensator::new(friction, VelocitySource::Measured).with_effects(tune.trial.effects);
     let mut bristles = Bristles::default();
     let mut compensation = LoggedCompensation::new();
@@ -216,7 +216,7 @@ mod tests {
         tune.trial.reference.duration_s = 1.0;
         let friction = tune.space.friction(&tune.space.zero());
         let estimator =
-            AnyEstimator::for_tuning(tune.config.residual, tune.config.ekf, &tune.trial.model, &friction).unwrap();
+            AnyEstimator::for_tuning(tune.config.residual, tune.config.ekf, &tune.trial, &friction).unwrap();
         let (_, log) = simulate_log(&tune.trial, &friction, estimator, 1).unwrap();
         let judged = |log: &RobotLog| judge_log(&tune, &user_trials, &tune.space.zero(), log, false);
         let whole = judged(&log).unwrap();

@@ -10,6 +10,10 @@ const MOVING_RAD_S: f64 = 0.02;
 const LEAST_SAMPLES: f64 = 50.0;
 /// Difference that is allowed, over the larger of both RMS: the reference velocity of a controller is not quite the measured one.
 const APART: f64 = 0.45;
+/// The same of the scale between both, where nothing but a scale is between them.
+const SCALED: f64 = 0.25;
+/// What is left of the logged torque beside the scaled one, over its RMS, up to which that is so.
+const BESIDE: f64 = 0.15;
 /// Torque (Nm) that is as good as none.
 const NONE_NM: f64 = 0.01;
 
@@ -18,13 +22,13 @@ pub(super) struct LoggedCompensation<const N: usize> {
     samples: SVector<f64, N>,
     logged: SVector<f64, N>,
     asked: SVector<f64, N>,
-    apart: SVector<f64, N>,
+    product: SVector<f64, N>,
 }
 
 impl<const N: usize> LoggedCompensation<N> {
     pub fn new() -> Self {
         let zero = SVector::zeros();
-        Self { samples: zero, logged: zero, asked: zero, apart: zero }
+        Self { samples: zero, logged: zero, asked: zero, product: zero }
     }
 
     /// One sample: velocity [rad/s], torque logged and torque of the asked compensator (Nm).
@@ -33,24 +37,26 @@ impl<const N: usize> LoggedCompensation<N> {
             self.samples[j] += 1.0;
             self.logged[j] += logged_nm[j].powi(2);
             self.asked[j] += asked_nm[j].powi(2);
-            self.apart[j] += (logged_nm[j] - asked_nm[j]).powi(2);
+            self.product[j] += logged_nm[j] * asked_nm[j];
         }
     }
 
     /// An error of the joint that is furthest off, if one is.
     pub fn is_the_asked_one(&self) -> Result<(), JudgeError> {
-        let rms = |sum: f64, j: usize| (sum / self.samples[j]).sqrt();
         let off = (0..N).filter(|j| self.samples[*j] >= LEAST_SAMPLES).map(|joint| {
-            let [logged_nm, asked_nm, apart_nm] =
-                [&self.logged, &self.asked, &self.apart].map(|sum| rms(sum[joint], joint));
-            (
-                apart_nm / logged_nm.max(asked_nm).max(NONE_NM),
-                JudgeError::OtherCompensation { joint, logged_nm, asked_nm, apart_nm },
-            )
+            let (logged, asked, product) = (self.logged[joint], self.asked[joint], self.product[joint]);
+            let rms = |sum: f64| (sum.max(0.0) / self.samples[joint]).sqrt();
+            let [logged_nm, asked_nm, apart_nm] = [logged, asked, logged + asked - 2.0 * product].map(rms);
+            let apart = apart_nm / logged_nm.max(asked_nm).max(NONE_NM);
+            // Least squares of the logged torque on the asked one: scale, and what is beside it.
+            let scale = product / asked.max(f64::MIN_POSITIVE);
+            let beside_nm = rms(logged - scale * product);
+            let scaled = (scale - 1.0).abs() > SCALED && asked_nm > NONE_NM && beside_nm < BESIDE * logged_nm;
+            (apart, scaled, JudgeError::OtherCompensation { joint, logged_nm, asked_nm, apart_nm })
         });
-        match off.max_by(|a, b| a.0.total_cmp(&b.0)) {
-            Some((apart, error)) if apart > APART => Err(error),
-            _ => Ok(()),
+        match off.filter(|(apart, scaled, _)| *apart > APART || *scaled).max_by(|a, b| a.0.total_cmp(&b.0)) {
+            Some((.., error)) => Err(error),
+            None => Ok(()),
         }
     }
 }

@@ -78,10 +78,10 @@ impl<const N: usize> Identification<N> {
             gls.stuck_coulomb_nm[j] *= times;
         }
         let friction = space.friction(&space.zero());
-        let (config, model) = (&tune.config, &tune.trial.model);
+        let config = &tune.config;
         Ok(Self {
-            model: model.clone(),
-            estimator: AnyEstimator::for_tuning(config.residual, config.ekf, model, &friction)?,
+            model: tune.trial.model.clone(),
+            estimator: AnyEstimator::for_tuning(config.residual, config.ekf, &tune.trial, &friction)?,
             gls,
             judged_s: config.user_trials.map_or(tune.trial.reference.duration_s, |trials| trials.judged_s),
             batches: config.batches(),

@@ -1,9 +1,11 @@
 //! What a cell of a study computes.
 
 use serde::{Deserialize, Serialize};
+use tribo_friction::FrictionModel;
 
 use super::place::{Cell, Work};
 use super::settings::Study;
+use crate::reference_costs::compensated_cost;
 use crate::{
     AbortReason, AnyTune, CampaignError, EstimatorError, InMemory, References, ValidTune, references, run_in_memory,
 };
@@ -28,8 +30,11 @@ pub enum CellResult {
         cost: Vec<f64>,
         /// Why each was stopped, if it was.
         aborted: Vec<Option<AbortReason>>,
-        /// Parameters of the best trial.
+        /// Parameters of the trial that is believed best.
         best: Vec<f64>,
+        /// Mean J of another trial with these, on the noise of the references: no campaign's luck is in it. None where no trial was seen to its
+        /// end.
+        again: Option<f64>,
     },
 }
 
@@ -61,11 +66,14 @@ impl Cell {
         match self.work {
             Work::References => Ok(mean_references(tune, study.oracle_runs)?),
             Work::Campaign(_) => {
-                let InMemory { trials, conclusion, .. } = run_in_memory(tune)?;
+                let InMemory { trials, conclusion, space, .. } = run_in_memory(tune)?;
+                let best = conclusion.best.map(|best| trials[best.trial].theta.clone());
+                let again = best.as_ref().map(|theta| again(tune, &space.friction(theta), study.oracle_runs));
                 Ok(CellResult::Campaign {
                     cost: trials.iter().map(|trial| trial.cost.total()).collect(),
                     aborted: trials.iter().map(|trial| trial.aborted).collect(),
-                    best: conclusion.best.map_or(Vec::new(), |best| trials[best.trial].theta.clone()),
+                    best: best.unwrap_or_default(),
+                    again: again.transpose()?,
                 })
             }
         }
@@ -75,11 +83,22 @@ impl Cell {
 fn mean_references<const N: usize>(tune: &ValidTune<N>, runs: u64) -> Result<CellResult, EstimatorError> {
     let mut sum = [0.0; 3];
     for run in 0..runs {
-        let mut other_noise = tune.clone();
-        other_noise.config.seed = tune.config.seed + 1_000_003 * (run + 1);
-        let References { uncompensated, oracle, frictionless, .. } = references(&other_noise)?;
+        let References { uncompensated, oracle, frictionless, .. } = references(&on_other_noise(tune, run))?;
         sum.iter_mut().zip([uncompensated, oracle, frictionless]).for_each(|(sum, cost)| *sum += cost);
     }
     let [uncompensated, oracle, frictionless] = sum.map(|sum| sum / runs as f64);
     Ok(CellResult::References { uncompensated, oracle, frictionless })
+}
+
+/// Mean J of a compensator that believes this friction, on the noise that [`mean_references`] has for the true one.
+fn again<const N: usize>(tune: &ValidTune<N>, friction: &FrictionModel<N>, runs: u64) -> Result<f64, EstimatorError> {
+    let costs = (0..runs).map(|run| compensated_cost(&on_other_noise(tune, run), friction));
+    Ok(costs.sum::<Result<f64, EstimatorError>>()? / runs as f64)
+}
+
+/// The campaign on noise that none of its own trials has.
+fn on_other_noise<const N: usize>(tune: &ValidTune<N>, run: u64) -> ValidTune<N> {
+    let mut other = tune.clone();
+    other.config.seed = tune.config.seed + 1_000_003 * (run + 1);
+    other
 }

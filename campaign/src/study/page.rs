@@ -68,9 +68,9 @@ fn comparison(summary: &StudySummary) -> String {
         "over first",
         "p",
     ];
-    let hint = "<p class=\"hint\">J over that of the true friction, medians over campaigns. Over first: best J over that of the first \
-                strategy in the same campaign (same robot, motion and noise), median; p: two-sided signed-rank test of those pairs, \
-                Bonferroni.</p>\n";
+    let hint = "<p class=\"hint\">J over that of the true friction, medians over campaigns. Best: the parameters of the trial that is believed \
+                best, run again on the noise of the true friction's runs. Over first: that J over the one of the first strategy in the same campaign \
+                (same robot, motion and noise), median; p: two-sided signed-rank test of those pairs, Bonferroni.</p>\n";
     section("Comparison", &format!("{hint}{}", table(&header, &[0, 1, 2], rows)))
 }
 

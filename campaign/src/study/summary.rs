@@ -16,6 +16,8 @@ pub struct Campaigns {
     pub ratio: Vec<Vec<f64>>,
     /// The least J/J_oracle of the trials so far that were not aborted; infinite before the first.
     pub best: Vec<Vec<f64>>,
+    /// J/J_oracle of the trial that is believed best, run again on the noise of the oracle; infinite where there is none.
+    pub again: Vec<f64>,
     /// Aborted trials of each campaign.
     pub aborted: Vec<usize>,
 }
@@ -37,15 +39,15 @@ pub struct StudyRow {
     pub uncompensated: Option<f64>,
     /// J/J_oracle of the second trial: median and worst.
     pub second: [Option<f64>; 2],
-    /// Best J/J_oracle: first quartile, median, third quartile, worst.
+    /// J/J_oracle of the best trial's parameters, run again: first quartile, median, third quartile, worst.
     pub best: [Option<f64>; 4],
-    /// Campaigns whose best is within 1.1.
+    /// Campaigns where it is within 1.1.
     pub within_1_1: usize,
     /// Aborted trials per campaign, mean.
     pub aborted: f64,
-    /// Median over campaigns of best J over that of the study's first strategy on the same robot, motion and noise.
+    /// Median over campaigns of that J over that of the study's first strategy on the same robot, motion and noise.
     pub over_first: Option<f64>,
-    /// p-value of the signed-rank test on log(best J) against the first strategy, multiplied by the number of such tests in the study
+    /// p-value of the signed-rank test on log(that J) against the first strategy, multiplied by the number of such tests in the study
     /// (Bonferroni); none for the first, and where nothing differs.
     pub p: Option<f64>,
 }
@@ -104,7 +106,7 @@ impl Campaigns {
     fn read(study: &Study, store: &StudyStore, place: [usize; 3]) -> Result<Option<Self>, FileError> {
         let [case, estimator, strategy] = place;
         let mut campaigns =
-            Self { place, uncompensated: Vec::new(), ratio: Vec::new(), best: Vec::new(), aborted: Vec::new() };
+            Self { place, uncompensated: vec![], ratio: vec![], best: vec![], again: vec![], aborted: vec![] };
         for &pose in &study.poses {
             for seed in 1..=study.seeds {
                 let at = |work| Cell { case, estimator, pose, seed, work };
@@ -112,12 +114,13 @@ impl Campaigns {
                 let campaign = store.read(study, &at(Work::Campaign(strategy)))?;
                 let (
                     Some(CellResult::References { uncompensated, oracle, .. }),
-                    Some(CellResult::Campaign { cost, aborted, .. }),
+                    Some(CellResult::Campaign { cost, aborted, again, .. }),
                 ) = (references, campaign)
                 else {
                     return Ok(None);
                 };
                 campaigns.uncompensated.push(uncompensated / oracle);
+                campaigns.again.push(again.map_or(f64::INFINITY, |again| again / oracle));
                 campaigns.ratio.push(cost.iter().map(|cost| cost / oracle).collect());
                 let mut least = f64::INFINITY;
                 let best = cost.iter().zip(&aborted).map(|(cost, aborted)| {
@@ -135,19 +138,14 @@ impl Campaigns {
         }
         Ok(Some(campaigns))
     }
-
-    /// The best of each campaign.
-    pub fn ends(&self) -> Vec<f64> {
-        self.best.iter().map(|best| best.last().copied().unwrap_or(f64::INFINITY)).collect()
-    }
 }
 
 impl StudyRow {
     fn of(study: &Study, row: &Campaigns, first: &Campaigns, tests: usize) -> Self {
         let [case, estimator, strategy] = row.place;
-        let (ends, ends_of_first) = (row.ends(), first.ends());
+        let (ends, ends_of_first) = (&row.again, &first.again);
         let second: Vec<f64> = row.ratio.iter().filter_map(|ratio| ratio.get(1).copied()).collect();
-        let pairs = || ends.iter().zip(&ends_of_first);
+        let pairs = || ends.iter().zip(ends_of_first);
         let over_first: Vec<f64> = pairs().map(|(ours, theirs)| ours / theirs).collect();
         let differences: Vec<f64> = pairs().map(|(ours, theirs)| (ours / theirs).ln()).collect();
         Self {
@@ -158,7 +156,7 @@ impl StudyRow {
             campaigns: ends.len(),
             uncompensated: quantile(&row.uncompensated, 0.5),
             second: [0.5, 1.0].map(|p| quantile(&second, p)),
-            best: [0.25, 0.5, 0.75, 1.0].map(|p| quantile(&ends, p)),
+            best: [0.25, 0.5, 0.75, 1.0].map(|p| quantile(ends, p)),
             within_1_1: ends.iter().filter(|best| **best <= 1.1).count(),
             aborted: row.aborted.iter().sum::<usize>() as f64 / row.aborted.len().max(1) as f64,
             over_first: quantile(&over_first, 0.5).filter(|_| strategy > 0),

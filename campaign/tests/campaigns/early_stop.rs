@@ -57,6 +57,8 @@ fn a_resumed_campaign_ends_at_the_same_trial() {
     killed(other.path(), stop.trials - 1);
     let snapshot = CampaignWatch::open(other.path()).unwrap().poll().unwrap().unwrap();
     assert!(!snapshot.is_complete());
+    // Who looks now sees the trial that is believed best, and not the luckiest.
+    assert_eq!(snapshot.conclusion.as_ref().map(|conclusion| conclusion.trials), Some(stop.trials - 1));
     for _ in 0..2 {
         let again = resumed(other.path());
         assert_eq!((again.early_stop, again.trials), (Some(stop), result.trials.clone()));

@@ -6,5 +6,6 @@ mod batch_of_trials;
 mod batches;
 mod clock_jumps;
 mod early_stop;
+mod good_trials;
 mod standing_joints;
 mod watch;

@@ -158,7 +158,7 @@ fn run_trial<const N: usize>(
     left: &Left,
 ) -> anyhow::Result<()> {
     let config = &tune.config;
-    let estimator = AnyEstimator::for_tuning(config.residual, config.ekf, &tune.trial.model, friction)?;
+    let estimator = AnyEstimator::for_tuning(config.residual, config.ekf, &tune.trial, friction)?;
     let seed = arguments.trial.map_or(config.seed, |number| tune.numbered(number).1);
     let (outcome, log) = simulate_log(&tune.trial, friction, estimator, seed)?;
     if let Some(path) = &arguments.log {

@@ -76,7 +76,8 @@ fn deliver(study: &Study, summary: &StudySummary, directory: &Path, common: &Com
     } else if !common.quiet {
         show(&summary.rows);
         print(format_args!(
-            "J over that of the true friction; over first: best J over that of the first strategy on the same robot, motion and noise;\n\
+            "J over that of the true friction; best: the parameters that are believed best, run again on noise of their own;\n\
+             over first: that J over the one of the first strategy on the same robot, motion and noise;\n\
              p: signed-rank test of those pairs, Bonferroni. Written {} and {}",
             directory.join("results.json").display(),
             directory.join("report.html").display()

@@ -148,7 +148,7 @@ impl Live<'_> {
             None => self.link.connect()?,
         };
         let config = &self.campaign.tune().config;
-        let estimator = AnyEstimator::for_tuning(config.residual, config.ekf, &trial.model, friction)?;
+        let estimator = AnyEstimator::for_tuning(config.residual, config.ekf, trial, friction)?;
         let (host, directory) = (&self.link.host, self.directory.display());
         let resume = format!("run the trial again: tribo tune --resume --live {host} --out {directory}");
         let ran =

@@ -87,6 +87,7 @@ fn a_campaign_as_json_keeps_its_keys() {
         "best",
         "uncompensated_cost",
         "oracle_cost",
+        "oracle_failed",
         "frictionless_cost",
         "params",
         "against_ekf",
@@ -314,6 +315,46 @@ fn two_encoders_take_the_stiffness_of_the_model() {
     for axis in 0..6 {
         assert!(number(&known["coverage95"][axis]) > 0.9, "axis {axis}: {known}");
     }
+}
+
+/// A campaign judges its trials by the same springs.
+#[test]
+fn a_campaign_of_two_encoders_takes_the_stiffness_of_the_model_too() {
+    let at = scratch();
+    let model = "schema: tribo.model/1\nrobot: panda\n";
+    let gears: String = (0..7)
+        .map(|joint| {
+            format!(
+                "- {{cause: joint_elasticity, joint: {joint}, stiffness_nm_per_rad: 4000, damping_nm_s_per_rad: 10}}\n"
+            )
+        })
+        .collect();
+    let friction: String =
+        (0..7).map(|joint| format!("- {{cause: coulomb, joint: {joint}, delta_coulomb_nm: 0.6}}\n")).collect();
+    let write = |name: &str, text: String| std::fs::write(at.path().join(name), text).unwrap();
+    write("truth.yaml", format!("{model}effects:\n{gears}{friction}"));
+    write("assumed.yaml", model.to_owned());
+    write("known.yaml", format!("{model}effects:\n{gears}"));
+    let last = |model: &str| {
+        let call = format!(
+            "tune --truth truth.yaml --model {model} --residual double_encoder --trials 3 --out {model}.c --json -q"
+        );
+        let document = run(at.path(), &call).ok().json();
+        number(&document["best"]["cost"]) / number(&document["oracle_cost"])
+    };
+    let [known, assumed] = [last("known.yaml"), last("assumed.yaml")];
+    println!("J of the best trial over that of the true friction: {known} with the gears known, {assumed} assumed");
+    assert!(known < 1.2 && assumed > 1.1 * known, "{known} {assumed}");
+}
+
+/// That no compensator can be judged is said before the first trial, and to scripts.
+#[test]
+fn a_motion_that_fails_with_the_true_friction_is_said() {
+    let at = scratch();
+    std::fs::write(at.path().join("tight.yaml"), "schema: tribo.tune/1\nguard: {drift_rad: 0.0001}\n").unwrap();
+    let tuned = run(at.path(), "tune tight.yaml --trials 1 --out mine --json").ok();
+    assert!(tuned.stderr.contains("the motion fails with the true friction too"), "{tuned:?}");
+    assert!(tuned.json()["oracle_failed"].is_string(), "{tuned:?}");
 }
 
 /// Nobody has told the friction of the joints: the thermal estimator takes it from the free log, not from the band's width alone.

@@ -42,6 +42,8 @@ fn options_say_their_defaults_and_values() {
         let text = option(&help, name);
         assert!(text.contains("[possible values:"), "{text}");
     }
+    let help = run(at.path(), "ask --help").ok().stdout;
+    assert!(option(&help, "--bounds").contains("[possible values:"), "{help}");
     let help = run(at.path(), "listen --help").ok().stdout;
     // Its usage names options too.
     let (_, help) = help.split_once("Options:").unwrap();

@@ -144,14 +144,18 @@ friction:
   - {coulomb_nm: 1.1, viscous_nm_s_per_rad: 1.1}
 ";
 
+/// As well as the Panda, to the figures of docs/robots.md.
 #[test]
-fn every_other_arm_with_seven_joints_is_tuned() {
+fn every_other_arm_is_tuned() {
     let at = scratch();
-    for robot in ["fr3", "kinova_gen3", "iiwa14"] {
+    for robot in ["fr3", "ur3e", "ur5e", "xarm6", "xarm7", "kinova_gen3", "iiwa14"] {
         let call = format!("tune --robot {robot} --trials 4 --out {robot} --json --quiet");
-        let [against_nothing, against_oracle] = ratios(&run(at.path(), &call).ok().json());
+        let document = run(at.path(), &call).ok().json();
+        let [against_nothing, against_oracle] = ratios(&document);
         println!("{robot}: J / J uncompensated = {against_nothing:.3}, J / J oracle = {against_oracle:.3}");
-        assert!(against_nothing < 0.15 && against_oracle < 1.3, "{robot}: {against_nothing} {against_oracle}");
+        assert!(against_nothing < 0.25 && against_oracle < 1.12, "{robot}: {against_nothing} {against_oracle}");
+        let stopped = document["trials"].as_array().unwrap().iter().any(|trial| trial["state"] != "complete");
+        assert!(!stopped && document["oracle_failed"].is_null(), "{robot}: {document}");
     }
 }
 

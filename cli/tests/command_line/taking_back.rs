@@ -222,9 +222,13 @@ fn the_log_of_another_trial_is_refused() {
         assert!(refused.code == Some(2) && refused.stderr.contains(words), "{log}: {refused:?}");
     };
     refused("zero.csv", "is not what was asked for");
-    for (stem, factor) in
-        [("tau_friction", 0.0), ("tau_friction", 2.0), ("tau_friction", -1.0), ("tau_friction_2", 0.0)]
-    {
+    for (stem, factor) in [
+        ("tau_friction", 0.0),
+        ("tau_friction", 1.4),
+        ("tau_friction", -1.0),
+        ("tau_friction_2", 0.0),
+        ("tau_friction_1", 0.7),
+    ] {
         scaled(stem, factor);
         refused("bad.csv", "is not what was asked for");
     }

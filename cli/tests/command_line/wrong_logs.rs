@@ -7,6 +7,8 @@
 use std::path::Path;
 use std::time::Instant;
 
+use tribo_robot::{gravity_torque, presets};
+
 use crate::common::{run, scratch};
 
 /// Longest that a refusal takes (s): reading a CSV of 33 s at 1 kHz and judging it, beside other tests on a slow computer.
@@ -29,6 +31,27 @@ fn mutilated(at: &Path, from: &str, to: &str, change: impl Fn(&str, f64) -> f64)
     let rows = lines.map(|line| {
         let cells = line.split(',').zip(&names).map(|(cell, name)| change(name, cell.parse().unwrap()).to_string());
         cells.collect::<Vec<_>>().join(",")
+    });
+    std::fs::write(at.join(to), format!("{header}\n{}\n", rows.collect::<Vec<_>>().join("\n"))).unwrap();
+}
+
+/// Writes a copy of a CSV log without the gravity of a Panda in its torques, as libfranka commands them.
+fn without_gravity(at: &Path, from: &str, to: &str) {
+    let text = std::fs::read_to_string(at.join(from)).unwrap();
+    let (header, rows) = text.split_once('\n').unwrap();
+    let names: Vec<&str> = header.split(',').collect();
+    let place = |name: String| names.iter().position(|column| **column == name).unwrap();
+    let [q, commanded, measured] =
+        ["q", "tau_J_d", "tau_J"].map(|stem| (0..7).map(|j| place(format!("{stem}_{j}"))).collect::<Vec<_>>());
+    let rows = rows.lines().map(|line| {
+        let mut cells: Vec<f64> = line.split(',').map(|cell| cell.parse().unwrap()).collect();
+        let mut posture = presets::panda_ready_pose();
+        posture.iter_mut().zip(&q).for_each(|(angle, place)| *angle = cells[*place]);
+        let gravity = gravity_torque(&presets::panda(), &posture);
+        for column in [&commanded, &measured] {
+            column.iter().zip(gravity.iter()).for_each(|(place, gravity)| cells[*place] -= gravity);
+        }
+        cells.iter().map(f64::to_string).collect::<Vec<_>>().join(",")
     });
     std::fs::write(at.join(to), format!("{header}\n{}\n", rows.collect::<Vec<_>>().join("\n"))).unwrap();
 }
@@ -133,10 +156,44 @@ fn a_wrong_log_is_no_trial() {
     mutilated(at, "good.csv", "speeds.csv", |name, x| if name.starts_with("dq") { -x } else { x });
     refused(at, "tell mine speeds.csv", &["velocity_sign"]);
 
+    // What libfranka commands is without gravity: the campaign takes it where it is told so.
+    without_gravity(at, "good.csv", "bare.csv");
+    refused(at, "tell mine bare.csv", &["gravity_missing", "commanded_without_gravity"]);
+
     assert_eq!(std::fs::read(at.join("mine/journal.log")).unwrap(), journal, "a refused log left traces");
     let told = run(at, "tell mine good.csv --json").ok();
     assert!(told.stderr.is_empty(), "{told:?}");
     assert!(told.json()["cost"].as_f64().unwrap() > 1.0);
+}
+
+/// Joints that stand, or move one way only, may do so in a good trial if they are few: said, and not refused.
+#[test]
+fn few_joints_that_hardly_move_are_said() {
+    let scratch = scratch();
+    let at = scratch.path();
+    run(at, "ask stands --truth coulomb_viscous --trials 3 --out zero.yaml -q").ok();
+    run(at, "ask one_way --truth coulomb_viscous --trials 3 -q").ok();
+    run(at, "simulate stands/campaign.yaml --trial 0 --compensation zero.yaml --log good.csv -q").ok();
+    thin(&at.join("good.csv"));
+    let time = std::cell::Cell::new(0.0);
+    let last_joint = |of_time: fn(f64) -> [f64; 2]| {
+        mutilated(at, "good.csv", "last.csv", |name, x| {
+            if name == "time" {
+                time.set(x);
+            }
+            match name {
+                "q_6" => of_time(time.get())[0],
+                "dq_6" => of_time(time.get())[1],
+                _ => x,
+            }
+        });
+    };
+    last_joint(|t| [0.785 + 1e-5 * (1e3 * t).sin(), 0.0]);
+    let told = run(at, "tell stands last.csv --json").ok();
+    assert!(told.stderr.contains("joint 6 moves less than 0.005 rad one way or the other"), "{told:?}");
+    last_joint(|t| [0.7 + 0.005 * t + 1e-5 * (1e3 * t).sin(), 0.005]);
+    let told = run(at, "tell one_way last.csv --json").ok();
+    assert!(told.stderr.contains("joint 6 moves less than 0.005 rad one way or the other"), "{told:?}");
 }
 
 /// The same of arms whose wrists hardly feel their friction.
@@ -176,6 +233,10 @@ fn a_wrong_log_is_neither_diagnosed_nor_estimated_and_is_converted_with_a_warnin
             &["the torque of panda_joint2 (1)", "multiply column tau_J_1 by -1"],
         );
         refused(at, &format!("{command} ms.csv"), &["milliseconds"]);
+    }
+    without_gravity(at, "good.csv", "bare.csv");
+    for command in ["diagnose", "estimate --residual ekf"] {
+        refused(at, &format!("{command} bare.csv"), &["gravity"]);
     }
     // Somebody may know better.
     let taken = run(at, "estimate --residual torque --anyway turned.csv --json").ok();

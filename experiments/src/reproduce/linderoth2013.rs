@@ -254,7 +254,7 @@ fn identified_band(seed: u64) -> Result<FrictionBand<7>, ExperimentError> {
     let estimator = AnyEstimator::for_tuning(
         EstimatorName::Momentum,
         WrenchEkfSettings::default(),
-        &trial.model,
+        &trial,
         &FrictionModel::none(),
     )?;
     let (_, log) =
@@ -280,7 +280,7 @@ fn instants(
     let estimator = AnyEstimator::for_tuning(
         EstimatorName::Momentum,
         WrenchEkfSettings::default(),
-        &trial.model,
+        &trial,
         &FrictionModel::none(),
     )?;
     let mut observer = BandObserver::new(*band, BandOf::Friction, OBSERVER_GAIN_RAD_S);
