@@ -40,4 +40,5 @@ mod taking_back;
 mod trial_logs;
 #[cfg(unix)]
 mod tutorials;
+mod two_encoders;
 mod wrong_logs;

@@ -14,7 +14,7 @@ use super::joint_term::JointTerm;
 use super::prior::Family;
 use super::problem::{Place, Problem};
 use super::selection::LEAST_NATS;
-use super::tempering::kappa;
+use super::tempering::{correlation_time, spectral_peak};
 use crate::scene::Scene;
 
 /// Each width over the one before.
@@ -54,7 +54,8 @@ pub(crate) fn sharper_sign<const N: usize>(scene: &Scene<N>, problem: &Problem) 
             let beyond_own =
                 |width: &f64| torque(*width).iter().zip(&own).map(|(sharper, own)| sharper - own).collect();
             let fine: Vec<Vec<f64>> = widths.iter().map(beyond_own).collect();
-            let count = left.len() as f64 / kappa(&left);
+            // What a wrong width leaves comes again in every cycle: that is what is asked for, and no other error of the model.
+            let count = left.len() as f64 / correlation_time(&left).max(spectral_peak(&left));
             let square: f64 = left.iter().map(|r| r * r).sum();
             let weights = problem.columns.row_weights(j);
             let likelier = |column: Vec<f64>| {
