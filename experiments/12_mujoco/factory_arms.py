@@ -8,12 +8,12 @@ rate (30 to 1000 Hz), velocities logged or not, noise and resolution of the torq
 friction, friction that bends, friction with the load, friction that differs by direction. `tribo diagnose` sees the first motion and holds its answer
 against the second, which is half as fast again. Needs MuJoCo and NumPy.
 """
-import argparse, json, pathlib, subprocess
+import argparse, json, pathlib
 
 import mujoco
 import numpy as np
 
-from mujoco_arms import ENCODER_RAD, VELOCITY_RAD_S, arm
+from mujoco_arms import ENCODER_RAD, VELOCITY_RAD_S, arm, diagnosed, exported
 
 REACH_RAD, PAUSE_S, SMOOTH_S = 0.7, (0.5, 0.3), 0.04
 SPEED_RAD_S, ACCELERATION_RAD_S2 = (0.6, 0.9), (2.0, 3.0)
@@ -106,18 +106,9 @@ def draw(model, offset, payload, rng):
     }
 
 
-def diagnosed(tribo, robot, train, test):
-    asked = [tribo, "diagnose", str(train), "--robot", robot, "--torque-side", "motor", "--validate", str(test), "--json", "--quiet"]
-    answer = json.loads(subprocess.run(asked, check=True, capture_output=True, text=True).stdout)
-    held = answer["validation"][0]
-    ours, plain, full = (np.array(held[key]) for key in ("after_nm", "plain_nm", "full_nm"))
-    better = plain if (plain / full).mean() <= (full / plain).mean() else full
-    bodies = [finding for finding in answer["findings"] if finding["cause"] == "payload"]
-    return {
-        "ratio": float((ours / better).mean()),
-        "worst_joint": float((ours / better).max()),
-        "inside95": held["inside95"],
-        "payload_kg": bodies[0]["params"]["mass_kg"] if bodies else None,
+def judged(tribo, robot, train, test):
+    answer, bodies, found = diagnosed(tribo, robot, train, test)
+    return found | {
         "payload_ci95": bodies[0]["params_ci95"]["mass_kg"] if bodies else None,
         "sure": not (bodies and bodies[0]["alternatives"]),
         "findings": len(answer["findings"]),
@@ -135,12 +126,11 @@ def main():
     asked.directory.mkdir(parents=True, exist_ok=True)
     answers = []
     for robot in asked.arms.split(","):
-        exported = asked.directory / f"{robot}.xml"
-        subprocess.run([asked.tribo, "export", "--robot", robot, "--format", "mjcf", "--out", str(exported), "--quiet"], check=True)
+        path = exported(asked.tribo, robot, asked.directory)
         for seed in map(int, asked.seeds.split(",")):
             rng = np.random.default_rng([seed, *robot.encode()])
             payload = (0.0, 0.0, 0.5, 1.5)[rng.integers(4)]
-            model, offset = arm(exported, payload, rng)
+            model, offset = arm(path, payload, rng)
             truth = draw(model, offset, payload, rng)
             ready = model.key_qpos[0]
             room = np.minimum(REACH_RAD, 0.8 * np.minimum(model.jnt_range[:, 1] - ready, ready - model.jnt_range[:, 0]))
@@ -154,7 +144,7 @@ def main():
                     motion = point_to_point(model, points[0 if cycle else part], part, 3 if cycle and part == 0 else 2)
                 record(model, motion, truth, rng, log)
             found = {"robot": robot, "seed": seed, "motion": truth["kind"], "rate_hz": truth["rate_hz"], "truth_kg": payload,
-                     "gains": truth["gain"].round(3).tolist()} | diagnosed(asked.tribo, robot, *logs)
+                     "gains": truth["gain"].round(3).tolist()} | judged(asked.tribo, robot, *logs)
             answers.append(found)
             if not asked.json:
                 low, high = found["payload_ci95"] or (0, 0)

@@ -93,18 +93,32 @@ def record(model, offset, seconds, faster, rng, path):
     np.savetxt(path, rows, delimiter=",", header="time," + ",".join(names), comments="", fmt="%.9g")
 
 
+def exported(tribo, robot, directory):
+    """The arm as MJCF."""
+    path = directory / f"{robot}.xml"
+    subprocess.run([tribo, "export", "--robot", robot, "--format", "mjcf", "--out", str(path), "--quiet"], check=True)
+    return path
+
+
 def diagnosed(tribo, robot, train, test):
+    """The answer about one log, what it leaves of another over what the better plain fit does, and the bodies that it names."""
     asked = [tribo, "diagnose", str(train), "--robot", robot, "--validate", str(test), "--json", "--quiet"]
     answer = json.loads(subprocess.run(asked, check=True, capture_output=True, text=True).stdout)
     held = answer["validation"][0]
     ours, plain, full = (np.array(held[key]) for key in ("after_nm", "plain_nm", "full_nm"))
     better = plain if (plain / full).mean() <= (full / plain).mean() else full
-    bodies = [finding["params"]["mass_kg"] for finding in answer["findings"] if finding["cause"] == "payload"]
-    return {
+    bodies = [finding for finding in answer["findings"] if finding["cause"] == "payload"]
+    return answer, bodies, {
         "ratio": float((ours / better).mean()),
         "worst_joint": float((ours / better).max()),
         "inside95": held["inside95"],
-        "payload_kg": bodies[0] if bodies else None,
+        "payload_kg": bodies[0]["params"]["mass_kg"] if bodies else None,
+    }
+
+
+def judged(tribo, robot, train, test):
+    answer, _, found = diagnosed(tribo, robot, train, test)
+    return found | {
         "causes": sorted({finding["cause"] for finding in answer["findings"]}),
         "leads": any("frictionloss" in note for note in answer["notes"]),
     }
@@ -123,16 +137,15 @@ def main():
     asked.directory.mkdir(parents=True, exist_ok=True)
     answers = []
     for robot in asked.arms.split(","):
-        exported = asked.directory / f"{robot}.xml"
-        subprocess.run([asked.tribo, "export", "--robot", robot, "--format", "mjcf", "--out", str(exported), "--quiet"], check=True)
+        path = exported(asked.tribo, robot, asked.directory)
         for payload in map(float, asked.payloads.split(",")):
             for seed in map(int, asked.seeds.split(",")):
                 rng = np.random.default_rng(seed)
-                model, offset = arm(exported, payload, rng)
+                model, offset = arm(path, payload, rng)
                 logs = [asked.directory / f"{robot}_{payload:g}_{seed}_{part}.csv" for part in ("train", "test")]
                 for log, seconds, faster in zip(logs, map(float, asked.seconds.split(",")), (1.0, 1.6)):
                     record(model, offset, seconds, faster, rng, log)
-                found = {"robot": robot, "truth_kg": payload, "seed": seed} | diagnosed(asked.tribo, robot, *logs)
+                found = {"robot": robot, "truth_kg": payload, "seed": seed} | judged(asked.tribo, robot, *logs)
                 answers.append(found)
                 if not asked.json:
                     body = "no body" if found["payload_kg"] is None else f"{found['payload_kg']:.3f} kg"
