@@ -8,7 +8,7 @@
 use std::io::{BufRead, BufReader, Read};
 use std::process::Stdio;
 
-use crate::common::{run, scratch, start, tribo};
+use crate::common::{number, run, scratch, start, tribo};
 use serde_json::Value;
 
 /// Motor-side friction of the default truth, as its documentation prints it: Fc (Nm), Fv [Nm s/rad].
@@ -29,11 +29,6 @@ fn model_file() -> String {
 
 fn keys(value: &Value) -> Vec<&str> {
     value.as_object().unwrap().keys().map(String::as_str).collect()
-}
-
-/// Every number is one and is finite.
-fn number(value: &Value) -> f64 {
-    value.as_f64().filter(|x| x.is_finite()).unwrap_or_else(|| panic!("{value} is no number"))
 }
 
 #[test]

@@ -6,7 +6,7 @@
 use std::fmt::Write;
 use std::path::Path;
 
-use crate::common::{result, run, scratch, snapshot};
+use crate::common::{number, result, run, scratch, snapshot};
 use serde_json::Value;
 
 /// The Panda with Coulomb and viscous friction, motor side.
@@ -55,10 +55,6 @@ fn models() -> tempfile::TempDir {
     write(at.path(), "extended.yaml", &format!("{NOMINAL}{EFFECTS}"));
     write(at.path(), "move.yaml", TRAJECTORY);
     at
-}
-
-fn number(value: &Value) -> f64 {
-    value.as_f64().filter(|x| x.is_finite()).unwrap_or_else(|| panic!("{value} is no number"))
 }
 
 /// The plant obeys every effect; who believes the extended model is as good as the oracle, who believes the old one is

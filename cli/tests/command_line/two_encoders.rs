@@ -4,11 +4,7 @@
 
 use serde_json::Value;
 
-use crate::common::{run, scratch};
-
-fn number(value: &Value) -> f64 {
-    value.as_f64().unwrap_or_else(|| panic!("{value} is no number"))
-}
+use crate::common::{number, run, scratch};
 
 /// Two encoders read torque off gears whose stiffness the model knows, or does not.
 #[test]

@@ -221,3 +221,8 @@ pub fn copy_directory(from: &Path, to: &Path) {
         }
     }
 }
+
+/// Every number is one and is finite.
+pub fn number(value: &Value) -> f64 {
+    value.as_f64().filter(|x| x.is_finite()).unwrap_or_else(|| panic!("{value} is no number"))
+}
