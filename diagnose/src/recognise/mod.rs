@@ -89,7 +89,8 @@ pub(crate) fn by_the_arm<const N: usize>(log: &RobotLog, nominal: &Nominal<N>) -
             break;
         }
         let Some(found) = found.filter(|found| !changes.contains(&found.change)) else { break };
-        let weightless = samples.weight_share(&nominal.arm).is_some_and(|share| share.abs() < WEIGHTLESS);
+        let holds_no_weight = || samples.weight_share(&nominal.arm).is_some_and(|share| share.abs() < WEIGHTLESS);
+        let weightless = matches!(found.change, Change::NoGravity) && holds_no_weight();
         remarks.push(words::remark(&found, weightless, names));
         believed = believed.with(&found.change, &nominal);
         changes.push(found.change);

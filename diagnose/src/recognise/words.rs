@@ -34,7 +34,8 @@ pub(super) fn unexplained<const N: usize>(fit: &Fit<N>, names: &JointNames) -> R
     )
 }
 
-/// The remark on a finding; torques that hold next to nothing of the arm's weight are `weightless`.
+/// The remark on a finding; torques from which gravity was left out, and that hold next to nothing of the arm's weight, are
+/// `weightless`.
 pub(super) fn remark<const N: usize>(found: &Found<N>, weightless: bool, names: &JointNames) -> Remark {
     let left =
         |j: usize| format!("{:.2} Nm of it are left instead of {:.2} Nm", found.after.left[j], found.before.left[j]);
@@ -46,8 +47,7 @@ pub(super) fn remark<const N: usize>(found: &Found<N>, weightless: bool, names: 
     let refuse = Remark::refuse;
     let everything: Vec<usize> = (0..N).collect();
     let surely = found.before.leaves_over(&found.after, ARM_GAIN);
-    let without_gravity = matches!(found.change, Change::NoGravity) && weightless;
-    let of_gravity = if surely || without_gravity { refuse } else { Remark::warn };
+    let of_gravity = if surely || weightless { refuse } else { Remark::warn };
     match &found.change {
         Change::TorqueSign(j) | Change::PositionSign(j) if found.either_sign(*j) => refuse(
             Fault::TorqueOrPositionSign,
