@@ -178,9 +178,10 @@ impl<const N: usize> Campaign<N> {
         Ok(result)
     }
 
-    /// What the trials that have finished amount to; in the journal too, where that says something else.
+    /// What the trials before the first that has not finished amount to; in the journal too, where that says something else. Of trials
+    /// that ran side by side, a kill may have left later ones finished, and the logs before them are not all there.
     fn conclude(&mut self, chooser: &Chooser<N>, logs: &StoredLogs<N>) -> Result<Conclusion, CampaignError> {
-        let finished: Vec<FinishedTrial> = self.trials.iter().flatten().cloned().collect();
+        let finished: Vec<FinishedTrial> = self.trials.iter().map_while(Option::clone).collect();
         if finished.is_empty() {
             return Ok(Conclusion::default());
         }

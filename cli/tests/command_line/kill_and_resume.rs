@@ -203,6 +203,38 @@ fn a_torn_last_line_is_no_obstacle() {
     }
 }
 
+/// Of two trials side by side the later one has finished, and the kill came before the end of the earlier one.
+#[test]
+fn a_later_trial_may_have_finished_first() {
+    let at = scratch();
+    for (name, batch) in [("design", "--strategy paper --init 4"), ("batch", "--strategy grey_box --batch 3")] {
+        let arguments = format!("tune --trials 5 {batch} --stop-below never --seed 15 --threads 2 --json");
+        let whole = at.path().join(name);
+        let document = run(at.path(), &format!("{arguments} --out {name}")).ok().json();
+
+        let killed = at.path().join(format!("{name}_killed"));
+        crate::common::copy_directory(&whole, &killed);
+        let text = std::fs::read_to_string(whole.join("journal.log")).unwrap();
+        // Trials 0 and 2 have ended, 1 and 3 have begun, 4 is unknown.
+        let mut begun = 0;
+        let kept = text.split_inclusive('\n').filter(|line| {
+            let line: serde_json::Value = serde_json::from_str(line).unwrap();
+            let op_code = line["op_code"].as_u64().unwrap();
+            begun += usize::from(op_code == 4);
+            let concludes = !line["user_attr"]["conclusion"].is_null();
+            begun < 5 && !concludes && (op_code < 6 || matches!(line["trial_id"].as_u64(), Some(0 | 2)))
+        });
+        std::fs::write(killed.join("journal.log"), kept.collect::<String>()).unwrap();
+        for file in ["tuned.yaml", "trials/0001.parquet", "trials/0003.parquet", "trials/0004.parquet"] {
+            std::fs::remove_file(killed.join(file)).unwrap();
+        }
+
+        let resumed = run(at.path(), &format!("tune --resume --threads 2 --json --out {name}_killed")).ok();
+        assert_eq!(result(&resumed.json()), result(&document), "{name}");
+        assert_same_trials(&killed, &whole);
+    }
+}
+
 /// SIGKILL in the middle of an atomic write leaves a hidden temporary file; the resume takes it away.
 #[test]
 fn the_temporary_file_of_a_killed_write_is_removed() {
