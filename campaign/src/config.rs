@@ -120,7 +120,7 @@ pub struct TuneConfig {
     pub ekf: WrenchEkfSettings,
     /// What keeps the compensator from shaking the arm, or from being tried at all; `null` trusts every parameter set.
     pub guard: Option<GuardSettings>,
-    /// Limits that end a trial.
+    /// Limits that end a trial, those of the tool's acceleration and position error times `path_scale`.
     pub limits: PenaltyLimits,
     /// What trials are like that the user runs (`ask` and `tell`); none where Tribo runs them on the simulated arm.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -498,7 +498,7 @@ impl TuneConfig {
             velocity: self.velocity,
             // What its bounds are in proportion to is the friction of the joints.
             guard: self.guard.map(|guard| guard.for_friction(friction_scale.iter().sum::<f64>() / N as f64)),
-            limits: self.limits,
+            limits: self.limits.for_path(path_scale),
             measure: match self.cost {
                 CostName::Paper => CostMeasure::Paper,
                 CostName::Robust => CostMeasure::Robust { lever_arm_m: self.lever_arm_m },

@@ -25,6 +25,13 @@ pub struct PenaltyLimits {
     pub acceleration_cutoff_hz: f64,
 }
 
+impl PenaltyLimits {
+    /// The same for a tool that goes `factor` times as far in the same time: its acceleration and its error do too.
+    pub fn for_path(self, factor: f64) -> Self {
+        Self { acceleration_m_s2: factor * self.acceleration_m_s2, error_m: factor * self.error_m, ..self }
+    }
+}
+
 impl Default for PenaltyLimits {
     fn default() -> Self {
         Self {

@@ -86,3 +86,22 @@ impl Robot<7> {
 pub fn joints_of_preset(name: &str) -> Option<usize> {
     presets::find(name).map(|preset: AnyPreset| preset.joints())
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_tool_of_a_longer_arm_moves_further_in_proportion_and_none_less_than_a_pandas() {
+        assert_eq!(Robot::panda().path_times_panda(), 1.0);
+        assert_eq!(Robot::<6>::preset("ur10e").unwrap().path_times_panda(), 1.62);
+        for factor in [0.5, 1.0, 1.37, 2.0] {
+            let Robot { arm, poses_rad, friction } = Robot::panda();
+            let arm = arm.altered(|mechanism| {
+                mechanism.placements.iter_mut().for_each(|placement| placement.translation *= factor);
+                mechanism.link_from_flange_translation *= factor;
+            });
+            assert_eq!(Robot { arm, poses_rad, friction }.path_times_panda(), f64::max(factor, 1.0));
+        }
+    }
+}

@@ -20,7 +20,7 @@ pub fn standing_sentence(standing: &[Standing], names: &JointNames) -> String {
     let its = if standing.len() == 1 { "its" } else { "their" };
     format!(
         "{joints} stood still in the last logs: {its} dry friction is at least {held} Nm and not known further; a motion that turns \
-         {joints} more would tell it"
+         {joints} more would tell it: a longer path, or one joint at a time back and forth"
     )
 }
 
@@ -35,7 +35,7 @@ mod tests {
         assert_eq!(
             sentence(&standing),
             "joints 4 and 6 stood still in the last logs: their dry friction is at least 0.59, 0.03 Nm and not known further; a motion that \
-             turns joints 4 and 6 more would tell it"
+             turns joints 4 and 6 more would tell it: a longer path, or one joint at a time back and forth"
         );
         assert!(sentence(&standing[..1]).starts_with("joint 4 stood still in the last logs: its dry friction"));
     }

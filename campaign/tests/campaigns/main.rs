@@ -7,5 +7,6 @@ mod batches;
 mod clock_jumps;
 mod early_stop;
 mod good_trials;
+mod path_scale;
 mod standing_joints;
 mod watch;

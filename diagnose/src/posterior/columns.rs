@@ -11,7 +11,7 @@ use tribo_sim::{Effect, SOFT_FRICTION_LEAD_S};
 
 use super::joint_columns::{DELAY, JointColumns, LINKS, TILT};
 use super::joint_term::JointTerm;
-use super::prior::{ArmScale, CURVE_WIDTHS, PRESLIDING_RAD};
+use super::prior::{ArmScale, PRESLIDING_RAD};
 use super::standstill;
 use crate::cause::{base_tilt_columns, bristle};
 use crate::contact_window::PushWindow;
@@ -216,7 +216,7 @@ fn own_columns<const N: usize>(scene: &Scene<N>, j: usize, scale: &ArmScale) -> 
             JointTerm::Offset => of(&|_| 1.0),
             JointTerm::Coulomb => of(&|at| at.sign[j]),
             JointTerm::Viscous => of(&|at| at.qd[j]),
-            JointTerm::Curve(k) => of(&|at| smooth_sign(at.qd[j], CURVE_WIDTHS[k] * scale.speed_rad_s[j])),
+            JointTerm::Curve(k) => of(&|at| smooth_sign(at.qd[j], scale.curve_width_rad_s(j, k))),
             JointTerm::Load => of(&|at| at.link_nm[j].abs() * at.sign[j]),
             JointTerm::Rotor => of(&|at| at.qdd[j]),
             JointTerm::Presliding(k) => {

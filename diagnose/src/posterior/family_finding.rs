@@ -204,7 +204,7 @@ impl<const N: usize> Answer<'_, N> {
             CauseLabel::Coulomb => vec![Self::table("delta_coulomb_nm", of(T::Coulomb))],
             CauseLabel::Viscous => vec![Self::table("delta_viscous_nm_s_per_rad", of(T::Viscous))],
             CauseLabel::FrictionCurve => {
-                let width = |j: usize, k: usize| CURVE_WIDTHS[k] * self.problem.scale.speed_rad_s[j];
+                let width = |j: usize, k: usize| self.problem.scale.curve_width_rad_s(j, k);
                 vec![Self::table("amplitude_nm", summed()), Self::table("width_rad_s", typical(&width))]
             }
             CauseLabel::LoadFriction => vec![Self::table("load_coefficient", of(T::Load))],
@@ -335,7 +335,7 @@ impl<const N: usize> Answer<'_, N> {
                 let torque = |qd: f64| {
                     let smooth = |width: f64| tribo_friction::law::smooth_sign(qd, width);
                     let curve = |k: usize| {
-                        let width = CURVE_WIDTHS[k] * self.problem.scale.speed_rad_s[j];
+                        let width = self.problem.scale.curve_width_rad_s(j, k);
                         self.own(j, JointTerm::Curve(k)).0 * smooth(width)
                     };
                     self.own(j, JointTerm::Coulomb).0 * smooth(self.scene.nominal.smoothing_rad_s)

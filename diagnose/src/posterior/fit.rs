@@ -443,7 +443,7 @@ const PINNINGS: usize = 8;
 
 /// The posterior of some families over some parts, bilinear in the gains, every link a body, signs as physics has them.
 ///
-/// A payload of negative mass, a spring that pushes, friction that falls with the load and a rotor of negative inertia do not
+/// A payload of negative mass, a spring that pushes, friction that falls with the load, viscous friction below zero and a rotor of negative inertia do not
 /// exist: such a family or parameter is left out and everything fitted anew. Returns the state that the last equations were
 /// linear about too.
 pub(crate) fn posterior(problem: &Problem, parts: &[usize], start: &Start) -> Option<(Fit, State)> {
@@ -474,6 +474,10 @@ pub(crate) fn posterior(problem: &Problem, parts: &[usize], start: &Start) -> Op
                         _,
                         JointTerm::Spring | JointTerm::Load | JointTerm::Presliding(_) | JointTerm::Lead(_),
                     ) if value < 0.0 => Some((*i, 0.0)),
+                    // It would drive a joint that is fast enough; what falls with speed within the log bends.
+                    Place::Own(j, JointTerm::Viscous) if problem.viscous_nm_s_per_rad[j] + value < 0.0 => {
+                        Some((*i, -problem.viscous_nm_s_per_rad[j]))
+                    }
                     Place::Own(j, JointTerm::Rotor) if problem.rotor_kg_m2[j] + value < 0.0 => {
                         Some((*i, -problem.rotor_kg_m2[j]))
                     }

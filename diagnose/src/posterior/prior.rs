@@ -117,7 +117,7 @@ impl Family {
     }
 }
 
-/// Widths of the friction curves over the joint's largest speed [-]: gears bend anywhere from creeping to full speed.
+/// Widths of the friction curves over [`ArmScale::bending_speed_rad_s`] [-]: gears bend anywhere from creeping to full speed.
 pub(crate) const CURVE_WIDTHS: [f64; 3] = [0.02, 0.08, 0.3];
 /// Dry friction at whose widths a leading friction is looked for, over the joint's torque [-]: from that of a strong base to that of a wrist of
 /// a low-cost arm.
@@ -144,6 +144,9 @@ pub(crate) struct ArmScale {
     pub torque_nm: Vec<f64>,
     /// Largest speed of each joint [rad/s].
     pub speed_rad_s: Vec<f64>,
+    /// Speed within which friction of each joint is said to bend [rad/s]: its largest, or twice the largest that the logs show. A curve that is
+    /// wider is a straight line to the logs, and anything beyond them.
+    pub bending_speed_rad_s: Vec<f64>,
     /// Torque per speed of a physics engine's soft friction while it stops each joint [Nm s/rad].
     pub soft_damping_nm_s: Vec<f64>,
     /// Waves per revolution of the slowest ripple of each joint: the first whose length it covers.
@@ -179,6 +182,11 @@ impl ArmScale {
     /// a light joint they are wide.
     pub fn lead_width_rad_s(&self, joint: usize, k: usize) -> f64 {
         (LEAD_LOSS[k] * self.torque_nm[joint] / self.soft_damping_nm_s[joint]).min(self.speed_rad_s[joint])
+    }
+
+    /// Width of a friction curve of a joint [rad/s].
+    pub fn curve_width_rad_s(&self, joint: usize, k: usize) -> f64 {
+        CURVE_WIDTHS[k] * self.bending_speed_rad_s[joint]
     }
 
     /// Waves per revolution of a ripple of a joint.

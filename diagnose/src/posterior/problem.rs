@@ -81,6 +81,8 @@ pub(crate) struct Problem {
     pub typical: Vec<Matrix4<f64>>,
     /// What the model already has of rotors: none may become negative.
     pub rotor_kg_m2: Vec<f64>,
+    /// What the model already has of viscous friction [Nm s/rad]: friction drives no joint, however fast it turns.
+    pub viscous_nm_s_per_rad: Vec<f64>,
     pub scale: ArmScale,
     /// Logs without payload.
     pub unloaded: Vec<bool>,
@@ -152,6 +154,7 @@ impl Problem {
             precision,
             links: arm.links.iter().map(body::of_link).collect(),
             typical,
+            viscous_nm_s_per_rad: (0..N).map(|j| scene.nominal.viscous_nm_s(j)).collect(),
             rotor_kg_m2: arm.rotor_inertia_kg_m2.iter().copied().collect(),
             scale,
             unloaded,

@@ -3,7 +3,7 @@
 use tribo_sim::{Effect, SOFT_FRICTION_LEAD_S};
 
 use super::joint_term::{JointTerm, RIPPLES};
-use super::prior::{CURVE_WIDTHS, PAYLOAD_RADIUS_M, PRESLIDING_RAD};
+use super::prior::{PAYLOAD_RADIUS_M, PRESLIDING_RAD};
 use super::problem::{Place, Problem, State};
 use crate::cause::tilt_of;
 use crate::scene::Scene;
@@ -74,7 +74,7 @@ fn own_effect(problem: &Problem, joint: usize, term: JointTerm, value: f64) -> O
         JointTerm::Curve(k) => Effect::FrictionCurve {
             joint,
             amplitude_nm: value,
-            width_rad_s: CURVE_WIDTHS[k] * problem.scale.speed_rad_s[joint],
+            width_rad_s: problem.scale.curve_width_rad_s(joint, k),
         },
         JointTerm::Lead(k) => Effect::FrictionLead {
             joint,
