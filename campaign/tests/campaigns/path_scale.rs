@@ -14,7 +14,9 @@ fn limits_of_acceleration_and_error_go_with_the_path() {
     let own = trial("ur10e", None);
     assert_eq!(own.limits, PenaltyLimits { acceleration_m_s2: 5.0 * 1.62, error_m: 0.04 * 1.62, ..limits });
     let position = |trial: &tribo_campaign::Trial<6>| {
-        let from_start = |time_s: f64| (trial.reference.at(time_s).translation.vector - trial.reference.centre.translation.vector).norm();
+        let from_start = |time_s: f64| {
+            (trial.reference.at(time_s).translation.vector - trial.reference.centre.translation.vector).norm()
+        };
         (0..3000).map(|k| from_start(0.01 * f64::from(k))).fold(0.0, f64::max)
     };
     let ratio = position(&own) / position(&usual);

@@ -1,4 +1,4 @@
-//! Story: a study of two hundred cells on machines that die.
+//! Story: a study of some seventy cells on machines that die.
 //!
 //! Four slices run side by side and are killed with SIGKILL at seeded random moments until nothing is left to do; the directory
 //! then equals, byte for byte, that of one process that ran in peace. Job arrays find their slice by themselves.
@@ -13,7 +13,7 @@ use crate::common::{run, scratch, start, tribo};
 use rand_pcg::Pcg64;
 use rand_pcg::rand_core::{Rng, SeedableRng};
 
-/// 7 seeds × 3 poses × (references and 9 strategies) = 210 cells.
+/// 4 seeds × 3 poses × (references and 5 strategies) = 72 cells.
 const STUDY: &str = "schema: tribo.study/1
 seeds: 4
 poses: [0, 1, 2]
@@ -23,12 +23,8 @@ strategies:
 - {strategy: grey_box, trials: 2}
 - {strategy: zero, trials: 1}
 - {strategy: random, trials: 1}
-- {strategy: sobol, trials: 1}
-- {strategy: cma_es, trials: 1}
 - {strategy: paper, trials: 1}
 - {strategy: bo, trials: 1}
-- {strategy: composite, trials: 1}
-- {strategy: iterative_learning, trials: 1}
 oracle_runs: 1
 settings: {sub_steps: 1}
 ";
@@ -56,8 +52,8 @@ fn slices_that_are_killed_end_like_one_process_in_peace() {
     let peace = run(at.path(), "study study.yaml --out peace --json -q").ok().json();
     let duration = started.elapsed();
     let whole = files(&at.path().join("peace"));
-    assert_eq!(whole.keys().filter(|name| name.starts_with("cells/")).count(), 120);
-    assert_eq!(peace["rows"].as_array().unwrap().len(), 9);
+    assert_eq!(whole.keys().filter(|name| name.starts_with("cells/")).count(), 72);
+    assert_eq!(peace["rows"].as_array().unwrap().len(), 5);
     let over_first = |row: usize| peace["rows"][row]["over_first"].as_f64().unwrap();
     assert!(over_first(1) > 4.0 && over_first(2) > 2.0, "grey box is the best of them: {peace}");
     assert!(peace["rows"][1]["p"].as_f64().unwrap() < 5e-3, "12 pairs, all one way: {peace}");
@@ -108,7 +104,7 @@ fn job_arrays_take_their_slices_and_the_last_one_tells() {
         let told = crate::common::Run::from(command.output().unwrap()).ok().json();
         counts.push(told["cells_left"].as_u64());
     }
-    assert_eq!(counts, [Some(8), Some(5), Some(2), None], "the last slice finds everything there");
+    assert_eq!(counts, [Some(5), Some(3), Some(1), None], "the last slice finds everything there");
     let by_slices = files(&at.path().join("small"));
     assert!(by_slices.contains_key("results.json") && by_slices.contains_key("report.html"));
     run(at.path(), "study small.yaml --out at_once -q").ok();

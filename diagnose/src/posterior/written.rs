@@ -71,11 +71,9 @@ fn own_effect(problem: &Problem, joint: usize, term: JointTerm, value: f64) -> O
         JointTerm::Offset => Effect::TorqueOffset { joint, offset_nm: value },
         JointTerm::Coulomb => Effect::Coulomb { joint, delta_coulomb_nm: value },
         JointTerm::Viscous => Effect::Viscous { joint, delta_viscous_nm_s_per_rad: value },
-        JointTerm::Curve(k) => Effect::FrictionCurve {
-            joint,
-            amplitude_nm: value,
-            width_rad_s: problem.scale.curve_width_rad_s(joint, k),
-        },
+        JointTerm::Curve(k) => {
+            Effect::FrictionCurve { joint, amplitude_nm: value, width_rad_s: problem.scale.curve_width_rad_s(joint, k) }
+        }
         JointTerm::Lead(k) => Effect::FrictionLead {
             joint,
             amplitude_nm: value,

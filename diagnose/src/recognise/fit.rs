@@ -91,6 +91,8 @@ pub(super) struct Columns<const N: usize> {
     shared: Vec<[SVector<f64, N>; SHARED]>,
     /// Speed and acceleration.
     motion: Vec<Instant<N>>,
+    /// Smooth sign of the speed.
+    sign: Vec<SVector<f64, N>>,
 }
 
 impl<const N: usize> Columns<N> {
@@ -109,7 +111,9 @@ impl<const N: usize> Columns<N> {
                 })
             })
             .collect();
-        Self { rigid: motion.iter().map(|at| rnea(arm, &at.q, &at.qd, &at.qdd)).collect(), shared, motion }
+        let rigid = motion.iter().map(|at| rnea(arm, &at.q, &at.qd, &at.qdd)).collect();
+        let sign = motion.iter().map(|at| at.qd.map(|qd| (qd / SIGN_RAD_S).tanh())).collect();
+        Self { rigid, shared, motion, sign }
     }
 }
 
@@ -145,11 +149,11 @@ pub(super) fn fit<const N: usize>(
         explained = (0..count).map(|k| predicted(columns, k, &theta)).collect();
         for j in 0..N {
             let (dry, viscous) = (theta[SHARED + OWN * j + 1], theta[SHARED + OWN * j + 2]);
-            let power: f64 =
-                columns.motion.iter().map(|at| (dry * sign(at.qd[j]) + viscous * at.qd[j]) * at.qd[j]).sum();
+            let speeds = columns.motion.iter().zip(&columns.sign).map(|(at, sign)| (at.qd[j], sign[j]));
+            let power: f64 = speeds.map(|(qd, sign)| (dry * sign + viscous * qd) * qd).sum();
             gives_energy[j] |= power < 0.0 && round < ROUNDS;
             let at_rest = |k: usize| {
-                let moving = sign(columns.motion[k].qd[j]);
+                let moving = columns.sign[k][j];
                 if gives_energy[j] { 0.0 } else { dry.max(0.0).powi(2) * (1.0 - moving * moving) / 3.0 }
             };
             let (mut squares, mut weights) = (0.0, 0.0);
@@ -183,13 +187,8 @@ pub(super) fn fit<const N: usize>(
         unexplained[source] = (sigma[j] / sizes[j].1.max(floor[j])).powi(2);
     }
     let correlation = std::array::from_fn(|j| correlation(tau.iter().map(|x| x[j]), explained.iter().map(|x| x[j])));
-    let moves =
-        std::array::from_fn(|j| columns.motion.iter().map(|at| sign(at.qd[j]).powi(2)).sum::<f64>() / count as f64);
+    let moves = std::array::from_fn(|j| columns.sign.iter().map(|sign| sign[j].powi(2)).sum::<f64>() / count as f64);
     nats.is_finite().then_some(Fit { nats, penalty_nats: penalty, left, unexplained, correlation, moves })
-}
-
-fn sign(qd: f64) -> f64 {
-    (qd / SIGN_RAD_S).tanh()
 }
 
 /// How large each parameter is on arms.
@@ -205,7 +204,7 @@ fn prior_sd<const N: usize>(arm: &Arm<N>) -> Vec<f64> {
 /// Columns of one joint at one instant: index of the parameter, value.
 fn row<const N: usize>(columns: &Columns<N>, k: usize, j: usize) -> [(usize, f64); SHARED + OWN] {
     let at = &columns.motion[k];
-    let own = [1.0, sign(at.qd[j]), at.qd[j], at.qdd[j]];
+    let own = [1.0, columns.sign[k][j], at.qd[j], at.qdd[j]];
     std::array::from_fn(|i| match i.checked_sub(SHARED) {
         None => (i, columns.shared[k][i][j]),
         Some(o) => (SHARED + OWN * j + o, own[o]),
@@ -235,10 +234,11 @@ fn solve<const N: usize>(
             if without_friction[j] {
                 (row[SHARED + 1].1, row[SHARED + 2].1) = (0.0, 0.0);
             }
-            for (a, x) in row {
+            for (place, (a, x)) in row.into_iter().enumerate() {
                 right[a] += weight * x * error;
-                for (b, y) in row {
-                    gram[(a, b)] += weight * x * y;
+                // The factorisation reads the lower triangle.
+                for (b, y) in &row[..=place] {
+                    gram[(a, *b)] += weight * x * y;
                 }
             }
         }

@@ -3,6 +3,7 @@
 #![allow(clippy::unwrap_used, clippy::panic, reason = "a test fails by panicking, in its helpers too")]
 
 mod closed_form;
+mod creeping_arm;
 mod next_experiment;
 mod noisy_arm;
 mod panda_gaz2019;
