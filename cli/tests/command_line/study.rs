@@ -121,7 +121,7 @@ fn job_arrays_take_their_slices_and_the_last_one_tells() {
     for (call, words) in [
         ("study other.yaml --out small", "small: holds another study"),
         ("study typo.yaml", "typo.yaml:6: field `strategies.0.trials` is 0"),
-        ("study law.yaml", "law.yaml:17"),
+        ("study law.yaml", "law.yaml:13"),
         ("study small.yaml --shard 5/4", "shard 5/4; allowed: K/N"),
         ("study nowhere.yaml", "nowhere.yaml"),
     ] {

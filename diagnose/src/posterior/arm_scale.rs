@@ -21,10 +21,7 @@ impl ArmScale {
             .collect();
         let speed_rad_s: Vec<f64> =
             (0..N).map(|j| if limits.qd_max_rad_s[j] <= 20.0 { limits.qd_max_rad_s[j] } else { 3.0 }).collect();
-        let bending = |j: usize| {
-            let shown = SPEED_OVER_SHOWN * largest(&scene.qd[j]);
-            speed_rad_s[j].min(shown.max(LEAST_BENDING * speed_rad_s[j]))
-        };
+        let shown = |j: usize| largest(&scene.qd[j]).max(LEAST_SHOWN * speed_rad_s[j]);
         let range_rad = |q: &[f64]| {
             q.iter().fold(f64::NEG_INFINITY, |a: f64, x| a.max(*x))
                 - q.iter().fold(f64::INFINITY, |a: f64, x| a.min(*x))
@@ -34,7 +31,7 @@ impl ArmScale {
             torque_nm,
             soft_damping_nm_s: soft_damping(scene),
             slowest_ripple: (0..N).map(slowest).collect(),
-            bending_speed_rad_s: (0..N).map(bending).collect(),
+            shown_speed_rad_s: (0..N).map(shown).collect(),
             speed_rad_s,
             rated_payload_kg: 0.3 * own_kg,
             link_side: scene.nominal.torque_side == TorqueSide::Link,
@@ -51,10 +48,8 @@ fn soft_damping<const N: usize>(scene: &Scene<N>) -> Vec<f64> {
     damping.map_or_else(|| vec![1.0; N], |damping| damping.iter().map(|damping| damping.max(1e-3)).collect())
 }
 
-/// Speed within which friction bends over the largest that a log shows.
-const SPEED_OVER_SHOWN: f64 = 2.0;
-/// Least speed within which friction bends over the joint's largest: a joint that stands still has no shape to tell.
-const LEAST_BENDING: f64 = 0.1;
+/// Least speed that a joint is taken to have shown, over its largest: one that stands still has no shape to tell.
+const LEAST_SHOWN: f64 = 0.1;
 /// A full turn (rad).
 const TURN_RAD: f64 = 2.0 * std::f64::consts::PI;
 /// Largest torque that a joint can have over the largest that a log shows: logs of a moving arm use half.

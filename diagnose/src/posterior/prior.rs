@@ -117,8 +117,11 @@ impl Family {
     }
 }
 
-/// Widths of the friction curves over [`ArmScale::bending_speed_rad_s`] [-]: gears bend anywhere from creeping to full speed.
+/// Widths of the friction curves over the joint's largest speed [-]: gears bend anywhere from creeping to full speed.
 pub(crate) const CURVE_WIDTHS: [f64; 3] = [0.02, 0.08, 0.3];
+/// Largest widths of the friction curves over the largest speed that the logs show [-]: a curve that is wider is a straight line to the logs,
+/// and anything beyond them.
+const WIDTHS_OVER_SHOWN: [f64; 3] = [0.1, 0.3, 0.6];
 /// Dry friction at whose widths a leading friction is looked for, over the joint's torque [-]: from that of a strong base to that of a wrist of
 /// a low-cost arm.
 const LEAD_LOSS: [f64; 3] = [0.003, 0.015, 0.075];
@@ -144,9 +147,8 @@ pub(crate) struct ArmScale {
     pub torque_nm: Vec<f64>,
     /// Largest speed of each joint [rad/s].
     pub speed_rad_s: Vec<f64>,
-    /// Speed within which friction of each joint is said to bend [rad/s]: its largest, or twice the largest that the logs show. A curve that is
-    /// wider is a straight line to the logs, and anything beyond them.
-    pub bending_speed_rad_s: Vec<f64>,
+    /// Largest speed of each joint in the logs [rad/s]; of one that stands, a tenth of what it can.
+    pub shown_speed_rad_s: Vec<f64>,
     /// Torque per speed of a physics engine's soft friction while it stops each joint [Nm s/rad].
     pub soft_damping_nm_s: Vec<f64>,
     /// Waves per revolution of the slowest ripple of each joint: the first whose length it covers.
@@ -186,7 +188,7 @@ impl ArmScale {
 
     /// Width of a friction curve of a joint [rad/s].
     pub fn curve_width_rad_s(&self, joint: usize, k: usize) -> f64 {
-        CURVE_WIDTHS[k] * self.bending_speed_rad_s[joint]
+        f64::min(CURVE_WIDTHS[k] * self.speed_rad_s[joint], WIDTHS_OVER_SHOWN[k] * self.shown_speed_rad_s[joint])
     }
 
     /// Waves per revolution of a ripple of a joint.
