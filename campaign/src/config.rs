@@ -120,7 +120,7 @@ pub struct TuneConfig {
     pub ekf: WrenchEkfSettings,
     /// What keeps the compensator from shaking the arm, or from being tried at all; `null` trusts every parameter set.
     pub guard: Option<GuardSettings>,
-    /// Limits that end a trial, those of the tool's acceleration and position error times `path_scale`.
+    /// Limits that end a trial, those of the tool's acceleration and position error times `path_scale` where that is above 1.
     pub limits: PenaltyLimits,
     /// What trials are like that the user runs (`ask` and `tell`); none where Tribo runs them on the simulated arm.
     #[serde(skip_serializing_if = "Option::is_none")]

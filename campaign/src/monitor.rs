@@ -26,8 +26,10 @@ pub struct PenaltyLimits {
 }
 
 impl PenaltyLimits {
-    /// The same for a tool that goes `factor` times as far in the same time: its acceleration and its error do too.
+    /// The same for a tool that goes `factor` times as far in the same time: its acceleration and its error do too. A shorter path keeps
+    /// the limits: noise and stick-slip do not shrink with it.
     pub fn for_path(self, factor: f64) -> Self {
+        let factor = factor.max(1.0);
         Self { acceleration_m_s2: factor * self.acceleration_m_s2, error_m: factor * self.error_m, ..self }
     }
 }

@@ -11,6 +11,7 @@ fn limits_of_acceleration_and_error_go_with_the_path() {
     };
     let usual = trial("ur10e", Some(1.0));
     assert_eq!(usual.limits, limits);
+    assert_eq!(trial("ur10e", Some(0.1)).limits, limits, "noise and stick-slip are those of a long path");
     let own = trial("ur10e", None);
     assert_eq!(own.limits, PenaltyLimits { acceleration_m_s2: 5.0 * 1.62, error_m: 0.04 * 1.62, ..limits });
     let position = |trial: &tribo_campaign::Trial<6>| {

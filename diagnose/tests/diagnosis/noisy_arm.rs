@@ -29,8 +29,8 @@ fn is_answered_by_families_and_soon() {
     });
     let truth = Truth { effects: effects.collect(), ..Truth::new(arm.clone(), FrictionModel::none()) };
     let around = Envelope::around(&arm, preset.with_joints::<6>().unwrap().poses_rad[0]);
-    let motion = Excitation::StaticPoses.draw(&around, 30.0, 4);
-    let recording = Recording { rate_hz: 125.0, torque_sd_nm: 0.3, ..Recording::default() };
+    let motion = Excitation::StaticPoses.draw(&around, 45.0, 4);
+    let recording = Recording { rate_hz: 250.0, torque_sd_nm: 0.3, ..Recording::default() };
     let log = record(&truth, 0.01, motion.as_ref(), &recording, 3).unwrap();
     let torque_side = recording.torque_side;
     let nominal =
