@@ -256,7 +256,17 @@ mod tests {
 
     /// One joint that moves a tool along x by 0.4 m/rad; friction `k` times compensated; seen for `duration_s`.
     fn watch(guard: &mut CompensationGuard<1>, k: f64, duration_s: f64, hz: f64) -> Option<f64> {
-        let friction_nm = 0.8;
+        watch_friction(guard, 0.8, k, duration_s, hz)
+    }
+
+    /// The same of a joint with other friction (Nm).
+    fn watch_friction(
+        guard: &mut CompensationGuard<1>,
+        friction_nm: f64,
+        k: f64,
+        duration_s: f64,
+        hz: f64,
+    ) -> Option<f64> {
         for tick in 0..(duration_s / DT_S) as usize {
             let t = tick as f64 * DT_S;
             let qd = SVector::<f64, 1>::new(0.3 * (2.0 * std::f64::consts::PI * hz * t).sin());
@@ -282,6 +292,18 @@ mod tests {
             }
         }
         None
+    }
+
+    /// Five times the friction, moved alike, trips at the same time with settings for it, and earlier with those of the lighter arm.
+    #[test]
+    fn energies_go_with_the_friction_of_the_arm() {
+        let trip = |settings, friction_nm| {
+            let mut guard = CompensationGuard::new(settings);
+            watch_friction(&mut guard, friction_nm, 1.8, 30.0, 0.5).unwrap()
+        };
+        let (light, heavy) = (GuardSettings::default(), GuardSettings::default().for_friction(5.0));
+        assert!((trip(light, 0.8) - trip(heavy, 4.0)).abs() < 1e-9, "{} {}", trip(light, 0.8), trip(heavy, 4.0));
+        assert!(trip(light, 4.0) < trip(light, 0.8) - 0.05, "{} {}", trip(light, 4.0), trip(light, 0.8));
     }
 
     /// Closed form: compensator and friction work on the same path, so the ratio of their energies is k, whatever the motion.

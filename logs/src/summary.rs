@@ -9,7 +9,7 @@ use crate::format::LogFormat;
 use crate::log::RobotLog;
 use crate::parquet_table::ROWS_PER_GROUP;
 use crate::quantity::Quantity;
-use crate::recognise::{Remark, Use, recognise};
+use crate::recognise::{Remark, recognise};
 
 /// Evidence about a log that was read.
 #[derive(Debug, Clone, PartialEq)]
@@ -142,7 +142,7 @@ impl fmt::Display for LogSummary {
         for warning in &self.warnings {
             write!(f, "\nwarning      {warning}")?;
         }
-        for remark in self.remarks.iter().filter(|remark| remark.concerns(Use::Conversion)) {
+        for remark in &self.remarks {
             write!(f, "\nwarning      {remark}")?;
         }
         Ok(())

@@ -17,7 +17,7 @@ pub(crate) fn believe(py: Python<'_>, name: &str, remarks: &[Remark], wanted: Us
     if let Some(reasons) = refusal(name, remarks, wanted).filter(|_| !anyway) {
         return Err(bad(reasons));
     }
-    said(name, remarks, wanted).try_for_each(|line| warn(py, &line))
+    said(name, remarks).try_for_each(|line| warn(py, &line))
 }
 
 /// A `UserWarning` about the caller's line.

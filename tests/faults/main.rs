@@ -18,11 +18,16 @@
 //! | power fails in a trial | stopped while the arm has hardly begun to fall | `robot` |
 //! | a log in degrees, ms, ns, mNm; signs turned, joints swapped or moved on, torques of noise or never written, encoder frozen, `dq` wrong, gravity left out, another robot or side of the gears | refused, or warned of, in one sentence with the column to mend | `diagnose/tests/recognise`, `cli/tests/command_line/wrong_logs.rs` |
 //! | a trial in which most joints stood still | refused: what costs nothing is no trial | `cli/tests/command_line/wrong_logs.rs` |
+//! | an arm that never moved | no trial; `estimate`, `diagnose` and `convert` say so and go on | `cli/tests/command_line/wrong_logs.rs` |
+//! | a joint that stands in the first trial, or in all | named; its torque goes to no neighbour, and the others' compensation makes it move | `campaign/tests/campaigns/standing_joints.rs` |
+//! | a friction law that is not the robot's | said wherever the campaign is shown, or gone over to | `cli/tests/command_line/ask_and_tell.rs` |
 //! | one impossible number in a trial's log | its row is left out, and said: cost and next parameters are those of the good log | `cli/tests/command_line/taking_back.rs` |
 //! | the log of another trial, or of another compensator | refused: `tau_friction` or the positions say so | `cli/tests/command_line/taking_back.rs` |
 //! | every compensator is stopped; friction beyond the box | the campaign ends after five, the box is named | `campaign/tests/campaigns/standing_joints.rs` |
 //! | an exported compensator is given NaN, infinity, a negative period, garbage as memory | a torque within half of the joint's largest, also with `-O3 -ffast-math`; garbage is forgotten | `export/tests/formats/bounds.rs` |
 //! | a file that claims more than it holds, or unpacks without end | refused before the memory is gone | `fuzz_inputs/bombs.rs`, `logs/tests/formats/bad_parquet.rs`, `logs/tests/formats/convert.rs` |
+//! | a URDF of 10 000 links, or with a link that is its own parent | read in linear time, or refused | `robot/tests/arms/urdf.rs` |
+//! | `--threads` out of range; `--out` in a directory, or a report over a file, of somebody else's | refused, nothing changed | `cli/tests/command_line/streams_and_signals.rs`, `campaign_directories.rs` |
 //! | names in files with control characters | shown, not obeyed | `cli/tests/command_line/control_characters.rs` |
 //! | a processor from before 2013 | a sentence, exit code 2 | `cli/tests/command_line/old_processor.rs` |
 //! | a motion that fails with the true friction compensated | said before the first trial, in `--json`, report and window | `cli/tests/command_line/commands.rs`, `campaign/tests/campaigns/standing_joints.rs` |

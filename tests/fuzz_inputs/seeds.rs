@@ -7,11 +7,13 @@ use std::io::Cursor;
 use std::path::Path;
 
 use mcap::Compression;
-use tribo_campaign::{AnyTune, TuneConfig, UserTrials};
+use nalgebra::SVector;
+use tribo_campaign::{AnyTune, RecognisedTrial, TuneConfig, UserTrials, recognise_trial};
+use tribo_logs::recognise::Fault;
 use tribo_logs::{JointState, LogColumns, LogTarget, RobotLog, read_log_from, write_log_to};
 use tribo_model::{TunedFile, to_yaml};
 use tribo_robot::urdf::to_urdf;
-use tribo_robot::{Arm, gravity_torque, presets};
+use tribo_robot::{Arm, gravity_torque, presets, rnea};
 use tribo_tests::fuzz_inputs::recorder::{Cdr, JOINT_STATE, Recorded, franka_robot_state, mcap_file};
 
 /// Folder, name and content of each.
@@ -42,6 +44,12 @@ fn seeds() -> Vec<(&'static str, &'static str, Vec<u8>)> {
         write_log_to(&mut file, Path::new(name), &trial(), LogTarget::Csv(Default::default()))
             .expect("a log can be written");
         seeds.push(("told_trial", name, [&[options][..], &file.into_inner()].concat()));
+    }
+    for (name, log) in [("two_seconds", sines(1.0)), ("joint_1_turned", sines(-1.0))] {
+        let mut file = Cursor::new(Vec::new());
+        write_log_to(&mut file, Path::new(name), &log, LogTarget::Csv(Default::default()))
+            .expect("a log can be written");
+        seeds.push(("told_trial", name, [&[0][..], &file.into_inner()].concat()));
     }
     let messages: Vec<Recorded> = (0..3).flat_map(|k| [joint_state(k), json(k)]).collect();
     for (name, packed) in
@@ -119,6 +127,39 @@ fn trial() -> RobotLog {
     log.validate().expect("a valid log")
 }
 
+/// Two and a half seconds of a Panda with dry friction of 0.5 Nm, long enough for the judgement of the arm; the commanded torque of joint 1 has this
+/// sign.
+fn sines(sign: f64) -> RobotLog {
+    let (arm, rate_hz, rows) = (presets::panda(), 50.0, 126);
+    let round = |x: f64| (x * 1e4).round() / 1e4;
+    let mut log = LogColumns::default();
+    for column in [&mut log.q_rad, &mut log.dq_rad_s, &mut log.tau_j_nm] {
+        column.resize(7, Vec::new());
+    }
+    let mut commanded = vec![Vec::new(); 7];
+    for k in 0..rows {
+        let t = f64::from(k) / rate_hz;
+        let phase = |j: usize| (3.0 + 0.6 * j as f64, 0.8 * j as f64);
+        let of = |value: &dyn Fn(f64, f64) -> f64| {
+            SVector::<f64, 7>::from_fn(|j, _| value(phase(j).0, phase(j).0 * t + phase(j).1))
+        };
+        let q = presets::panda_ready_pose() + of(&|_, at| 0.25 * at.sin());
+        let qd = of(&|w, at| 0.25 * w * at.cos());
+        let qdd = of(&|w, at| -0.25 * w * w * at.sin());
+        let tau = rnea(&arm, &q, &qd, &qdd) + qd.map(|qd| 0.5 * (qd / 0.01).tanh());
+        log.time_s.push(t);
+        for j in 0..7 {
+            log.q_rad[j].push(round(q[j]));
+            log.dq_rad_s[j].push(round(qd[j]));
+            log.tau_j_nm[j].push(round(tau[j]));
+            commanded[j].push(round(if j == 1 { sign * tau[j] } else { tau[j] }));
+        }
+    }
+    log.tau_j_d_nm = Some(commanded);
+    log.tau_friction_nm = Some(vec![vec![0.0; log.rows()]; 7]);
+    log.validate().expect("a valid log")
+}
+
 fn joint_state(k: u64) -> Recorded {
     let cdr = Cdr::new().joint_state(k * 1_000_000, &["j2", "j1"], &[k as f64, 2.0], &[3.0, 4.0], &[5.0, 6.0]);
     Recorded::cdr("/js", "sensor_msgs/msg/JointState", JOINT_STATE, k, cdr)
@@ -178,4 +219,21 @@ fn seeds_are_good() {
             read_log_from(content, &path).unwrap_or_else(|error| panic!("{error}"));
         }
     }
+}
+
+/// What starts from a log too short to be judged never comes to the judgement of velocities and of the arm.
+#[test]
+fn seeds_of_trials_reach_the_judgement() {
+    let tune = TuneConfig { user_trials: Some(UserTrials::default()), ..TuneConfig::default() };
+    let tune = tune.validate::<7>().expect("valid settings");
+    let user_trials = UserTrials { judged_from_s: 0.005, judged_s: 0.02, ..UserTrials::default() };
+    let faults = |log: &RobotLog| -> Vec<Fault> {
+        let RecognisedTrial { remarks, .. } = recognise_trial(&tune, &user_trials, log, false);
+        remarks.into_iter().flatten().map(|remark| remark.fault).collect()
+    };
+    assert_eq!(faults(&sines(1.0)), []);
+    assert_eq!(faults(&sines(-1.0)), [Fault::TorqueSign]);
+    let mut backwards = sines(1.0).into_columns();
+    backwards.dq_rad_s.iter_mut().flatten().for_each(|dq| *dq = -*dq);
+    assert_eq!(faults(&backwards.validate().expect("a valid log")), [Fault::VelocitySign]);
 }

@@ -129,7 +129,10 @@ impl CampaignSnapshot {
             ("strategy", file_name(&config.strategy)),
             ("friction law", file_name(&config.friction)),
             ("estimator", file_name(&config.residual)),
-            ("truth", if self.trials_by_user() { "a robot elsewhere".to_owned() } else { file_name(&config.truth) }),
+            (
+                "simulated friction",
+                if self.trials_by_user() { "a robot elsewhere".to_owned() } else { file_name(&config.truth) },
+            ),
             ("cost", file_name(&config.cost)),
             ("velocity", file_name(&config.velocity)),
             ("pose", config.pose.to_string()),

@@ -32,7 +32,7 @@ pub fn slice(surrogate: &Surrogate, campaign: &CampaignSnapshot, parameter: usiz
     let cut = |values: Vec<f64>| -> Vec<f64> { values.into_iter().map(|cost| cost.min(most)).collect() };
     let [low, high]: [Vec<f64>; 2] = [0, 1].map(|end| cut(slice.band95.iter().map(|band| band[end]).collect()));
     let cost = |number: usize| campaign.trial(number).map(|watched| watched.trial.cost.total());
-    let title = format!("Belief along {}", parameter_name(name, campaign.tune.joint_names()).0);
+    let title = format!("Surrogate model along {}", parameter_name(name, campaign.tune.joint_names()).0);
     let abscissae = complete.iter().map(|watched| watched.trial.theta[parameter]).collect();
     let notes = complete.iter().map(|watched| format!("trial {}", watched.trial.number)).collect();
     let figure = Figure::new(title, axis_of(name, campaign.tune.joint_names()), cost_axis(campaign.cost_name()))
@@ -49,7 +49,7 @@ pub fn slice(surrogate: &Surrogate, campaign: &CampaignSnapshot, parameter: usiz
 pub fn acquisition(surrogate: &Surrogate, campaign: &CampaignSnapshot, parameter: usize) -> Option<Figure> {
     let (slice, name) = (surrogate.slices.get(parameter)?, surrogate.names.get(parameter)?);
     let label = if surrogate.log_acquisition { "ln expected improvement [-]" } else { "expected improvement [sd]" };
-    let title = format!("Worth of a new trial along {}", parameter_name(name, campaign.tune.joint_names()).0);
+    let title = format!("Acquisition value along {}", parameter_name(name, campaign.tune.joint_names()).0);
     let line = Layer::line("", 2, slice.at.clone(), slice.acquisition.clone());
     Some(Figure::new(title, axis_of(name, campaign.tune.joint_names()), Scale::of(label)).with(line))
 }

@@ -76,3 +76,48 @@ fn mean_and_error(values: &[f64]) -> (f64, Option<f64>) {
     let square = values.iter().map(|value| (value - mean).powi(2)).sum::<f64>();
     (mean, (values.len() > 1).then(|| (square / (count - 1.0) / count).sqrt()))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::strategy::Origin;
+    use crate::strategy_name::StrategyName;
+    use crate::{Cost, TuneConfig};
+
+    /// J = 3 + 40 (x − ½)² along a line, each trial with its noise: one far from the bottom has the least J by luck, and is not the best.
+    #[test]
+    fn the_luckiest_trial_is_not_the_best() {
+        let config = TuneConfig { strategy: StrategyName::Bo, ..TuneConfig::default() };
+        let tune = config.validate::<7>().unwrap();
+        let trial = |number: usize, x: f64, noise: f64| {
+            let mut theta = vec![0.5; tune.space.zero().len()];
+            theta[0] = x;
+            let max = 3.0 + 40.0 * (x - 0.5).powi(2) + noise;
+            let cost = Cost { max: [max, 0.0, 0.0, 0.0, 0.0, 0.0], ..Cost::default() };
+            FinishedTrial { number, theta, cost, aborted: None, origin: Origin::Design }
+        };
+        let mut finished: Vec<FinishedTrial> =
+            (0..24).map(|k| trial(k, 0.2 + 0.025 * k as f64, [0.15, -0.2, 0.1, -0.05][k % 4])).collect();
+        finished.push(trial(24, 0.66, -1.2));
+        let least = BestTrial::least(&finished).unwrap();
+        assert_eq!((least.trial, least.sd), (24, None));
+        let best = BestTrial::by_cost(&tune, &finished).unwrap().unwrap();
+        let x = finished[best.trial].theta[0];
+        assert!((x - 0.5).abs() < 0.1, "{best:?} at {x}");
+        assert!((best.cost - 3.0).abs() < 0.3 && best.sd.is_some_and(|sd| sd > 0.0 && sd < 0.5), "{best:?}");
+    }
+
+    /// One parameter vector again and again: the mean with its standard error.
+    #[test]
+    fn equal_trials_have_the_mean_of_their_costs() {
+        let tune = TuneConfig { strategy: StrategyName::Bo, ..TuneConfig::default() }.validate::<7>().unwrap();
+        let trial = |number: usize, max: f64| {
+            let cost = Cost { max: [max, 0.0, 0.0, 0.0, 0.0, 0.0], ..Cost::default() };
+            FinishedTrial { number, theta: tune.space.zero(), cost, aborted: None, origin: Origin::Design }
+        };
+        let finished = [trial(0, 4.0), trial(1, 2.0), trial(2, 3.0)];
+        let best = BestTrial::by_cost(&tune, &finished).unwrap().unwrap();
+        assert_eq!((best.trial, best.cost, best.seen), (0, 3.0, 4.0));
+        assert!((best.sd.unwrap() - 1.0 / 3f64.sqrt()).abs() < 1e-12, "{best:?}");
+    }
+}

@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use tribo_campaign::scenario::TruthName;
-use tribo_campaign::{Campaign, InMemory, Phases, TuneConfig, run_in_memory};
+use tribo_campaign::{Campaign, InMemory, Phases, TuneConfig, references, run_in_memory};
 use tribo_control::GuardSettings;
 use tribo_friction::JointFriction;
 use tribo_robot::presets;
@@ -45,6 +45,24 @@ fn joints_that_stand_are_told() {
     // Who watches the campaign is told too.
     let snapshot = tribo_watch::CampaignWatch::open(&campaign).unwrap().poll().unwrap().unwrap();
     assert!(snapshot.remarks().contains(&remarks[0]), "{:?}", snapshot.remarks());
+}
+
+/// A joint that stands in the trial without compensation: its friction is not taken for that of its neighbours, and the compensation of the others
+/// makes it move; from the third trial on no truth knows better.
+#[test]
+fn a_joint_that_stands_in_the_first_trial_is_tuned_by_the_third() {
+    let at = tempfile::tempdir().unwrap();
+    for seed in 1..9 {
+        let config =
+            TuneConfig { seed, truth: truth(at.path(), [2.2, 0.4]), phases: Phases::Random, ..TuneConfig::default() };
+        let first = run_in_memory(&TuneConfig { trials: 1, ..config.clone() }.validate::<7>().unwrap()).unwrap();
+        println!("seed {seed}: standing {:?}", first.conclusion.standing);
+        let tune = TuneConfig { trials: 3, ..config }.validate::<7>().unwrap();
+        let campaign = run_in_memory(&tune).unwrap();
+        let oracle = references(&tune).unwrap().oracle;
+        println!("   J {:?}, oracle {oracle:.2}", campaign.trials.iter().map(|t| t.cost.total()).collect::<Vec<_>>());
+        println!("   {:?}", (0..7).map(|j| best(&campaign, j)).collect::<Vec<_>>());
+    }
 }
 
 /// A joint that sticks and slips shows its averaged velocity beside its rests too small, which is no viscous friction.

@@ -18,8 +18,8 @@ pub struct Listen {
     /// The robot.
     #[command(flatten)]
     pub of: RobotModel,
-    /// The tuned compensator that the controller runs (tuned.yaml), read again when it changes: its law, at the measured velocity, is the
-    /// friction that is cancelled by a part of the effort [default: the friction of the model].
+    /// The tuned compensator that the controller runs (tuned.yaml), read again when it changes: what its law says at the measured
+    /// velocity is taken for the part of the effort that cancels friction [default: the friction of the model].
     #[arg(long, value_name = "FILE")]
     pub compensator: Option<PathBuf>,
     /// The wrench estimator. double_encoder needs motor positions, which no JointState has.
@@ -33,7 +33,7 @@ pub struct Listen {
     #[arg(long, default_value = "/joint_states", value_name = "TOPIC")]
     pub joint_states: String,
     /// Topic (sensor_msgs/msg/JointState) whose effort is the torque that the controller adds for friction, which takes the place of the
-    /// law believed [default: none, the law at the measured velocity].
+    /// friction law of the model [default: none, the law at the measured velocity].
     #[arg(long, value_name = "TOPIC")]
     pub compensation: Option<String>,
     /// Topic that is written (geometry_msgs/msg/WrenchStamped); the covariance goes to TOPIC/covariance (std_msgs/msg/Float64MultiArray).

@@ -99,7 +99,7 @@ pub enum Command {
     /// Serve a simulated Panda or FR3 to programs written for libfranka, as if it were the robot.
     ///
     /// The program connects to --address and runs unchanged: states, motions, torques, reflexes, model, hand. The arm has the friction of
-    /// --truth, and its external wrench knows nothing of it. Ctrl-C ends.
+    /// --truth, and its external wrench contains that friction. Ctrl-C ends.
     Serve(Serve),
     /// Publish the tool wrench of a robot on ROS 2 topics, from its joint states; ROS need not be installed. Ctrl-C ends.
     ///
@@ -227,8 +227,8 @@ pub struct CampaignSettings {
     /// What is simulated.
     #[command(flatten)]
     pub scenario: Scenario,
-    /// Friction law of the compensator, kept to the end [default: coulomb_viscous; grey_box changes to stribeck where that is expected
-    /// to lower J].
+    /// Friction law of the compensator; one that you name is kept to the end [default: coulomb_viscous; grey_box changes to stribeck where
+    /// that is expected to lower J].
     #[arg(long, value_parser = PossibleValuesParser::new(["coulomb_viscous", "stribeck"]))]
     pub friction: Option<String>,
     /// Estimator from whose wrench the cost is computed [default: ekf].

@@ -8,8 +8,8 @@ use tribo_logs::recognise::{Remark, Severity, Use, refusal, said};
 use crate::failure::BadInput;
 
 /// Remarks in a JSON document.
-pub fn remarks_json(remarks: &[Remark], wanted: Use) -> Value {
-    let remarks = remarks.iter().filter(|remark| remark.concerns(wanted)).map(|remark| {
+pub fn remarks_json(remarks: &[Remark]) -> Value {
+    let remarks = remarks.iter().map(|remark| {
         let severity = if remark.severity == Severity::Refuse { "refuse" } else { "warn" };
         json!({
             "fault": remark.fault.name(),
@@ -48,7 +48,7 @@ pub fn believe(path: &Path, remarks: &[Remark], wanted: Use, refused: Refused, q
         return Err(BadInput(reasons).into());
     }
     if !quiet {
-        said(&name, remarks, wanted).for_each(|line| message!("tribo: {line}"));
+        said(&name, remarks).for_each(|line| message!("tribo: {line}"));
     }
     Ok(())
 }

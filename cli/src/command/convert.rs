@@ -4,7 +4,6 @@ use std::path::Path;
 
 use serde_json::{Value, json};
 use tribo_campaign::switched_off_without;
-use tribo_logs::recognise::Use;
 use tribo_logs::{ColumnNames, LogError, LogSummary, LogTarget, Mapping, RobotLog, convert_by};
 
 use super::believe::remarks_json;
@@ -72,7 +71,7 @@ fn document(summary: &LogSummary) -> Value {
         }).collect::<Vec<_>>(),
         "unknown_columns": summary.unknown_columns,
         "warnings": summary.warnings,
-        "remarks": remarks_json(&summary.remarks, Use::Conversion),
+        "remarks": remarks_json(&summary.remarks),
     })
 }
 

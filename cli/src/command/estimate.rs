@@ -122,7 +122,7 @@ where
         .any(|effect| matches!(effect, Effect::Coulomb { .. } | Effect::Viscous { .. } | Effect::FrictionCurve { .. }));
     if model.friction == FrictionModel::none() && !has_friction && feels_friction && !common.quiet {
         message!(
-            "tribo: no friction is believed, so that of the arm counts as wrench, outside of the intervals too; --model says what it has"
+            "tribo: the model has no friction, so that of the arm counts as wrench, outside of the intervals too; --model says what it has"
         );
     }
     let everything = wants_everything(arguments);

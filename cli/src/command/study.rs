@@ -76,7 +76,7 @@ fn deliver(study: &Study, summary: &StudySummary, directory: &Path, common: &Com
     } else if !common.quiet {
         show(&summary.rows);
         print(format_args!(
-            "J over that of the true friction; best: the parameters that are believed best, run again on noise of their own;\n\
+            "J over that of the true friction; best: the parameters that are expected to cost least, run again on noise of their own;\n\
              over first: that J over the one of the first strategy on the same robot, motion and noise;\n\
              p: signed-rank test of those pairs, Bonferroni. Written {} and {}",
             directory.join("results.json").display(),

@@ -2,7 +2,8 @@
 
 #![allow(clippy::unwrap_used, clippy::panic, reason = "a test fails by panicking, in its helpers too")]
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
+use std::process::Command;
 
 use crate::common::{journal, result, run, scratch};
 use serde_json::Value;
@@ -156,6 +157,34 @@ fn every_other_arm_is_tuned() {
         assert!(against_nothing < 0.25 && against_oracle < 1.12, "{robot}: {against_nothing} {against_oracle}");
         let stopped = document["trials"].as_array().unwrap().iter().any(|trial| trial["state"] != "complete");
         assert!(!stopped && document["oracle_failed"].is_null(), "{robot}: {document}");
+    }
+}
+
+/// Folder of the robots that the package `example-robot-data` ships; none without it.
+fn example_robots() -> Option<PathBuf> {
+    let python = std::env::var_os("TRIBO_PYTHON").map_or_else(|| PathBuf::from("python3"), PathBuf::from);
+    let ask = "import sysconfig; print(sysconfig.get_paths()['purelib'])";
+    let answer = Command::new(python).args(["-c", ask]).output().ok()?;
+    let packages = PathBuf::from(String::from_utf8(answer.stdout).ok()?.trim_end());
+    Some(packages.join("cmeel.prefix/share/example-robot-data/robots")).filter(|robots| robots.is_dir())
+}
+
+/// Arms whose files somebody else wrote: a UFactory xArm 7 with 1 Nm s/rad and 1 Nm in every joint, a Unitree Z1.
+#[test]
+fn arms_that_others_describe_are_tuned() {
+    let Some(robots) = example_robots() else {
+        eprintln!("SKIPPED: no Python with example-robot-data (set TRIBO_PYTHON)");
+        return;
+    };
+    let at = scratch();
+    for (name, file) in [("xarm7", "xarm_description/urdf/xarm7.urdf"), ("z1", "z1_description/urdf/z1.urdf")] {
+        let call = format!("tune --robot {} --out {name} --json --quiet", robots.join(file).display());
+        let document = run(at.path(), &call).ok().json();
+        let [against_nothing, against_oracle] = ratios(&document);
+        println!("{name}: J / J uncompensated = {against_nothing:.3}, J / J oracle = {against_oracle:.3}");
+        assert!(against_nothing < 0.2 && against_oracle < 1.1, "{name}: {against_nothing} {against_oracle}");
+        let stopped = document["trials"].as_array().unwrap().iter().any(|trial| trial["state"] != "complete");
+        assert!(!stopped && document["oracle_failed"].is_null(), "{name}: {document}");
     }
 }
 

@@ -98,6 +98,8 @@ fn a_wrong_log_is_no_trial() {
     refused(at, "tell mine mnm.csv", &["torque_unit", "mNm"]);
     mutilated(at, "good.csv", "turned.csv", |name, x| if torque(name) { -x } else { x });
     refused(at, "tell mine turned.csv", &["torque_sign", "all joints", "multiply the torques by -1"]);
+    mutilated(at, "good.csv", "one.csv", |name, x| if name == "tau_J_d_3" { -x } else { x });
+    refused(at, "tell mine one.csv", &["fits the model with the opposite sign: correlation -0.9"]);
     // In so small a motion other joints are not explained well either: what turns one joint's torque from noise into sense is said.
     for joint in 0..7 {
         let column = format!("tau_J_d_{joint}");
@@ -235,8 +237,19 @@ fn a_wrong_log_is_neither_diagnosed_nor_estimated_and_is_converted_with_a_warnin
         refused(at, &format!("{command} ms.csv"), &["milliseconds"]);
     }
     without_gravity(at, "good.csv", "bare.csv");
+    let angle = |name: &str| name.starts_with("q_") || name.starts_with("dq_");
+    mutilated(at, "good.csv", "degrees.csv", |name, x| if angle(name) { x * DEGREES } else { x });
+    mutilated(at, "good.csv", "mnm.csv", |name, x| if name.starts_with("tau_J") { x * 1e3 } else { x });
+    mutilated(at, "good.csv", "ns.csv", |name, x| if name == "time" { x * 1e9 } else { x });
+    let text = std::fs::read_to_string(at.join("good.csv")).unwrap();
+    let swapped = text.replacen("tau_J_1", "?", 1).replacen("tau_J_3", "tau_J_1", 1).replacen('?', "tau_J_3", 1);
+    std::fs::write(at.join("swapped.csv"), swapped).unwrap();
     for command in ["diagnose", "estimate --residual ekf"] {
         refused(at, &format!("{command} bare.csv"), &["gravity"]);
+        refused(at, &format!("{command} degrees.csv"), &["degrees"]);
+        refused(at, &format!("{command} mnm.csv"), &["torque_unit", "mNm"]);
+        refused(at, &format!("{command} ns.csv"), &["nanoseconds"]);
+        refused(at, &format!("{command} swapped.csv"), &["joint_order", "exchange columns tau_J_1 and tau_J_3"]);
     }
     // Somebody may know better.
     let taken = run(at, "estimate --residual torque --anyway turned.csv --json").ok();
@@ -259,6 +272,29 @@ fn a_wrong_log_is_neither_diagnosed_nor_estimated_and_is_converted_with_a_warnin
     );
     let good = run(at, "estimate --residual ekf good.csv").ok();
     assert!(!good.stdout.contains("warning"), "{good:?}");
+}
+
+/// An arm that never moved has a wrench and can be diagnosed, but nobody takes it for one that moved.
+#[test]
+fn an_arm_that_never_moved_is_said_by_every_command() {
+    let scratch = scratch();
+    let at = scratch.path();
+    run(at, "simulate --compensation oracle --log good.csv -q").ok();
+    thin(&at.join("good.csv"));
+    let first = std::cell::RefCell::new(std::collections::BTreeMap::new());
+    mutilated(at, "good.csv", "standing.csv", |name, x| match name.split_once('_') {
+        Some(("q", _)) => *first.borrow_mut().entry(name.to_owned()).or_insert(x),
+        Some(("dq", _)) => 0.0,
+        _ => x,
+    });
+    for command in ["estimate --residual ekf standing.csv --json", "diagnose standing.csv --json"] {
+        let done = run(at, command).ok();
+        assert!(done.stderr.contains("standing.csv: no joint moves"), "{command}: {done:?}");
+    }
+    let converted = run(at, "convert standing.csv out.parquet").ok();
+    assert!(converted.stdout.contains("warning      no joint moves"), "{converted:?}");
+    let converted = run(at, "convert standing.csv out.parquet --json").ok().json();
+    assert_eq!(converted["remarks"][0]["fault"], "standstill", "{converted}");
 }
 
 /// A joint that hardly moves, of which least squares says nothing, has its sign from the energy that friction takes; at a quarter of the rate too.

@@ -123,7 +123,7 @@ impl CampaignView {
         ui.add_space(8.0);
         let surrogate = source.snapshot().surrogate.clone();
         ui.horizontal(|ui| {
-            ui.label(RichText::new("Belief").heading());
+            ui.label(RichText::new("Surrogate model").heading());
             let Some(surrogate) = &surrogate else { return };
             ui.add_space(12.0);
             let chosen = self.parameter.unwrap_or_else(|| surrogate_figures::most_relevant(surrogate));

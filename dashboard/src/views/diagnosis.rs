@@ -92,7 +92,7 @@ impl DiagnosisView {
         ui.add_space(8.0);
         self.findings(ui, snapshot);
         ui.add_space(8.0);
-        ui.label(RichText::new("What it is worth").heading());
+        ui.label(RichText::new("Gain on unseen data").heading());
         ui.label(format!(
             "Removes {} of the residual on unseen blocks",
             percent_with_interval(diagnosis.gain_heldout, diagnosis.gain_heldout_ci95)

@@ -108,7 +108,7 @@ impl StartView {
                     choose(ui, "Friction law", &mut self.law, LAWS);
                     choose(ui, "Estimator", &mut self.estimator, ESTIMATORS);
                     choose(ui, "Strategy", &mut self.strategy, STRATEGIES);
-                    choose(ui, "Truth", &mut self.truth, TRUTHS);
+                    choose(ui, "Simulated friction", &mut self.truth, TRUTHS);
                     choose(ui, "Velocity", &mut self.velocity, VELOCITIES);
                     number(ui, "Trials", &mut self.trials, 1..=10_000);
                     number(ui, "Pose", &mut self.pose, 0..=2);

@@ -129,7 +129,7 @@ pub fn worth(diagnosis: &Diagnosis, closed_loop: Option<ClosedLoop>) -> String {
             "<h4>In a closed loop</h4>\n<p class=\"hint\">Simulated on a plant that obeys the extended model.</p>\n";
         body += &table(&["controller believes", "cost J [N + Nm]", "tracking error [mm RMS]"], &[0], rows);
     }
-    section("What it is worth", &body)
+    section("Gain on unseen data", &body)
 }
 
 /// The experiment that would separate the closest rivals.

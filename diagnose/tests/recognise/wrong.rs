@@ -253,6 +253,26 @@ fn torques_without_gravity_are_recognised() {
     }
 }
 
+/// A base on a wall: the torques are those of an arm whose gravity points along its x axis.
+#[test]
+fn gravity_of_a_base_on_a_wall_is_recognised() {
+    for (seed, name) in [(1, "panda"), (2, "iiwa14"), (3, "kinova_gen3")] {
+        let good = lively::<7>(name, seed);
+        let mut turned = good.nominal.arm.clone();
+        turned.gravity_m_s2 = nalgebra::Vector3::new(9.81, 0.0, 0.0);
+        let mut columns = good.log.clone().into_columns();
+        for k in 0..columns.rows() {
+            let q = tribo_logs::row::<7>(&columns.q_rad, k).into();
+            let change = tribo_robot::gravity_torque(&turned, &q) - tribo_robot::gravity_torque(&good.nominal.arm, &q);
+            columns.tau_j_nm.iter_mut().zip(change.iter()).for_each(|(tau, change)| tau[k] += change);
+        }
+        let found = remarks(&columns.validate().unwrap(), &good.nominal);
+        assert_eq!(found.first().map(|remark| remark.fault), Some(Fault::GravityDirection), "{name}: {found:?}");
+        assert!(found[0].evidence.contains("gravity along (9.8, "), "{found:?}");
+        assert!(found[0].remedy.contains("gravity_m_s2"), "{found:?}");
+    }
+}
+
 /// The log of one arm held against the model of another, and of one side of the gears against the other.
 #[test]
 fn other_arms_and_the_other_side_of_the_gears_are_recognised() {

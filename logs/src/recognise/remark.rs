@@ -136,12 +136,6 @@ impl Remark {
         Self { fault, severity: Severity::Warn, joints, evidence, remedy }
     }
 
-    /// Whether it says anything to those who want that: an arm that stands is as good as any for a wrench, or in a file.
-    #[must_use]
-    pub fn concerns(&self, wanted: Use) -> bool {
-        self.fault != Fault::Standstill || matches!(wanted, Use::Diagnosis | Use::Trial)
-    }
-
     /// Whether a log with this remark cannot be used for that.
     ///
     /// | use | refused for |
@@ -176,9 +170,9 @@ pub fn refusal(name: &str, remarks: &[Remark], wanted: Use) -> Option<String> {
     (!reasons.is_empty()).then(|| reasons.join("\n"))
 }
 
-/// What there is to say of the log called `name` to those who use it for that, line by line.
-pub fn said(name: &str, remarks: &[Remark], wanted: Use) -> impl Iterator<Item = String> {
-    remarks.iter().filter(move |remark| remark.concerns(wanted)).map(move |remark| format!("{name}: {remark}"))
+/// What there is to say of the log called `name`, line by line.
+pub fn said(name: &str, remarks: &[Remark]) -> impl Iterator<Item = String> {
+    remarks.iter().map(move |remark| format!("{name}: {remark}"))
 }
 
 /// `joint 3`, `joints 1 and 3`, `joints 0, 1 and 3`.
@@ -210,7 +204,7 @@ mod tests {
         assert_eq!(refusal("l.csv", &both, Use::Wrench).unwrap(), "l.csv: velocity_sign: a; b");
         assert_eq!(refusal("l.csv", &both, Use::Trial).unwrap().lines().count(), 2);
         assert_eq!(refusal("l.csv", &both, Use::Conversion), None);
-        assert_eq!(said("l.csv", &both, Use::Wrench).collect::<Vec<_>>(), ["l.csv: a; b"], "an arm may stand");
+        assert_eq!(said("l.csv", &both).collect::<Vec<_>>(), ["l.csv: a; b"; 2]);
         assert_eq!(
             [&[2][..], &[1, 3], &[0, 1, 3]].map(joints_named),
             ["joint 2", "joints 1 and 3", "joints 0, 1 and 3"]

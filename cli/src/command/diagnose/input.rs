@@ -33,7 +33,7 @@ impl Readings {
     /// Every reason.
     pub fn believe(&mut self, name: &str, remarks: &[Remark], refused: Refused, quiet: bool) -> anyhow::Result<()> {
         believe(Path::new(name), remarks, Use::Diagnosis, refused, quiet)?;
-        self.warnings.extend(said(name, remarks, Use::Diagnosis));
+        self.warnings.extend(said(name, remarks));
         Ok(())
     }
 }

@@ -73,7 +73,7 @@ fn on<const N: usize>(
     warn_not_cancelled(&not_cancelled, &model.robot.arm.joint_names, common);
     if model.friction == FrictionModel::none() && model.effects.is_empty() && !common.quiet {
         message!(
-            "tribo: no friction is believed, so that of the arm counts as wrench; --model or --compensator says what it has"
+            "tribo: the model has no friction, so that of the arm counts as wrench; --model or --compensator says what it has"
         );
     }
     let settings = ListenSettings {
