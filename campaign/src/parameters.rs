@@ -302,9 +302,9 @@ mod tests {
         let tau_max_nm = SVector::<f64, 2>::new(87.0, 330.0);
         assert_eq!(Bounds::Literal.scale([1.0, 6.0], &tau_max_nm), [1.0, 6.0]);
         assert_eq!(Bounds::UnitConsistent.scale([1.0, 6.0], &tau_max_nm), [1.0, 6.0]);
-        let scale = Bounds::TorqueLimits.scale([1.0, 20.0], &tau_max_nm);
+        let scale = Bounds::TorqueLimits.scale([1.0, 40.0], &tau_max_nm);
         assert!((LITERAL_COULOMB_NM * scale[0] - SHARE_OF_LIMIT * 87.0).abs() < 1e-12 && scale[0] > 1.0, "{scale:?}");
-        assert_eq!(scale[1], 20.0);
+        assert_eq!(scale[1], 40.0, "a quarter of 330 Nm is less than forty times the paper's box");
         let space =
             ParameterSpace { law: TunedLaw::CoulombViscous, bounds: Bounds::Literal, box_scale: vec![1.0, 6.0] };
         let largest = space.friction::<2>(&space.domain().unwrap().from_unit(&[1.0; 4]).unwrap());

@@ -299,7 +299,7 @@ mod tests {
     fn energies_go_with_the_friction_of_the_arm() {
         let trip = |settings, friction_nm| {
             let mut guard = CompensationGuard::new(settings);
-            watch_friction(&mut guard, friction_nm, 1.8, 30.0, 0.5).unwrap()
+            watch_friction(&mut guard, friction_nm, 1.6, 20.0, 0.05).unwrap()
         };
         let (light, heavy) = (GuardSettings::default(), GuardSettings::default().for_friction(5.0));
         assert!((trip(light, 0.8) - trip(heavy, 4.0)).abs() < 1e-9, "{} {}", trip(light, 0.8), trip(heavy, 4.0));

@@ -47,21 +47,26 @@ fn joints_that_stand_are_told() {
     assert!(snapshot.remarks().contains(&remarks[0]), "{:?}", snapshot.remarks());
 }
 
-/// A joint that stands in the trial without compensation: its friction is not taken for that of its neighbours, and the compensation of the others
-/// makes it move; from the third trial on no truth knows better.
+/// A joint that mostly stands in the trial without compensation: its friction is not taken for that of its neighbours, and from the third trial on
+/// the parameters are as good as the true ones.
 #[test]
-fn a_joint_that_stands_in_the_first_trial_is_tuned_by_the_third() {
+fn a_joint_that_mostly_stands_in_the_first_trial_is_tuned_by_the_third() {
     let at = tempfile::tempdir().unwrap();
-    for seed in 1..9 {
-        let config =
-            TuneConfig { seed, truth: truth(at.path(), [2.2, 0.4]), phases: Phases::Random, ..TuneConfig::default() };
-        let first = run_in_memory(&TuneConfig { trials: 1, ..config.clone() }.validate::<7>().unwrap()).unwrap();
-        println!("seed {seed}: standing {:?}", first.conclusion.standing);
-        let tune = TuneConfig { trials: 3, ..config }.validate::<7>().unwrap();
+    for (wrist_nm, seed) in [[2.2, 0.4], [0.4, 2.5]].into_iter().flat_map(|wrist| (1..5).map(move |seed| (wrist, seed)))
+    {
+        let truth = truth(at.path(), wrist_nm);
+        let config = TuneConfig { seed, truth, phases: Phases::Random, trials: 3, ..TuneConfig::default() };
+        let tune = config.validate::<7>().unwrap();
         let campaign = run_in_memory(&tune).unwrap();
-        let oracle = references(&tune).unwrap().oracle;
-        println!("   J {:?}, oracle {oracle:.2}", campaign.trials.iter().map(|t| t.cost.total()).collect::<Vec<_>>());
-        println!("   {:?}", (0..7).map(|j| best(&campaign, j)).collect::<Vec<_>>());
+        let (costs, oracle) =
+            (campaign.trials.iter().map(|trial| trial.cost.total()), references(&tune).unwrap().oracle);
+        let costs: Vec<f64> = costs.collect();
+        assert!(costs[0] > 5.0 * oracle && costs[2] < 1.1 * oracle, "{wrist_nm:?}, seed {seed}: {costs:?}, {oracle}");
+        let true_nm = [0.6, 0.9, 0.55, 0.8, 0.4, wrist_nm[0], wrist_nm[1]];
+        for (joint, coulomb_nm) in true_nm.into_iter().enumerate() {
+            let found = best(&campaign, joint);
+            assert!((found[0] / coulomb_nm - 1.0).abs() < 0.1, "{wrist_nm:?}, seed {seed}, joint {joint}: {found:?}");
+        }
     }
 }
 

@@ -5,8 +5,8 @@
 //! ```
 //!
 //! What is left of a real robot is error of its model, which grows away from what was fitted and with the motion (see
-//! [`super::motion`]): c and d, common to all joints, are the likeliest for parts that were held out; w_j then holds 95 % of a
-//! joint's samples there.
+//! [`super::motion`]): c and d, common to all joints, are the likeliest for parts that were held out, the fastest among them ([`super::faster`]);
+//! w_j then holds 95 % of a joint's samples in thirds or logs that were held out, and in the fastest part.
 
 /// |z| that 95 % of a Gaussian lie within.
 const Z95: f64 = 1.96;
@@ -41,20 +41,26 @@ pub(crate) struct Band {
 }
 
 impl Band {
-    /// The band of held-out residuals, one list per joint.
-    pub fn of(unseen: &[Vec<Deviation>]) -> Self {
+    /// The band of residuals of parts that were held out in turn, and of the fastest part; one list per joint.
+    pub fn of(in_turn: &[Vec<Deviation>], fastest: &[Vec<Deviation>]) -> Self {
+        let unseen: Vec<Vec<Deviation>> =
+            in_turn.iter().zip(fastest).map(|(all, fast)| all.iter().chain(fast).copied().collect()).collect();
         let unknown = (0..=DECADES[0] * DECADES[1]).map(|k| 10f64.powf(k as f64 / DECADES[1] as f64));
         let pairs = unknown.flat_map(|c| MOTION_SCALES.into_iter().map(move |d| [c, d]));
         let likeliest = pairs
-            .map(|pair| (pair, cost(unseen, pair)))
+            .map(|pair| (pair, cost(&unseen, pair)))
             .min_by(|a, b| a.1.total_cmp(&b.1))
             .map_or([1.0, 0.0], |(pair, _)| pair);
-        let width = |joint: &Vec<Deviation>| {
-            let squares = joint.iter().map(|at| square(at, likeliest)).collect();
-            (quantile(squares, 0.95).sqrt() / Z95).max(1e-3)
+        let width = |held_out: &[Deviation]| {
+            let squares = held_out.iter().map(|at| square(at, likeliest)).collect();
+            quantile(squares, 0.95).sqrt() / Z95
+        };
+        let wider = |(all, fast): (&Vec<Deviation>, &Vec<Deviation>)| match fast.is_empty() {
+            true => width(all).max(1e-3),
+            false => width(all).max(width(fast)).max(1e-3),
         };
         let [unknown_scale, motion_scale] = likeliest;
-        Self { unknown_scale, motion_scale, widths: unseen.iter().map(width).collect() }
+        Self { unknown_scale, motion_scale, widths: in_turn.iter().zip(fastest).map(wider).collect() }
     }
 
     /// Standard deviation of a joint's torque (Nm), from variances by noise and by what is unknown (Nm²), where the arm moves as in
@@ -114,7 +120,7 @@ mod tests {
         };
         let seen: Vec<Vec<Deviation>> =
             (0..3).map(|_| (0..3000).map(|k| draw(f64::from(k % 10) * 0.05)).collect()).collect();
-        let band = Band::of(&seen);
+        let band = Band::of(&seen, &vec![Vec::new(); 3]);
         assert!((5.0..20.0).contains(&band.unknown_scale), "{band:?}");
         let far: Vec<Deviation> = (0..3000).map(|_| draw(3.0)).collect();
         let inside = far.iter().filter(|at| band.holds(1, at)).count() as f64 / 3000.0;
@@ -123,5 +129,29 @@ mod tests {
         let narrow = Band { unknown_scale: 1.0, ..band };
         let inside = far.iter().filter(|at| narrow.holds(1, at)).count() as f64 / 3000.0;
         assert!(inside < 0.85, "{inside}");
+    }
+
+    /// A joint whose residuals grow faster with the motion than those of the others has the width that its fastest part asks for.
+    #[test]
+    fn the_fastest_part_widens_the_band_of_its_joint() {
+        let mut gauss = gaussian(5);
+        let mut draw = |motion: f64, growth: f64| Deviation {
+            residual_nm: (growth * motion).sqrt() * gauss(),
+            own: 1.0,
+            unknown: 0.0,
+            motion,
+        };
+        let in_turn: Vec<Vec<Deviation>> = (0..3).map(|_| (0..2000).map(|_| draw(1.0, 1.0)).collect()).collect();
+        let fastest: Vec<Vec<Deviation>> =
+            [1.0, 1.0, 4.0].map(|growth| (0..1000).map(|_| draw(4.0, growth)).collect()).to_vec();
+        let band = Band::of(&in_turn, &fastest);
+        let without = Band::of(&in_turn, &vec![Vec::new(); 3]);
+        let mut inside = |band: &Band, joint: usize, growth: f64| {
+            (0..3000).filter(|_| band.holds(joint, &draw(6.0, growth))).count() as f64 / 3000.0
+        };
+        let held = [(0, 1.0), (2, 4.0)].map(|(joint, growth)| inside(&band, joint, growth));
+        assert!(held.iter().all(|share| (0.92..0.985).contains(share)), "{held:?} {band:?}");
+        let held = [(0, 1.0), (2, 4.0)].map(|(joint, growth)| inside(&without, joint, growth));
+        assert!(held.iter().all(|share| *share < 0.7), "{held:?} {without:?}");
     }
 }

@@ -30,6 +30,15 @@ pub(crate) struct Part {
     pub log: usize,
 }
 
+/// Rows of a log that are to stand together.
+#[derive(Clone, Debug)]
+pub(crate) struct Rows {
+    /// Output samples.
+    pub rows: Vec<usize>,
+    /// Log that they are of.
+    pub log: usize,
+}
+
 /// Columns of all joints, and the Gram matrix of every joint's columns over every part.
 #[derive(Debug)]
 pub(crate) struct Columns {
@@ -109,17 +118,30 @@ impl Columns {
                 column.iter_mut().zip(weights).for_each(|(x, weight)| *x *= weight);
             }
         });
-        let grams = parts
-            .par_iter()
+        let grams = grams_of(&joints, &parts);
+        Self { joints, parts, grams, weights, sums: Mutex::default() }
+    }
+
+    /// The same rows in another order, cut into other parts.
+    pub fn rearranged(&self, parts: &[Rows]) -> Self {
+        let rows: Vec<usize> = parts.iter().flat_map(|part| part.rows.iter().copied()).collect();
+        let mut start = 0;
+        let cut: Vec<Part> = parts
+            .iter()
             .map(|part| {
-                let gram = |joint: &JointColumns| {
-                    let rows = joint.matrix.rows(part.samples.start, part.samples.len());
-                    rows.tr_mul(&rows)
-                };
-                joints.iter().map(gram).collect()
+                let samples = start..start + part.rows.len();
+                start = samples.end;
+                Part { samples, log: part.log }
             })
             .collect();
-        Self { joints, parts, grams, weights, sums: Mutex::default() }
+        let joints: Vec<JointColumns> = self
+            .joints
+            .par_iter()
+            .map(|joint| JointColumns { matrix: joint.matrix.select_rows(&rows), ..*joint })
+            .collect();
+        let weights = self.weights.iter().map(|of| rows.iter().map(|k| of[*k]).collect()).collect();
+        let grams = grams_of(&joints, &cut);
+        Self { joints, parts: cut, grams, weights, sums: Mutex::default() }
     }
 
     /// Gram matrix of each joint over some parts; few sets of parts are asked for, each many times.
@@ -168,6 +190,15 @@ impl Columns {
         let of_rows = parts.iter().flat_map(|part| &self.weights[joint][self.parts[*part].samples.clone()]);
         self.combined(joint, weights, parts).into_iter().zip(of_rows).map(|(x, weight)| x / weight).collect()
     }
+}
+
+/// `[part][joint]`.
+fn grams_of(joints: &[JointColumns], parts: &[Part]) -> Vec<Vec<DMatrix<f64>>> {
+    let gram = |joint: &JointColumns, part: &Part| {
+        let rows = joint.matrix.rows(part.samples.start, part.samples.len());
+        rows.tr_mul(&rows)
+    };
+    parts.par_iter().map(|part| joints.iter().map(|joint| gram(joint, part)).collect()).collect()
 }
 
 /// Weight of each output sample by the pushes that the model has and by others: what happens during a push tells of the push, and hardly of the arm.

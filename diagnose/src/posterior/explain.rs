@@ -11,6 +11,7 @@ use super::band::Band;
 use super::baseline::Baselines;
 use super::columns::{Columns, PARTS};
 use super::family_finding::Answer;
+use super::faster::faster;
 use super::fit::{Fit, Start, posterior};
 use super::further::further_causes;
 use super::motion::Motion;
@@ -238,7 +239,8 @@ pub(crate) fn explain<const N: usize>(
     let (gain_heldout, gain_heldout_ci95) = gain_of_pairs(&pairs, settings.seed);
 
     step("validation", 0.95)?;
-    let band = Band::of(&unseen.deviations);
+    let rates_hz: Vec<f64> = scene.chains.iter().map(|chain| chain.output_rate_hz()).collect();
+    let band = Band::of(&unseen.deviations, &faster(&problem, &all, &rates_hz));
     // A push belongs to the log that it was found in.
     let not_lasting = |effect: &Effect| matches!(effect, Effect::ExternalContact { .. });
     let mut extended = extended;

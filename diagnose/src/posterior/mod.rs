@@ -7,6 +7,7 @@ pub(crate) mod body;
 pub(crate) mod columns;
 pub(crate) mod explain;
 pub(crate) mod family_finding;
+mod faster;
 pub(crate) mod fit;
 mod further;
 pub(crate) mod gate;

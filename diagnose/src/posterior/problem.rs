@@ -163,6 +163,23 @@ impl Problem {
         }
     }
 
+    /// The same regression on other rows.
+    pub fn over(&self, columns: Columns) -> Self {
+        Self {
+            columns,
+            places: self.places.clone(),
+            precision: self.precision.clone(),
+            links: self.links.clone(),
+            typical: self.typical.clone(),
+            viscous_nm_s_per_rad: self.viscous_nm_s_per_rad.clone(),
+            rotor_kg_m2: self.rotor_kg_m2.clone(),
+            scale: self.scale.clone(),
+            unloaded: self.unloaded.clone(),
+            last_link_from_flange: self.last_link_from_flange,
+            gravity_m_s2: self.gravity_m_s2,
+        }
+    }
+
     /// Number of joints.
     pub fn joints(&self) -> usize {
         self.columns.joints.len()
