@@ -134,3 +134,23 @@ fn job_arrays_take_their_slices_and_the_last_one_tells() {
     assert_eq!(refused.code, Some(2));
     assert!(refused.stderr.contains("remove the file to have the cell computed again"), "{refused:?}");
 }
+
+/// Where the settings ask for it, campaigns of a study end as `tune` does; otherwise they are of equal length.
+#[test]
+fn campaigns_of_a_study_end_early_where_they_are_told_to() {
+    let at = scratch();
+    let study = "schema: tribo.study/1\nseeds: 1\nposes: [0]\ncases: [{truth: coulomb_viscous, friction: coulomb_viscous}]\n\
+                 strategies: [{strategy: grey_box, trials: 7}]\noracle_runs: 1\n";
+    let costs = |name: &str, settings: &str| {
+        std::fs::write(at.path().join(format!("{name}.yaml")), format!("{study}{settings}")).unwrap();
+        run(at.path(), &format!("study {name}.yaml --out {name} -q")).ok();
+        let cell = at.path().join(name).join("cells/case0_ekf_pose0_seed0001_grey_box_7.json");
+        let cell: serde_json::Value = serde_json::from_slice(&std::fs::read(cell).unwrap()).unwrap();
+        let costs = cell["result"]["campaign"]["cost"].as_array().unwrap().iter();
+        costs.map(|cost| cost.as_f64().unwrap()).collect::<Vec<_>>()
+    };
+    let whole = costs("whole", "");
+    let early = costs("early", "settings: {stop_below: 0.5}\n");
+    assert_eq!(whole.len(), 7);
+    assert!((2..7).contains(&early.len()) && whole.starts_with(&early), "{early:?} {whole:?}");
+}
