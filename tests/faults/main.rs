@@ -19,7 +19,7 @@
 //! | a log in degrees, ms, ns, mNm; signs turned, joints swapped or moved on, torques of noise or never written, encoder frozen, `dq` wrong, gravity left out, another robot or side of the gears | refused, or warned of, in one sentence with the column to mend | `diagnose/tests/recognise`, `cli/tests/command_line/wrong_logs.rs` |
 //! | a trial in which most joints stood still | refused: what costs nothing is no trial | `cli/tests/command_line/wrong_logs.rs` |
 //! | an arm that never moved | no trial; `estimate`, `diagnose` and `convert` say so and go on | `cli/tests/command_line/wrong_logs.rs` |
-//! | a joint that stands in the first trial, or in all | named; its torque goes to no neighbour, and the others' compensation makes it move | `campaign/tests/campaigns/standing_joints.rs` |
+//! | a joint that often stands in the first trial; one that stands in all | tuned by the third, its friction given to no neighbour; named | `campaign/tests/campaigns/standing_joints.rs` |
 //! | a friction law that is not the robot's | said wherever the campaign is shown, or gone over to | `cli/tests/command_line/ask_and_tell.rs` |
 //! | one impossible number in a trial's log | its row is left out, and said: cost and next parameters are those of the good log | `cli/tests/command_line/taking_back.rs` |
 //! | the log of another trial, or of another compensator | refused: `tau_friction` or the positions say so | `cli/tests/command_line/taking_back.rs` |

@@ -39,17 +39,17 @@ fn seeds() -> Vec<(&'static str, &'static str, Vec<u8>)> {
         write_log_to(&mut file, Path::new(name), &log(), target).expect("a log can be written");
         seeds.push((folder, name, file.into_inner()));
     }
-    for (name, options) in [("commanded", 0_u8), ("failed_without_gravity", 5), ("measured_momentum", 10)] {
-        let mut file = Cursor::new(Vec::new());
-        write_log_to(&mut file, Path::new(name), &trial(), LogTarget::Csv(Default::default()))
-            .expect("a log can be written");
-        seeds.push(("told_trial", name, [&[options][..], &file.into_inner()].concat()));
-    }
-    for (name, log) in [("two_seconds", sines(1.0)), ("joint_1_turned", sines(-1.0))] {
+    for (name, options, log) in [
+        ("commanded", 0_u8, trial()),
+        ("failed_without_gravity", 5, trial()),
+        ("measured_momentum", 10, trial()),
+        ("two_seconds", 0, sines(1.0)),
+        ("joint_1_turned", 0, sines(-1.0)),
+    ] {
         let mut file = Cursor::new(Vec::new());
         write_log_to(&mut file, Path::new(name), &log, LogTarget::Csv(Default::default()))
             .expect("a log can be written");
-        seeds.push(("told_trial", name, [&[0][..], &file.into_inner()].concat()));
+        seeds.push(("told_trial", name, [&[options][..], &file.into_inner()].concat()));
     }
     let messages: Vec<Recorded> = (0..3).flat_map(|k| [joint_state(k), json(k)]).collect();
     for (name, packed) in

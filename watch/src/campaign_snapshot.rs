@@ -131,7 +131,7 @@ impl CampaignSnapshot {
             ("estimator", file_name(&config.residual)),
             (
                 "simulated friction",
-                if self.trials_by_user() { "a robot elsewhere".to_owned() } else { file_name(&config.truth) },
+                if self.trials_by_user() { "none, a robot elsewhere".to_owned() } else { file_name(&config.truth) },
             ),
             ("cost", file_name(&config.cost)),
             ("velocity", file_name(&config.velocity)),

@@ -47,10 +47,10 @@ fn joints_that_stand_are_told() {
     assert!(snapshot.remarks().contains(&remarks[0]), "{:?}", snapshot.remarks());
 }
 
-/// A joint that mostly stands in the trial without compensation: its friction is not taken for that of its neighbours, and from the third trial on
-/// the parameters are as good as the true ones.
+/// A joint that stands for a quarter of the trial without compensation (below 2 mrad/s): its friction is not taken for that of its neighbours, and
+/// from the third trial on the parameters are as good as the true ones.
 #[test]
-fn a_joint_that_mostly_stands_in_the_first_trial_is_tuned_by_the_third() {
+fn a_joint_that_often_stands_in_the_first_trial_is_tuned_by_the_third() {
     let at = tempfile::tempdir().unwrap();
     for (wrist_nm, seed) in [[2.2, 0.4], [0.4, 2.5]].into_iter().flat_map(|wrist| (1..5).map(move |seed| (wrist, seed)))
     {
@@ -58,9 +58,8 @@ fn a_joint_that_mostly_stands_in_the_first_trial_is_tuned_by_the_third() {
         let config = TuneConfig { seed, truth, phases: Phases::Random, trials: 3, ..TuneConfig::default() };
         let tune = config.validate::<7>().unwrap();
         let campaign = run_in_memory(&tune).unwrap();
-        let (costs, oracle) =
-            (campaign.trials.iter().map(|trial| trial.cost.total()), references(&tune).unwrap().oracle);
-        let costs: Vec<f64> = costs.collect();
+        let oracle = references(&tune).unwrap().oracle;
+        let costs: Vec<f64> = campaign.trials.iter().map(|trial| trial.cost.total()).collect();
         assert!(costs[0] > 5.0 * oracle && costs[2] < 1.1 * oracle, "{wrist_nm:?}, seed {seed}: {costs:?}, {oracle}");
         let true_nm = [0.6, 0.9, 0.55, 0.8, 0.4, wrist_nm[0], wrist_nm[1]];
         for (joint, coulomb_nm) in true_nm.into_iter().enumerate() {
