@@ -212,6 +212,7 @@ mod tests {
     fn a_log_of_which_nothing_can_be_used_is_refused() {
         let user_trials = UserTrials { judged_from_s: 0.2, judged_s: 1.0, ..UserTrials::default() };
         let config = TuneConfig { user_trials: Some(user_trials), ..TuneConfig::default() };
+        let linear = TuneConfig { residual: EstimatorName::Momentum, ..config.clone() }.validate::<7>().unwrap();
         let mut tune = config.validate::<7>().unwrap();
         tune.trial.reference.duration_s = 1.0;
         let friction = tune.space.friction(&tune.space.zero());
@@ -221,11 +222,18 @@ mod tests {
         let judged = |log: &RobotLog| judge_log(&tune, &user_trials, &tune.space.zero(), log, false);
         let whole = judged(&log).unwrap();
         assert_eq!((whole.samples, whole.faults), (1000, 0));
+        let with_torque = |tau_nm: f64| {
+            let absurd = log.tau_j_d_nm.as_ref().map(|all| all.iter().map(|tau| vec![tau_nm; tau.len()]).collect());
+            LogColumns { tau_j_d_nm: absurd, ..log.clone().into_columns() }.validate().unwrap()
+        };
         // Torques of which the sum over the joints is no number.
-        let absurd = log.tau_j_d_nm.as_ref().map(|all| all.iter().map(|tau| vec![f64::MAX; tau.len()]).collect());
-        let log = LogColumns { tau_j_d_nm: absurd, ..log.into_columns() }.validate().unwrap();
-        match judged(&log) {
+        match judged(&with_torque(f64::MAX)) {
             Err(JudgeError::Unused { samples: 1000, faults }) => assert!(faults > 990, "{faults}"),
+            other => panic!("{:?}", other.map(|judged| (judged.cost, judged.faults))),
+        }
+        // Torques that an estimator without a check of its own takes, of which the sum over the samples is no number.
+        match judge_log(&linear, &user_trials, &linear.space.zero(), &with_torque(1e306), false) {
+            Err(JudgeError::NotFinite(cost)) => assert!(!cost.is_finite()),
             other => panic!("{:?}", other.map(|judged| (judged.cost, judged.faults))),
         }
     }

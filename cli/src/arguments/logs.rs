@@ -43,8 +43,8 @@ pub struct Estimate {
     /// The robot.
     #[command(flatten)]
     pub of: RobotModel,
-    /// Which estimators to run, one or several with commas; torque is the torque residual alone.
-    #[arg(long, default_value = "all", value_delimiter = ',', value_parser = PossibleValuesParser::new(["all", "ekf", "momentum", "qp", "thermal", "double_encoder", "torque"]))]
+    /// Which estimators to run, one or several with commas; torque is the torque residual alone [default: ekf,torque].
+    #[arg(long, value_delimiter = ',', value_parser = PossibleValuesParser::new(["all", "ekf", "momentum", "qp", "thermal", "double_encoder", "torque"]))]
     pub residual: Vec<String>,
     /// A log of the same robot in contact-free motion, from which friction band, noise and tare of the estimators are identified
     /// [default: the band of the model's friction, the noise of a Panda, no tare].
@@ -63,6 +63,22 @@ pub struct Estimate {
     /// Write the wrenches along the log, with standard deviation and 95 % interval, to this Parquet file.
     #[arg(long, value_name = "FILE")]
     pub out: Option<PathBuf>,
+}
+
+impl Estimate {
+    /// The estimators that are asked for: those that are named, else one and the torque residual.
+    pub fn asked(&self) -> Vec<&str> {
+        if self.residual.is_empty() {
+            vec!["ekf", "torque"]
+        } else {
+            self.residual.iter().map(String::as_str).collect()
+        }
+    }
+
+    /// Whether the choice of estimators is left to the command, or to the log.
+    pub fn names_no_estimator(&self) -> bool {
+        self.residual.is_empty() || self.residual.iter().any(|name| name == "all")
+    }
 }
 
 /// Arguments of `diagnose`.

@@ -46,7 +46,6 @@ pub fn run(arguments: &Estimate, common: &Common) -> anyhow::Result<()> {
         _ => arguments.log.as_ref().ok_or_else(|| BadInput("no log is given".to_owned()))?,
     };
     let (log, summary) = read_log(path, &options, common)?;
-    let everything = wants_everything(arguments);
     // Tables show the warnings of the log themselves.
     let (wanted, refused) = judgement(arguments);
     believe(path, &recognise::recognise(&log), wanted, refused, common.quiet || !common.json)?;
@@ -54,7 +53,7 @@ pub fn run(arguments: &Estimate, common: &Common) -> anyhow::Result<()> {
     let smoothing_rad_s = given.as_ref().map_or(SIGN_SMOOTHING_RAD_S, |(_, model)| model.smoothing_rad_s());
     let gears = match TransmissionFriction::of_log(&log, smoothing_rad_s) {
         Ok(gears) => gears,
-        Err(error) if nameless && everything => {
+        Err(error) if nameless && arguments.names_no_estimator() => {
             return Err(BadInput(format!("{}: {error}", path.display())).into());
         }
         Err(error) => {
@@ -65,7 +64,7 @@ pub fn run(arguments: &Estimate, common: &Common) -> anyhow::Result<()> {
         }
     };
     // Where nobody says what robot it is, torque on both sides says that it is no Panda.
-    if let (Some(gears), true) = (&gears, nameless && everything) {
+    if let (Some(gears), true) = (&gears, nameless && arguments.names_no_estimator()) {
         transmission::show_alone(gears, &summary, common);
         return Ok(());
     }
@@ -82,12 +81,8 @@ pub fn run(arguments: &Estimate, common: &Common) -> anyhow::Result<()> {
 
 /// What the log is wanted for, and what is done with one that cannot be right. The torque residual alone does without dq.
 fn judgement(arguments: &Estimate) -> (Use, Refused) {
-    let wanted = if arguments.residual.iter().all(|name| name == "torque") { Use::Diagnosis } else { Use::Wrench };
+    let wanted = if arguments.asked() == ["torque"] { Use::Diagnosis } else { Use::Wrench };
     (wanted, Refused::unless(arguments.anyway))
-}
-
-fn wants_everything(arguments: &Estimate) -> bool {
-    arguments.residual.iter().any(|name| name == "all")
 }
 
 /// A log, and what it says of its gears without a model.
@@ -115,7 +110,8 @@ where
         return Err(BadInput(message).into());
     }
     // Two encoders see the gears, behind the friction of the motors.
-    let feels_friction = arguments.residual.iter().any(|name| !matches!(name.as_str(), "torque" | "double_encoder"));
+    let asked = arguments.asked();
+    let feels_friction = asked.iter().any(|name| !matches!(*name, "torque" | "double_encoder"));
     let has_friction = model
         .effects
         .iter()
@@ -125,8 +121,8 @@ where
             "tribo: the model has no friction, so that of the arm counts as wrench, outside of the intervals too; --model says what it has"
         );
     }
-    let everything = wants_everything(arguments);
-    let wants = |name: &str| everything || arguments.residual.iter().any(|wanted| wanted == name);
+    let everything = asked.contains(&"all");
+    let wants = |name: &str| everything || asked.contains(&name);
     let torque = wants("torque").then(|| torque_residual(arguments, path, log, model)).transpose()?;
     let free = free_log(arguments, model, common)?;
     let one_encoder = wants(EstimatorName::DoubleEncoder.as_str())

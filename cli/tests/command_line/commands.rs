@@ -356,7 +356,13 @@ fn only_motors_feel_the_friction() {
     // Those that are asked for, and no others.
     let two = run(at.path(), "estimate x.csv.gz --torque-side link --residual momentum,ekf --json").ok().json();
     assert_eq!((keys(&two["estimators"]), &two["torque_residual"]), (vec!["ekf", "momentum"], &Value::Null));
-    let document = run(at.path(), "estimate x.csv.gz --torque-side link --json").ok().json();
+    let few = run(at.path(), "estimate x.csv.gz --torque-side link --json").ok().json();
+    assert_eq!(keys(&few["estimators"]), ["ekf"]);
+    let document = run(at.path(), "estimate x.csv.gz --torque-side link --residual all --json").ok().json();
+    assert_eq!(
+        (&few["torque_residual"], &few["estimators"]["ekf"]),
+        (&document["torque_residual"], &document["estimators"]["ekf"])
+    );
     assert_eq!(keys(&document), ["schema", "log", "estimators", "torque_residual"]);
     assert_eq!(document["schema"], "tribo.estimate/1");
     assert_eq!(document["log"]["rows"], 33_000);

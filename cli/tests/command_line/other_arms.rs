@@ -84,7 +84,8 @@ fn a_log_of_the_ur10e_is_read() {
 
     // The model with the true friction sees the push of 15 N to a few newtons with a robot that stands still or slides.
     std::fs::write(at.path().join("ur10e.yaml"), UR10E).unwrap();
-    let seen = run(at.path(), "estimate pushed.csv --model ur10e.yaml --free free.csv --json").ok().json();
+    let seen =
+        run(at.path(), "estimate pushed.csv --model ur10e.yaml --free free.csv --residual all --json").ok().json();
     for name in ["ekf", "momentum", "qp", "thermal"] {
         let error = seen["estimators"][name]["rmse_force_n"].as_f64().unwrap();
         assert!(error < 5.0, "{name}: {error} N");

@@ -5,6 +5,7 @@ use std::path::Path;
 
 use crate::common::{FRAME_S, Window, campaign, options, settings, strict};
 use egui_kittest::kittest::{NodeT, Queryable};
+use tribo_campaign::scenario::{ModelError, TruthName};
 use tribo_campaign::{TuneConfig, TunedLaw, simulate_log};
 use tribo_dashboard::{Options, View};
 use tribo_ekf::{WrenchEkf, WrenchEkfSettings};
@@ -93,6 +94,24 @@ fn a_running_campaign_with_a_torn_journal() {
     window.frames((0.6 / FRAME_S) as usize + 1);
     window.must_show("3 of 3 trials");
     assert!(!window.shows("last line is incomplete"));
+}
+
+/// What a campaign learnt of the arm stands above its figures: the law that it went over to, and why it ended.
+#[test]
+fn what_was_learnt_is_said() {
+    let dir = tempfile::tempdir().unwrap();
+    let config = TuneConfig { truth: TruthName::Stribeck, ..TuneConfig::default() };
+    let ended = campaign(&dir.path().join("ended"), config);
+    let window = Window::open(options(dir.path(), Some(&ended), View::Campaign));
+    window.must_show("on the friction law is Stribeck: it is expected to lower J from");
+    window.must_show("nothing left to gain: ");
+
+    // A payload that nobody told.
+    let model_error = ModelError { payload_kg: 0.5, ..ModelError::default() };
+    let config = TuneConfig { model_error, trials: 2, ..TuneConfig::default() };
+    let laden = campaign(&dir.path().join("laden"), config);
+    let window = Window::open(options(dir.path(), Some(&laden), View::Campaign));
+    window.must_show(": something else is at work in this robot");
 }
 
 /// Failed trials are in sight with their reason, and lead to the trial.

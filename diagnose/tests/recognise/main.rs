@@ -12,13 +12,15 @@ mod wrong;
 use good::good;
 use tribo_diagnose::{Diagnosable, recognise::recognise};
 use tribo_logs::RobotLog;
-use tribo_logs::recognise::Remark;
+use tribo_logs::recognise::{Remark, Severity};
 
 /// Everything that is said of a log.
 fn remarks(log: &RobotLog, nominal: &impl Diagnosable) -> Vec<Remark> {
     let mut all = tribo_logs::recognise::recognise(log);
-    if all.is_empty() {
-        all = recognise(log, nominal);
+    // What is refused for its own sake is not held against a model.
+    if !all.iter().any(|remark| remark.severity == Severity::Refuse) {
+        all.extend(recognise(log, nominal));
+        all.sort_by_key(|remark| remark.severity == Severity::Warn);
     }
     all
 }

@@ -27,6 +27,13 @@ fn one(columns: &mut [Vec<f64>], joint: usize, factor: f64) {
     scale(&mut columns[joint..=joint], factor);
 }
 
+/// Adds white noise, uniform within so much either way.
+fn jitter(column: &mut [f64], within: f64) {
+    // Weyl's sequence, scrambled: any generator that is white over five rows will do.
+    let uniform = |k: usize| (((k as f64 * 12.9898).sin() * 43758.5453).fract() * 2.0).rem_euclid(2.0) - 1.0;
+    column.iter_mut().enumerate().for_each(|(k, x)| *x += within * uniform(k));
+}
+
 /// Rows of so many seconds.
 fn rows(log: &LogColumns, time_s: f64) -> usize {
     log.time_s.partition_point(|t| *t < log.time_s[0] + time_s)
@@ -42,7 +49,7 @@ const fn refused(name: &'static str, spoil: fn(&mut LogColumns, usize), expected
     Way { name, spoil, expected, severity: Severity::Refuse }
 }
 
-const WAYS: [Way; 32] = [
+const WAYS: [Way; 34] = [
     refused(
         "degrees, all",
         |l, _| {
@@ -187,6 +194,13 @@ const WAYS: [Way; 32] = [
         expected: &[Fault::VelocityDelay],
         severity: Severity::Warn,
     },
+    refused("a position that jitters", |l, j| jitter(&mut l.q_rad[j], 0.2), &[Fault::Noise]),
+    Way {
+        name: "a torque of noise",
+        spoil: |l, j| jitter(&mut l.tau_j_nm[j], 200.0),
+        expected: &[Fault::Noise],
+        severity: Severity::Warn,
+    },
 ];
 
 fn spoiled(log: &RobotLog, way: &Way, joint: usize) -> RobotLog {
@@ -210,7 +224,7 @@ where
     (!right).then(|| format!("{} of joint {joint} ({}): {said:?}", way.name, good.description))
 }
 
-/// 32 ways on all arms, motions and truths drawn from seeds.
+/// 34 ways on all arms, motions and truths drawn from seeds.
 #[test]
 fn every_mutilation_is_recognised() {
     let mut wrong = Vec::new();

@@ -12,6 +12,7 @@ mod angle;
 mod clock;
 mod encoder;
 mod impossible;
+mod noise;
 mod remark;
 mod travel;
 mod velocity;
@@ -37,6 +38,7 @@ pub fn recognise(log: &LogColumns) -> Vec<Remark> {
     let frozen: Vec<usize> =
         remarks.iter().filter(|r| r.fault == Fault::FrozenEncoder).flat_map(|r| r.joints.clone()).collect();
     remarks.extend(velocity::against_position(log, &frozen));
+    remarks.extend(noise::drowned(log, &frozen));
     remarks.extend(travel::standstill(log));
     remarks.sort_by_key(|remark| remark.severity == Severity::Warn);
     remarks

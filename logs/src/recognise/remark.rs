@@ -41,6 +41,8 @@ pub enum Fault {
     VelocityDelay,
     /// `dq` has nothing to do with the derivative of q.
     VelocityOther,
+    /// Positions or torques that are noise for the most part.
+    Noise,
     /// Nothing moves, or a joint does not move both ways.
     Standstill,
     /// The torque has the opposite sign.
@@ -81,6 +83,7 @@ impl Fault {
             Self::VelocityScale => "velocity_scale",
             Self::VelocityDelay => "velocity_delay",
             Self::VelocityOther => "velocity_other",
+            Self::Noise => "noise",
             Self::Standstill => "standstill",
             Self::TorqueSign => "torque_sign",
             Self::PositionSign => "position_sign",
