@@ -1,5 +1,6 @@
 //! What the candidates are evaluated on: the motion of all logs and what the nominal model makes of it.
 
+use std::borrow::Cow;
 use std::ops::Range;
 use std::sync::{Arc, OnceLock};
 
@@ -11,6 +12,7 @@ use tribo_robot::{Kinematics, link_regressor, mass_matrix, rnea};
 
 use crate::filter::{Knots, LANES, central_difference};
 use crate::noise_level::{resolution, sensor_share, white_noise_sd};
+use crate::rows::{averaged, rows_per_average};
 use crate::{DiagnoseError, MotionSample, Nominal, ResidualError, ResidualSettings, SignalChain, TorqueResidual};
 
 /// One stamp on the uniform grid of a burst, before the band filter.
@@ -184,6 +186,15 @@ impl<const N: usize> Scene<N> {
             Some(band_hz) => band_hz,
             None => band_from_noise(&torque_sd_nm, &position_sd_rad, &inertia, rate_hz),
         };
+        let rate_of = |log: &RobotLog| tribo_logs::median_period_s(&log.time_s).unwrap_or(1.0).recip();
+        let averages: Vec<(Cow<'_, RobotLog>, usize)> = logs
+            .iter()
+            .map(|log| averaged(log, rows_per_average(rate_of(log), band_hz.min(HIGHEST_BAND * rate_of(log)))))
+            .collect();
+        // White noise of averages.
+        let mean_variance =
+            averages.iter().map(|(_, rows)| (*rows as f64).recip()).sum::<f64>() / logs.len().max(1) as f64;
+        let [torque_sd_nm, position_sd_rad] = [torque_sd_nm, position_sd_rad].map(|sd| sd * mean_variance.sqrt());
         // Pauses between bursts do not count.
         let duration_s: f64 =
             logs.iter().map(|log| log.rows() as f64 * tribo_logs::median_period_s(&log.time_s).unwrap_or(0.0)).sum();
@@ -215,8 +226,8 @@ impl<const N: usize> Scene<N> {
             noise_weights: std::array::from_fn(|_| OnceLock::new()),
         };
         let mut deflection = Some(Vec::new());
-        for (index, log) in logs.iter().enumerate() {
-            let log_rate_hz = tribo_logs::median_period_s(&log.time_s).unwrap_or(1.0).recip();
+        for (index, (log, rows)) in averages.iter().enumerate() {
+            let log_rate_hz = rate_of(&logs[index]) / *rows as f64;
             // A 30 Hz log carries 10 Hz at most; the average follows the band, or the number of samples allowed.
             let band_hz = band_hz.min(HIGHEST_BAND * log_rate_hz);
             let by_band = log_rate_hz / (SAMPLES_PER_BAND * band_hz);

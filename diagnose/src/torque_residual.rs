@@ -7,7 +7,7 @@ use tribo_logs::{Resampling, RobotLog, median_period_s, resample};
 use tribo_robot::{Arm, rnea};
 
 use crate::filter::central_difference;
-use crate::repeats::without_repeats;
+use crate::rows::without_repeats;
 use crate::signal_chain::GAP_PERIODS;
 use crate::{ResidualError, ResidualSettings, SignalChain};
 
@@ -84,7 +84,8 @@ impl<const N: usize> TorqueResidual<N> {
         if log.joints() != N {
             return Err(ResidualError::JointCount { log: log.joints(), arm: N });
         }
-        let (log, repeats) = &without_repeats(log);
+        let (log, repeats) = without_repeats(log);
+        let log = log.as_ref();
         // A dropped repeat leaves a hole of two periods, which is no gap.
         let hole_s = repeats.then(|| HOLE_PERIODS * median_period_s(&log.time_s).unwrap_or(0.0));
         let longest_gap_s = settings.longest_gap_s.or(hole_s.map(|hole_s| hole_s.max(GAP_PERIODS / settings.band_hz)));
