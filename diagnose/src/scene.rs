@@ -10,7 +10,7 @@ use tribo_friction::law::smooth_sign;
 use tribo_logs::RobotLog;
 use tribo_robot::{Kinematics, link_regressor, mass_matrix, rnea};
 
-use crate::filter::{Knots, LANES, central_difference};
+use crate::filter::{LANES, central_difference};
 use crate::noise_level::{resolution, sensor_share, white_noise_sd};
 use crate::rows::{averaged, rows_per_average};
 use crate::{DiagnoseError, MotionSample, Nominal, ResidualError, ResidualSettings, SignalChain, TorqueResidual};
@@ -431,13 +431,12 @@ impl<const N: usize> Scene<N> {
         for burst in &self.bursts {
             let chain = &self.chains[burst.log];
             let samples = &self.samples[burst.fine.clone()];
-            let knots = Knots::of(samples.len(), chain.knot_stride());
-            let block = |k: usize| link_regressor(arm, &samples[k].q, &samples[k].qd, &samples[k].qdd, link);
-            let blocks: Vec<SMatrix<f64, N, 10>> = knots.places().map(block).collect();
+            let block = |at: &Sample<N>| link_regressor(arm, &at.q, &at.qd, &at.qdd, link);
+            let blocks: Vec<SMatrix<f64, N, 10>> = samples.iter().map(block).collect();
             let of_joint: Vec<Vec<Vec<f64>>> = (0..=link)
                 .into_par_iter()
                 .map(|j| {
-                    let track = |i: usize| knots.fill(&blocks.iter().map(|block| block[(j, i)]).collect::<Vec<f64>>());
+                    let track = |i: usize| blocks.iter().map(|block| block[(j, i)]).collect();
                     chain.finish_all(&(0..10).map(track).collect::<Vec<Vec<f64>>>())
                 })
                 .collect();
@@ -514,19 +513,6 @@ impl<const N: usize> Scene<N> {
         });
         self.torque_floor_nm = self.torque_sd_nm * mean(torque).sqrt();
     }
-}
-
-/// A torque of all joints that is a smooth function of the motion, at every sample of a burst.
-pub(crate) fn smooth_in_time<const N: usize>(
-    samples: usize,
-    stride: usize,
-    torque: impl Fn(usize) -> SVector<f64, N>,
-) -> Vec<SVector<f64, N>> {
-    let knots = Knots::of(samples, stride);
-    let values: Vec<SVector<f64, N>> = knots.places().map(torque).collect();
-    let of_joint = |j: usize| knots.fill(&values.iter().map(|value| value[j]).collect::<Vec<f64>>());
-    let filled: [Vec<f64>; N] = std::array::from_fn(of_joint);
-    (0..samples).map(|k| SVector::from_fn(|j, _| filled[j][k])).collect()
 }
 
 /// `sum += factor · x`.

@@ -105,6 +105,19 @@ fn json() {
     take_all("journal", "a trial far away", far.as_bytes());
 }
 
+/// Parsers compare each attribute of an element with all before it: 80 000 took a minute.
+#[test]
+fn attributes() {
+    let many = |quote: &str| (0..80_000).map(|k| format!("a{k} = {quote}>{quote} ")).collect::<String>();
+    for (target, root, inner) in [("urdf", "robot", "link"), ("mjcf", "mujoco", "worldbody")] {
+        for quote in ["\"", "'"] {
+            let many = many(quote);
+            take_all(target, "attributes of the root", format!("<{root} {many}><{inner}/></{root}>").as_bytes());
+            take_all(target, "attributes within", format!("<{root}><{inner} {many}/></{root}>").as_bytes());
+        }
+    }
+}
+
 #[test]
 fn urdf() {
     take_all("urdf", "links", "<link name=\"a\">".repeat(DEEP).as_bytes());

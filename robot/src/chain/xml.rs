@@ -4,9 +4,11 @@
 const LARGEST: usize = 16 << 20;
 /// Deepest nesting of elements; an arm's links need thirty.
 const DEEPEST: usize = 64;
+/// Most attributes of an element, some thirty times those of any.
+const MOST_ATTRIBUTES: usize = 1000;
 
-/// Refuses texts that are too large or nested too deeply: parsers call themselves for every level, and a stack that ends
-/// takes the program with it.
+/// Refuses texts that are too large, nested too deeply or have too many attributes in an element: parsers call themselves for every
+/// level, and a stack that ends takes the program with it; and they compare each attribute with all before it.
 pub(crate) fn within_bounds(text: &str) -> Result<(), String> {
     if text.len() > LARGEST {
         return Err(format!("{} bytes; allowed: up to {LARGEST}", text.len()));
@@ -14,7 +16,16 @@ pub(crate) fn within_bounds(text: &str) -> Result<(), String> {
     if nesting(text) > DEEPEST {
         return Err(format!("elements are nested more than {DEEPEST} deep"));
     }
+    if attributes(text) > MOST_ATTRIBUTES {
+        return Err(format!("an element has more than {MOST_ATTRIBUTES} attributes"));
+    }
     Ok(())
+}
+
+/// Most attributes of an element of a text; the text after the element, and what is commented out, may count too. No value holds a `<`.
+fn attributes(text: &str) -> usize {
+    let elements = text.split('<').filter(|element| !element.starts_with(['!', '?']));
+    elements.map(|element| element.matches('=').count()).max().unwrap_or(0)
 }
 
 /// How deep the elements of a text are nested at most; what is in comments or quotes may count too.
