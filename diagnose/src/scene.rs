@@ -1,6 +1,5 @@
 //! What the candidates are evaluated on: the motion of all logs and what the nominal model makes of it.
 
-use std::borrow::Cow;
 use std::ops::Range;
 use std::sync::{Arc, OnceLock};
 
@@ -10,9 +9,8 @@ use tribo_friction::law::smooth_sign;
 use tribo_logs::RobotLog;
 use tribo_robot::{Kinematics, link_regressor, mass_matrix, rnea};
 
-use crate::filter::{LANES, central_difference};
+use crate::filter::{Knots, LANES, central_difference};
 use crate::noise_level::{resolution, sensor_share, white_noise_sd};
-use crate::rows::{averaged, rows_per_average};
 use crate::{DiagnoseError, MotionSample, Nominal, ResidualError, ResidualSettings, SignalChain, TorqueResidual};
 
 /// One stamp on the uniform grid of a burst, before the band filter.
@@ -186,15 +184,6 @@ impl<const N: usize> Scene<N> {
             Some(band_hz) => band_hz,
             None => band_from_noise(&torque_sd_nm, &position_sd_rad, &inertia, rate_hz),
         };
-        let rate_of = |log: &RobotLog| tribo_logs::median_period_s(&log.time_s).unwrap_or(1.0).recip();
-        let averages: Vec<(Cow<'_, RobotLog>, usize)> = logs
-            .iter()
-            .map(|log| averaged(log, rows_per_average(rate_of(log), band_hz.min(HIGHEST_BAND * rate_of(log)))))
-            .collect();
-        // White noise of averages.
-        let mean_variance =
-            averages.iter().map(|(_, rows)| (*rows as f64).recip()).sum::<f64>() / logs.len().max(1) as f64;
-        let [torque_sd_nm, position_sd_rad] = [torque_sd_nm, position_sd_rad].map(|sd| sd * mean_variance.sqrt());
         // Pauses between bursts do not count.
         let duration_s: f64 =
             logs.iter().map(|log| log.rows() as f64 * tribo_logs::median_period_s(&log.time_s).unwrap_or(0.0)).sum();
@@ -226,8 +215,8 @@ impl<const N: usize> Scene<N> {
             noise_weights: std::array::from_fn(|_| OnceLock::new()),
         };
         let mut deflection = Some(Vec::new());
-        for (index, (log, rows)) in averages.iter().enumerate() {
-            let log_rate_hz = rate_of(&logs[index]) / *rows as f64;
+        for (index, log) in logs.iter().enumerate() {
+            let log_rate_hz = tribo_logs::median_period_s(&log.time_s).unwrap_or(1.0).recip();
             // A 30 Hz log carries 10 Hz at most; the average follows the band, or the number of samples allowed.
             let band_hz = band_hz.min(HIGHEST_BAND * log_rate_hz);
             let by_band = log_rate_hz / (SAMPLES_PER_BAND * band_hz);
@@ -431,12 +420,13 @@ impl<const N: usize> Scene<N> {
         for burst in &self.bursts {
             let chain = &self.chains[burst.log];
             let samples = &self.samples[burst.fine.clone()];
-            let block = |at: &Sample<N>| link_regressor(arm, &at.q, &at.qd, &at.qdd, link);
-            let blocks: Vec<SMatrix<f64, N, 10>> = samples.iter().map(block).collect();
+            let knots = Knots::of(samples.len(), chain.knot_stride());
+            let block = |k: usize| link_regressor(arm, &samples[k].q, &samples[k].qd, &samples[k].qdd, link);
+            let blocks: Vec<SMatrix<f64, N, 10>> = knots.places().map(block).collect();
             let of_joint: Vec<Vec<Vec<f64>>> = (0..=link)
                 .into_par_iter()
                 .map(|j| {
-                    let track = |i: usize| blocks.iter().map(|block| block[(j, i)]).collect();
+                    let track = |i: usize| knots.fill(&blocks.iter().map(|block| block[(j, i)]).collect::<Vec<f64>>());
                     chain.finish_all(&(0..10).map(track).collect::<Vec<Vec<f64>>>())
                 })
                 .collect();
@@ -513,6 +503,19 @@ impl<const N: usize> Scene<N> {
         });
         self.torque_floor_nm = self.torque_sd_nm * mean(torque).sqrt();
     }
+}
+
+/// A torque of all joints that is a smooth function of the motion, at every sample of a burst.
+pub(crate) fn smooth_in_time<const N: usize>(
+    samples: usize,
+    stride: usize,
+    torque: impl Fn(usize) -> SVector<f64, N>,
+) -> Vec<SVector<f64, N>> {
+    let knots = Knots::of(samples, stride);
+    let values: Vec<SVector<f64, N>> = knots.places().map(torque).collect();
+    let of_joint = |j: usize| knots.fill(&values.iter().map(|value| value[j]).collect::<Vec<f64>>());
+    let filled: [Vec<f64>; N] = std::array::from_fn(of_joint);
+    (0..samples).map(|k| SVector::from_fn(|j, _| filled[j][k])).collect()
 }
 
 /// `sum += factor · x`.

@@ -43,6 +43,8 @@ const TRIM_PERIODS: f64 = 0.5;
 const LEAST_TRIM_S: f64 = 0.05;
 /// Longest default gap, in periods of the band.
 pub(crate) const GAP_PERIODS: f64 = 0.1;
+/// Knots per period of the smoother's cut-off, see [`crate::filter`]: regressors are then right to 2e-5 up to there.
+const KNOTS_PER_PERIOD: f64 = 16.0;
 /// Distance at which a filtered sample has forgotten another, in periods of the band.
 const MEMORY_PERIODS: f64 = 2.0;
 
@@ -135,6 +137,11 @@ impl SignalChain {
     /// S x for several x of one burst.
     pub(crate) fn smooth_all(&self, signals: &[Vec<f64>]) -> Vec<Vec<f64>> {
         self.smoother.filter_all(signals)
+    }
+
+    /// Samples from one knot of a smooth function of the smoothed motion to the next.
+    pub(crate) fn knot_stride(&self) -> usize {
+        (self.rate_hz / (KNOTS_PER_PERIOD * self.smoothing_hz)).floor().max(1.0) as usize
     }
 
     /// x without what the smoother guessed at the ends.

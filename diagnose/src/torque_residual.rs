@@ -7,7 +7,7 @@ use tribo_logs::{Resampling, RobotLog, median_period_s, resample};
 use tribo_robot::{Arm, rnea};
 
 use crate::filter::central_difference;
-use crate::rows::without_repeats;
+use crate::repeats::without_repeats;
 use crate::signal_chain::GAP_PERIODS;
 use crate::{ResidualError, ResidualSettings, SignalChain};
 

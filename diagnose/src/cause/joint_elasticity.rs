@@ -6,7 +6,7 @@ use tribo_sim::{Effect, oscillator_step};
 
 use super::{Candidate, RIGID_UNASKED, log_grid, only};
 use crate::diagnosis::{CauseLabel, Location};
-use crate::scene::{FineColumn, Scene};
+use crate::scene::{FineColumn, Scene, smooth_in_time};
 
 /// The link lags the motor by δ, so its torque is that of another state:
 ///
@@ -91,7 +91,9 @@ impl<const N: usize> Candidate<N> for JointElasticity {
                 }
                 lag.push([deflection, rate, (drive - damping * rate - stiffness * deflection) / inertia]);
             }
-            column.extend(samples.iter().zip(lag).map(|(at, [deflection, rate, acceleration])| {
+            let stride = scene.chains[burst.log].knot_stride();
+            column.extend(smooth_in_time(samples.len(), stride, |k| {
+                let (at, [deflection, rate, acceleration]) = (&samples[k], lag[k]);
                 let tau = rnea(
                     &link_arm,
                     &(at.q - only(j, deflection)),

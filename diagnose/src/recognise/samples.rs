@@ -4,7 +4,7 @@ use nalgebra::SVector;
 use tribo_logs::{Resampling, RobotLog, resample};
 use tribo_robot::{Arm, gravity_torque};
 
-use crate::rows::without_repeats;
+use crate::repeats::without_repeats;
 use crate::torque_residual::{motion_of, smoothed};
 use crate::{ResidualSettings, SignalChain};
 
