@@ -105,7 +105,7 @@ fn json() {
     take_all("journal", "a trial far away", far.as_bytes());
 }
 
-/// Parsers compare each attribute of an element with all before it: 80 000 took a minute.
+/// Parsers compare each attribute of an element with all before it: 80 000 took half a minute.
 #[test]
 fn attributes() {
     let many = |quote: &str| (0..80_000).map(|k| format!("a{k} = {quote}>{quote} ")).collect::<String>();
