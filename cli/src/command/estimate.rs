@@ -49,11 +49,12 @@ pub fn run(arguments: &Estimate, common: &Common) -> anyhow::Result<()> {
     // Tables show the warnings of the log themselves.
     let (wanted, refused) = judgement(arguments);
     believe(path, &recognise::recognise(&log), wanted, refused, common.quiet || !common.json)?;
-    let nameless = given.is_none() && choice.robot.is_none();
+    // Neither the robot nor an estimator is named.
+    let undecided = given.is_none() && choice.robot.is_none() && arguments.names_no_estimator();
     let smoothing_rad_s = given.as_ref().map_or(SIGN_SMOOTHING_RAD_S, |(_, model)| model.smoothing_rad_s());
     let gears = match TransmissionFriction::of_log(&log, smoothing_rad_s) {
         Ok(gears) => gears,
-        Err(error) if nameless && arguments.names_no_estimator() => {
+        Err(error) if undecided => {
             return Err(BadInput(format!("{}: {error}", path.display())).into());
         }
         Err(error) => {
@@ -64,7 +65,7 @@ pub fn run(arguments: &Estimate, common: &Common) -> anyhow::Result<()> {
         }
     };
     // Where nobody says what robot it is, torque on both sides says that it is no Panda.
-    if let (Some(gears), true) = (&gears, nameless && arguments.names_no_estimator()) {
+    if let (Some(gears), true) = (&gears, undecided) {
         transmission::show_alone(gears, &summary, common);
         return Ok(());
     }
@@ -81,7 +82,7 @@ pub fn run(arguments: &Estimate, common: &Common) -> anyhow::Result<()> {
 
 /// What the log is wanted for, and what is done with one that cannot be right. The torque residual alone does without dq.
 fn judgement(arguments: &Estimate) -> (Use, Refused) {
-    let wanted = if arguments.asked() == ["torque"] { Use::Diagnosis } else { Use::Wrench };
+    let wanted = if arguments.asked().iter().all(|name| *name == "torque") { Use::Diagnosis } else { Use::Wrench };
     (wanted, Refused::unless(arguments.anyway))
 }
 

@@ -146,7 +146,7 @@ friction:
   - {coulomb_nm: 1.1, viscous_nm_s_per_rad: 1.1}
 ";
 
-/// Runs a campaign that of which no trial may be stopped, nor that of the true friction; J of the best trial is below these shares of J without
+/// Runs a campaign in which no trial may be stopped, nor the one with the true friction; J of the best trial is below these shares of J without
 /// compensation and of J of the true friction.
 #[track_caller]
 fn tuned_well(at: &Path, name: &str, call: &str, below: [f64; 2]) {

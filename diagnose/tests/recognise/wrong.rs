@@ -29,7 +29,7 @@ fn one(columns: &mut [Vec<f64>], joint: usize, factor: f64) {
 
 /// Adds white noise, uniform within so much either way.
 fn jitter(column: &mut [f64], within: f64) {
-    // Weyl's sequence, scrambled: any generator that is white over five rows will do.
+    // A hash of the row: any generator that is white over five rows will do.
     let uniform = |k: usize| (((k as f64 * 12.9898).sin() * 43758.5453).fract() * 2.0).rem_euclid(2.0) - 1.0;
     column.iter_mut().enumerate().for_each(|(k, x)| *x += within * uniform(k));
 }

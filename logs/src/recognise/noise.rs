@@ -61,7 +61,9 @@ pub(super) fn drowned(log: &LogColumns, known: &[usize]) -> Vec<Remark> {
     let least = |(j, level): (usize, Level)| (j, Level { signal: level.signal.max(slow), ..level });
     let positions: Vec<(usize, Level)> = positions.into_iter().map(least).collect();
     let remedy = |what: &str| {
-        format!("what is computed from it is uncertain or wrong: move faster or farther, or log a better {what}")
+        format!(
+            "what is computed from it is uncertain or wrong: move faster or farther, or log the {what} with less noise"
+        )
     };
     let of_positions = lost(&positions).map(|(joints, worst)| {
         let evidence = format!(
@@ -94,9 +96,8 @@ fn lost(levels: &[(usize, Level)]) -> Option<(Vec<usize>, Level)> {
 /// The rise of q from the mean of a window to that of the next; its square is noise in part, which is taken out.
 fn of_position(q: &[f64], rows: usize) -> Option<Level> {
     let row = row_noise(q)?;
-    let means = means(q, rows);
-    let square = means.windows(2).map(|pair| (pair[1] - pair[0]).powi(2)).sum::<f64>() / (means.len() - 1) as f64;
-    let signal = (square - 2.0 * row * row / rows as f64).max(0.0).sqrt();
+    let rises: Vec<f64> = means(q, rows).windows(2).map(|pair| pair[1] - pair[0]).collect();
+    let signal = (rms(&rises).powi(2) - 2.0 * row * row / rows as f64).max(0.0).sqrt();
     finite(Level { noise: row * (12.0 / rows as f64).sqrt(), row, signal })
 }
 
@@ -104,11 +105,10 @@ fn of_position(q: &[f64], rows: usize) -> Option<Level> {
 fn of_torque(tau: &[f64], rows: usize) -> Option<Level> {
     let row = row_noise(tau)?;
     let means = means(tau, rows);
-    let count = means.len() as f64;
-    let mean = means.iter().sum::<f64>() / count;
+    let mean = means.iter().sum::<f64>() / means.len().max(1) as f64;
+    let deviations: Vec<f64> = means.iter().map(|x| x - mean).collect();
     let noise = row / (rows as f64).sqrt();
-    let square = means.iter().map(|m| (m - mean).powi(2)).sum::<f64>() / count;
-    finite(Level { noise, row, signal: (square - noise * noise).max(0.0).sqrt() })
+    finite(Level { noise, row, signal: (rms(&deviations).powi(2) - noise * noise).max(0.0).sqrt() })
 }
 
 fn rms(x: &[f64]) -> f64 {
