@@ -27,6 +27,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         arm: known.arm,
         friction: known.friction,
         smoothing_rad_s: SMOOTHING_RAD_S,
+        sticks: false,
         effects: Vec::new(),
         torque_side: TorqueSide::Motor,
     };

@@ -185,6 +185,7 @@ pub(crate) fn conclude<const N: usize>(
         rejected,
         extension,
         smoothing_rad_s: None,
+        sticks: false,
         unseen,
         predictive_sd_nm: Vec::new(),
         assumptions: assumptions_of(search, evaluated.chance),

@@ -89,6 +89,7 @@ mod tests {
             arm: presets::panda(),
             friction: FrictionModel::none(),
             smoothing_rad_s,
+            sticks: false,
             effects: Vec::new(),
             torque_side: TorqueSide::Motor,
         };

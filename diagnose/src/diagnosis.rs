@@ -455,6 +455,8 @@ pub struct Diagnosis {
     pub extension: Vec<Effect>,
     /// Width of the smooth sign that the log shows and the extended model has [rad/s], sharper than the model's; `None` where it keeps its own.
     pub smoothing_rad_s: Option<f64>,
+    /// Whether the log shows joints that stick where they stop, and the extended model has that, which the model has not.
+    pub sticks: bool,
     /// What the extended model and plain fits predict for data that they have not seen; `None` where the log is too short to hold
     /// a part of it out, which a note then says.
     pub unseen: Option<Unseen>,

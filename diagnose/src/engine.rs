@@ -6,11 +6,14 @@ use tribo_robot::mass_matrix;
 use tribo_sim::Truth;
 
 use crate::cause_by_cause::{Question, cause_by_cause};
+use crate::contact_window::PushWindow;
 use crate::diagnosis::{CauseLabel, Diagnosis, JointMisfit, Location};
 use crate::evaluated::Before;
 use crate::posterior::explain::{Given, explain};
-use crate::posterior::gate::{AS_WELL, regression, wrongness};
+use crate::posterior::gate::{AS_WELL, Wrongness, regression, wrongness};
+use crate::posterior::problem::Problem;
 use crate::posterior::sign_width::sharper_sign;
+use crate::posterior::sticking::sticking;
 use crate::scene::Scene;
 use crate::search::joints_and_kinds;
 use crate::settings::DiagnoseSettings;
@@ -50,22 +53,26 @@ pub(crate) fn explained<const N: usize>(
     if scene.time_s.len() < LEAST_SAMPLES {
         return Err(DiagnoseError::TooShort { got: scene.time_s.len(), need: LEAST_SAMPLES });
     }
-    // The width of the smooth sign is the model's own affair: what is asked of is the model with the width that the log shows.
+    // How friction turns round is the model's own affair: what is asked of is the model whose joints turn round as the log shows.
     let asked = nominal;
-    let mut whole = regression(&scene, &[]);
-    let sharper = sharper_sign(&scene, &whole).map(|width| asked.with_sign(width));
-    let nominal = sharper.as_ref().unwrap_or(asked);
+    let mut shown = asked.clone();
     let mut asked_nm = None;
-    if sharper.is_some() {
-        let mut sharp = Scene::of_logs(logs, nominal, scene.chains.first().map(|chain| chain.band_hz))?;
-        sharp.borrow_regressors(&scene);
-        asked_nm = Some(std::mem::replace(&mut scene, sharp).residual_nm);
-        whole = regression(&scene, &[]);
-    }
-    let before = asked_nm.as_ref().map(|residual_nm| Before { model: asked, residual_nm });
+    let whole = turned_round(logs, &mut scene, &mut shown, &mut asked_nm, &[])?;
     // With logs of a bare flange all is fitted together anyway: nobody needs to ask how much is wrong.
-    let few = unloaded.is_empty().then(|| wrongness(&scene, &whole)).filter(|wrong| !wrong.everywhere);
+    let mut wrong = unloaded.is_empty().then(|| wrongness(&scene, &whole));
     drop(whole);
+    // A push hides how friction turns round; the log beside it shows that.
+    if let (Some(Wrongness { pushes, .. }), None) = (&wrong, &asked_nm)
+        && !pushes.is_empty()
+    {
+        turned_round(logs, &mut scene, &mut shown, &mut asked_nm, pushes)?;
+        if asked_nm.is_some() {
+            wrong = Some(wrongness(&scene, &regression(&scene, &[])));
+        }
+    }
+    let nominal = &shown;
+    let before = asked_nm.as_ref().map(|residual_nm| Before { model: asked, residual_nm });
+    let few = wrong.filter(|wrong| !wrong.everywhere);
     // Causes in most joints are a model that is wrong everywhere if they are of many kinds, or leave most joints unexplained and more
     // than all families would; and causes found one by one need not make an arm together, families fitted with every link a body do.
     let stands = |found: &Diagnosis, all_nm: &[f64]| {
@@ -110,7 +117,14 @@ pub(crate) fn explained<const N: usize>(
         Some(found) => found,
         None => explain(&Given { logs, unloaded, validate }, [asked, nominal], settings, &step)?,
     };
-    if let Some(Nominal { smoothing_rad_s, .. }) = sharper {
+    if nominal.sticks && !asked.sticks {
+        diagnosis.sticks = true;
+        diagnosis.notes.push(
+            "joints stick where they stop for a moment: the extended model has that (friction.sticks)".to_owned(),
+        );
+    }
+    let smoothing_rad_s = nominal.smoothing_rad_s;
+    if smoothing_rad_s != asked.smoothing_rad_s {
         diagnosis.smoothing_rad_s = Some(smoothing_rad_s);
         diagnosis.notes.push(format!(
             "dry friction turns round within {smoothing_rad_s} rad/s, faster than the model's {} rad/s: the extended model has that width (friction.smoothing_rad_s)",
@@ -119,6 +133,28 @@ pub(crate) fn explained<const N: usize>(
     }
     progress("done", 1.0);
     Ok(diagnosis)
+}
+
+/// Puts the scene of the model whose joints turn round as the log beside some pushes shows in the place of a scene, and what it left before (Nm) beside
+/// it where that is another model; the regression of the scene.
+fn turned_round<const N: usize>(
+    logs: &[RobotLog],
+    scene: &mut Scene<N>,
+    model: &mut Nominal<N>,
+    before_nm: &mut Option<[Vec<f64>; N]>,
+    pushes: &[PushWindow],
+) -> Result<Problem, DiagnoseError> {
+    let mut problem = regression(scene, pushes);
+    for turns_round in [sticking::<N>, sharper_sign::<N>] {
+        let Some(Nominal { sticks, smoothing_rad_s, .. }) = turns_round(scene, &problem) else { continue };
+        (model.sticks, model.smoothing_rad_s) = (sticks, smoothing_rad_s);
+        let mut of_model = Scene::of_logs(logs, model, scene.chains.first().map(|chain| chain.band_hz))?;
+        of_model.borrow_regressors(scene);
+        let before = std::mem::replace(scene, of_model).residual_nm;
+        before_nm.get_or_insert(before);
+        problem = regression(scene, pushes);
+    }
+    Ok(problem)
 }
 
 /// Whether effects on top of a model leave an arm whose every link has a mass and whose mass matrix is positive definite.

@@ -228,7 +228,7 @@ mod tests {
         let log = record(&truth, 0.01, motion.as_ref(), &recording, 1).unwrap();
         let Truth { arm, friction, .. } = plain;
         let torque_side = recording.torque_side;
-        let nominal = Nominal { arm, friction, smoothing_rad_s: 0.01, effects: Vec::new(), torque_side };
+        let nominal = Nominal { arm, friction, smoothing_rad_s: 0.01, sticks: false, effects: Vec::new(), torque_side };
         let scene = Scene::of_logs(&[log], &nominal, None).unwrap();
         let causes: Vec<_> = candidates::<7>().into_iter().map(Arc::from).collect();
         let evaluated = EvaluatedColumns::of(&scene, &causes);

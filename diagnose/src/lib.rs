@@ -67,6 +67,7 @@ mod scene;
 mod scene_effects;
 mod search;
 mod settings;
+mod short_rests;
 mod signal_chain;
 mod significance;
 mod stamps;

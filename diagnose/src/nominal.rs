@@ -14,6 +14,8 @@ pub struct Nominal<const N: usize> {
     pub friction: FrictionModel<N>,
     /// Width of the smooth sign (rad/s).
     pub smoothing_rad_s: f64,
+    /// Whether joints stick where they stop for a moment: see `short_rests.rs` for the law.
+    pub sticks: bool,
     /// Causes that the model has already.
     pub effects: Vec<Effect>,
     /// Side of the gears that torques are measured on.
@@ -48,6 +50,11 @@ impl<const N: usize> Nominal<N> {
     /// The same model with another width of the smooth sign [rad/s].
     pub(crate) fn with_sign(&self, smoothing_rad_s: f64) -> Self {
         Self { smoothing_rad_s, ..self.clone() }
+    }
+
+    /// The same model with joints that stick.
+    pub(crate) fn with_sticking(&self) -> Self {
+        Self { sticks: true, ..self.clone() }
     }
 
     /// Friction of a joint that slides: of its law, with what `effects` add that goes with speed alone.

@@ -114,6 +114,10 @@ pub(crate) struct Scene<const N: usize> {
     pub torque_sd_nm: SVector<f64, N>,
     /// White noise of the positions (rad).
     pub position_sd_rad: SVector<f64, N>,
+    /// Error of positions by the lattice of their encoder (rad).
+    pub lattice_sd_rad: SVector<f64, N>,
+    /// Samples on the fine grid in which a joint stops for a moment, with those before and after.
+    pub short_rests: [Vec<Range<usize>>; N],
     /// Noise of the smoothed velocity (rad/s).
     pub velocity_sd_rad_s: SVector<f64, N>,
     /// White noise of the velocity in the band (rad/s).
@@ -172,7 +176,7 @@ impl<const N: usize> Scene<N> {
             white_noise_sd(&log.time_s, torque) * share
         });
         let position_sd_rad = mean_square(&|log, j| white_noise_sd(&log.time_s, &log.q_rad[j]));
-        let quantised_sd_rad = mean_square(&|log, j| resolution(&log.q_rad[j]) / 12f64.sqrt());
+        let lattice_sd_rad = mean_square(&|log, j| resolution(&log.q_rad[j]) / 12f64.sqrt());
         let rate_hz =
             logs.iter().filter_map(|log| tribo_logs::median_period_s(&log.time_s)).fold(0.0, f64::max).recip();
         let middle = logs.first().map(|log| log.rows() / 2).unwrap_or_default();
@@ -203,6 +207,8 @@ impl<const N: usize> Scene<N> {
             deflection_rad: None,
             torque_sd_nm,
             position_sd_rad,
+            lattice_sd_rad,
+            short_rests: std::array::from_fn(|_| Vec::new()),
             velocity_sd_rad_s: SVector::zeros(),
             velocity_sd_in_band_rad_s: SVector::zeros(),
             coarse_velocity_rad_s: SVector::zeros(),
@@ -231,10 +237,14 @@ impl<const N: usize> Scene<N> {
             }
         }
         scene.deflection_rad = deflection.filter(|all| !all.is_empty());
+        scene.find_short_rests();
+        if scene.nominal.sticks {
+            scene.bridge_short_rests();
+        }
         scene.believe_motor_encoders();
         scene.add_nominal_effects();
         scene.filter_model();
-        scene.set_noise_floor(&inertia, &quantised_sd_rad);
+        scene.set_noise_floor(&inertia);
         Ok(scene)
     }
 
@@ -474,9 +484,9 @@ impl<const N: usize> Scene<N> {
     }
 
     /// Sensor noise in the band: torque noise, and position noise through two derivatives and the inertia and through one
-    /// and the slope of friction, which is steep where the joint turns back. `quantised_sd_rad` is the error of positions
-    /// on a coarse lattice, which is not white where a joint is slow.
-    fn set_noise_floor(&mut self, inertia: &SVector<f64, N>, quantised_sd_rad: &SVector<f64, N>) {
+    /// and the slope of friction, which is steep where the joint turns back. The error of positions on a coarse
+    /// lattice is not white where a joint is slow.
+    fn set_noise_floor(&mut self, inertia: &SVector<f64, N>) {
         let Some(chain) = self.chains.first() else { return };
         const STEPS: usize = 400;
         let nyquist_hz = 0.5 * chain.rate_hz;
@@ -493,7 +503,7 @@ impl<const N: usize> Scene<N> {
         let mean = |sum: f64| sum / STEPS as f64;
         self.velocity_sd_rad_s = self.position_sd_rad * mean(velocity).sqrt();
         self.velocity_sd_in_band_rad_s = self.position_sd_rad * mean(velocity_in_band).sqrt();
-        self.coarse_velocity_rad_s = quantised_sd_rad * 2.0 * std::f64::consts::PI * chain.band_hz;
+        self.coarse_velocity_rad_s = self.lattice_sd_rad * 2.0 * std::f64::consts::PI * chain.band_hz;
         self.noise_floor_nm = SVector::from_fn(|j, _| {
             let squares: f64 = self.sign_noise_squares(j).iter().sum();
             let from_friction = squares / self.samples.len().max(1) as f64;

@@ -1,4 +1,4 @@
-//! What comes of when in a period of the control loop the rows of a log are stamped.
+//! Delays that are none: what comes of when in a period of the control loop the rows of a log are stamped, and of joints that stick.
 
 use tribo_robot::gravity_torque;
 use tribo_sim::TorqueSide;
@@ -18,6 +18,9 @@ const POSSIBLY_PERIODS: f64 = 1.5;
 /// Takes from the findings what comes of when in a period a log's rows are stamped, and says so; the extended model has it.
 pub(crate) fn take_stamps<const N: usize>(scene: &Scene<N>, findings: &mut Vec<Finding>) -> Vec<String> {
     let mut notes: Vec<String> = lateness_of_stamps(findings).into_iter().collect();
+    if scene.nominal.sticks {
+        notes.extend(earliness_of_sticking(findings));
+    }
     if scene.nominal.torque_side == TorqueSide::Link {
         let stiffness = gravity_stiffness(scene);
         let names = &scene.nominal.arm.joint_names;
@@ -80,6 +83,22 @@ fn lateness_of_stamps(findings: &mut Vec<Finding>) -> Option<String> {
     Some(format!(
         "torques are stamped {:.2} ms {how}, a period of the control loop or less: the extended model has it, and it is no finding",
         delay_ms.abs()
+    ))
+}
+
+/// Takes torques that come early from the findings of joints that stick, and says so: friction jumps where a joint stops, before it turns
+/// round, and the straight line over a stop does not have that jump. The extended model has the delay.
+fn earliness_of_sticking(findings: &mut Vec<Finding>) -> Option<String> {
+    let delay_s = |finding: &Finding| {
+        let delay = finding.parameters.first().filter(|_| finding.label == CauseLabel::TimeDelay)?;
+        delay.value.first().copied().filter(|delay_s| *delay_s < 0.0)
+    };
+    let (place, delay_s) = findings.iter().enumerate().find_map(|(place, finding)| Some((place, delay_s(finding)?)))?;
+    findings.remove(place);
+    Some(format!(
+        "torques are {:.1} ms ahead of a motion whose joints stick, as friction is that jumps where a joint stops: the extended model has it as a \
+         time_delay, and it is no finding",
+        -1e3 * delay_s
     ))
 }
 

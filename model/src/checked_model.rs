@@ -65,6 +65,7 @@ impl ModelFile {
         if let Some(friction) = &self.friction {
             model.friction = friction.to_model("friction")?;
             model.smoothing_rad_s = friction.smoothing_rad_s;
+            model.sticks = friction.sticks;
         }
         validate_effects(&self.effects, &model)?;
         model.effects.clone_from(&self.effects);

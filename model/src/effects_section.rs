@@ -54,12 +54,15 @@ fn field_error(k: usize, effect: &Effect, error: &EffectError) -> FieldError {
 }
 
 impl ModelFile {
-    /// The model with all that a diagnosis of it found: its effects, and the width of its smooth sign where the log shows a sharper one.
+    /// The model with all that a diagnosis of it found: its effects, the width of its smooth sign where the log shows a sharper one, and whether its joints stick.
     pub fn diagnosed(&self, diagnosis: &Diagnosis) -> Self {
         let mut file = self.extended(&diagnosis.effects());
+        let none = || FrictionSection::none(diagnosis.joints.len());
         if let Some(width) = diagnosis.smoothing_rad_s {
-            let none = || FrictionSection::none(diagnosis.joints.len());
             file.friction.get_or_insert_with(none).smoothing_rad_s = width;
+        }
+        if diagnosis.sticks {
+            file.friction.get_or_insert_with(none).sticks = true;
         }
         file
     }

@@ -22,7 +22,7 @@ pub enum LawName {
     Lugre,
 }
 
-/// `friction: {law, smoothing_rad_s, joints: [{…}]}`.
+/// `friction: {law, smoothing_rad_s, sticks, joints: [{…}]}`.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct FrictionSection {
@@ -31,6 +31,10 @@ pub struct FrictionSection {
     /// Width of tanh(qd/smoothing) in place of the sign [rad/s].
     #[serde(default = "default_smoothing")]
     pub smoothing_rad_s: f64,
+    /// Whether a joint that stops for a moment sticks until the motor asks for more than its friction: on logs its torque is then a straight line
+    /// in time over the stop. Simulated joints always stick.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub sticks: bool,
     /// Parameters, one entry per joint.
     pub joints: Vec<JointParameters>,
 }
@@ -95,7 +99,12 @@ impl FrictionSection {
     /// No friction, joint by joint.
     pub(crate) fn none(joints: usize) -> Self {
         let joint = JointParameters::of(&CoulombViscous::default().into());
-        Self { law: LawName::CoulombViscous, smoothing_rad_s: SIGN_SMOOTHING_RAD_S, joints: vec![joint; joints] }
+        Self {
+            law: LawName::CoulombViscous,
+            smoothing_rad_s: SIGN_SMOOTHING_RAD_S,
+            sticks: false,
+            joints: vec![joint; joints],
+        }
     }
 
     /// The section that describes `model`; all joints must follow one law (the first joint's law names it).
@@ -107,7 +116,7 @@ impl FrictionSection {
             JointFriction::Asymmetric(_) => LawName::Asymmetric,
             JointFriction::Lugre(_) => LawName::Lugre,
         };
-        Self { law, smoothing_rad_s, joints: model.joints.iter().map(JointParameters::of).collect() }
+        Self { law, smoothing_rad_s, sticks: false, joints: model.joints.iter().map(JointParameters::of).collect() }
     }
 
     /// The friction model; `field` prefixes the path in errors.

@@ -20,6 +20,8 @@ pub struct Model<const N: usize> {
     pub friction: FrictionModel<N>,
     /// Width of the smooth sign on logs [rad/s].
     pub smoothing_rad_s: f64,
+    /// Whether joints stick where they stop for a moment, on logs: see `friction.sticks` of the file.
+    pub sticks: bool,
     /// Causes on top of arm and friction.
     pub effects: Vec<Effect>,
 }
@@ -35,7 +37,15 @@ impl<const N: usize> Model<N> {
             TorqueSide::Link => robot.arm.clone().link_side(),
         };
         let friction = FrictionModel::none();
-        Self { robot, arm, torque_side, friction, smoothing_rad_s: SIGN_SMOOTHING_RAD_S, effects: Vec::new() }
+        Self {
+            robot,
+            arm,
+            torque_side,
+            friction,
+            smoothing_rad_s: SIGN_SMOOTHING_RAD_S,
+            sticks: false,
+            effects: Vec::new(),
+        }
     }
 
     /// The model as a diagnosis holds a log against it.
@@ -44,6 +54,7 @@ impl<const N: usize> Model<N> {
             arm: self.arm.clone(),
             friction: self.friction,
             smoothing_rad_s: self.smoothing_rad_s,
+            sticks: self.sticks,
             effects: self.effects.clone(),
             torque_side: self.torque_side,
         }

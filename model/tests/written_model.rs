@@ -233,17 +233,18 @@ fn a_sharper_sign_is_found_and_written() {
     assert_eq!((kept.smoothing_rad_s, kept.findings.len()), (None, 0));
 }
 
-/// A model without friction has a width all the same: the file that a diagnosis leaves says it beside frictions of 0.
+/// A model without friction has a width all the same, and joints that stick: the file that a diagnosis leaves says both beside frictions of 0.
 #[test]
-fn a_file_without_friction_takes_the_width() {
+fn a_file_without_friction_takes_width_and_sticking() {
     let log = log(Vec::new(), 3);
     let nominal = nominal_file().validate::<7>().unwrap().to_nominal();
     let diagnosis =
         diagnose(std::slice::from_ref(&log), &nominal, &[], &DiagnoseSettings::default(), &|_, _| true).unwrap();
-    let sharper = Diagnosis { smoothing_rad_s: Some(6e-4), ..diagnosis };
+    let sharper = Diagnosis { smoothing_rad_s: Some(6e-4), sticks: true, ..diagnosis };
     let bare = ModelFile { friction: None, ..nominal_file() };
     let model: Model<7> = bare.diagnosed(&sharper).validate().unwrap();
     assert_eq!(model.smoothing_rad_s, 6e-4);
+    assert!(model.sticks && model.to_nominal().sticks);
     assert!((0..7).all(|j| model.friction.joints[j].torque(0.3, 6e-4) == 0.0));
 }
 

@@ -99,7 +99,9 @@ impl PyModel {
             ..JointParameters::default()
         });
         let law = LawName::CoulombViscous;
-        let friction = FrictionSection { law, smoothing_rad_s: self.model.smoothing_rad_s(), joints: joints.collect() };
+        let sticks = self.file.friction.as_ref().is_some_and(|friction| friction.sticks);
+        let smoothing_rad_s = self.model.smoothing_rad_s();
+        let friction = FrictionSection { law, smoothing_rad_s, sticks, joints: joints.collect() };
         Self::of(ModelFile { friction: Some(friction), ..self.file.clone() }, self.name.clone())
     }
 

@@ -39,6 +39,7 @@ where
         arm: arm.clone(),
         friction: FrictionModel::none(),
         smoothing_rad_s: SIGN_SMOOTHING_RAD_S,
+        sticks: false,
         effects: Vec::new(),
         torque_side: TorqueSide::Motor,
     };

@@ -23,6 +23,7 @@ fn nominal() -> Nominal<7> {
         arm: presets::panda(),
         friction: Truth::panda_coulomb_viscous().friction,
         smoothing_rad_s: SMOOTHING_RAD_S,
+        sticks: false,
         effects: vec![],
         torque_side: TorqueSide::Motor,
     }

@@ -175,7 +175,7 @@ pub(crate) fn explain<const N: usize>(
     step("extended model", 0.85)?;
     let mut extension = effects_of(&further);
     extension.extend(written::effects(&scene, &problem, &all.state));
-    let own_width = asked.smoothing_rad_s == nominal.smoothing_rad_s;
+    let own_width = asked.smoothing_rad_s == nominal.smoothing_rad_s && asked.sticks == nominal.sticks;
     let fitted_to_the_same = further.is_empty() && given.unloaded.is_empty() && own_width;
     let before = if fitted_to_the_same { None } else { Some(in_band(given.logs, asked)?) };
     if !own_width {
@@ -296,6 +296,7 @@ pub(crate) fn explain<const N: usize>(
         rejected: rejected(&selection),
         extension,
         smoothing_rad_s: None,
+        sticks: false,
         unseen: Some(report),
         predictive_sd_nm,
         assumptions: assumptions(&scene, &all),

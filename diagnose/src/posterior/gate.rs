@@ -42,6 +42,8 @@ pub(crate) struct Wrongness {
     pub left_nm: Vec<f64>,
     /// What plain fits predict of parts that they were not fitted to; `None` where the log is too short, or all is wrong.
     pub plain_fits: Option<PlainFits>,
+    /// Pushes beside which the log was asked.
+    pub pushes: Vec<PushWindow>,
 }
 
 /// Whether more than half of the joints differ from the model: by friction or offset of their own with more beside it, or by more than
@@ -99,7 +101,10 @@ fn wrongness_around<const N: usize>(
     let Some((all, _)) = posterior(problem, &parts, &Start::of(&families)) else {
         let plain_fits = PlainFits::of(problem);
         let left_nm = vec![f64::INFINITY; N];
-        return (Wrongness { everywhere: false, in_many_joints: false, left_nm, plain_fits }, None);
+        return (
+            Wrongness { everywhere: false, in_many_joints: false, left_nm, plain_fits, pushes: pushes.to_vec() },
+            None,
+        );
     };
     let samples = problem.columns.samples(&parts).max(1) as f64;
     // A simulated log has no sensors' noise, but interpolation.
@@ -149,5 +154,6 @@ fn wrongness_around<const N: usize>(
         left_nm: (0..N).map(|j| problem.residual_along(&all.state, j, &parts)).collect(),
         weights: (0..N).map(|j| problem.columns.row_weights(j).to_vec()).collect(),
     });
-    (Wrongness { everywhere, in_many_joints: 3 * differing > N && !plain_will_do, left_nm, plain_fits }, left)
+    let in_many_joints = 3 * differing > N && !plain_will_do;
+    (Wrongness { everywhere, in_many_joints, left_nm, plain_fits, pushes: pushes.to_vec() }, left)
 }

@@ -22,6 +22,7 @@ mod simulated;
 mod spd;
 pub(crate) mod split;
 mod standstill;
+pub(crate) mod sticking;
 mod tempering;
 pub(crate) mod unseen;
 pub(crate) mod written;

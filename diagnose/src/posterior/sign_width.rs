@@ -9,12 +9,13 @@
 //! their friction, which presliding over a tenth of a milliradian or a Stribeck peak then explains. Fc is what the joint shows in motion, so
 //! nothing is fitted near rest; a wider sign is no candidate, since presliding and a simulator's soft friction have laws of their own.
 
-use super::fit::{Start, posterior};
+use super::fit::{Fit, Start, posterior};
 use super::joint_term::JointTerm;
 use super::prior::Family;
 use super::problem::{Place, Problem};
 use super::selection::LEAST_NATS;
 use super::tempering::{correlation_time, spectral_peak};
+use crate::Nominal;
 use crate::scene::Scene;
 
 /// Each width over the one before.
@@ -24,9 +25,9 @@ const WIDTHS: usize = 6;
 /// Least width over the noise of a joint's velocity in the band: below it, noise decides the sign.
 const LEAST_OVER_NOISE: f64 = 3.0;
 
-/// Width of the smooth sign [rad/s], sharper than the model's, that makes the log likeliest, common to all joints; `None` where none makes
-/// it likelier by 10 nat, nor most of the joints that say anything.
-pub(crate) fn sharper_sign<const N: usize>(scene: &Scene<N>, problem: &Problem) -> Option<f64> {
+/// The model with the width of the smooth sign, sharper than its own and common to all joints, that makes the log likeliest; `None` where none
+/// makes it likelier by 10 nat, nor that of most joints that say anything.
+pub(crate) fn sharper_sign<const N: usize>(scene: &Scene<N>, problem: &Problem) -> Option<Nominal<N>> {
     let parts = problem.all_parts();
     // Presliding over a short distance is nearly a sharper sign: it would take what is asked for.
     let without = |family: &Family| *family != Family::Presliding;
@@ -43,31 +44,59 @@ pub(crate) fn sharper_sign<const N: usize>(scene: &Scene<N>, problem: &Problem) 
     let (all, _) = posterior(problem, &parts, &Start::of(&families))?;
     let nats: Vec<Vec<f64>> = (0..N)
         .map(|j| {
-            let left = problem.residual_along(&all.state, j, &parts);
             let friction = scene.nominal.sliding_friction(j);
-            let more_nm = problem.index(Place::Own(j, JointTerm::Coulomb)).map_or(0.0, |i| all.state[i]);
+            let more_nm = more_coulomb_nm(problem, &all, j);
             let torque = |width: f64| -> Vec<f64> {
                 let friction = friction.with_sign(width, more_nm);
                 scene.samples.iter().map(|at| friction.torque_nm(at.qd[j])).collect()
             };
             let own = torque(own_rad_s);
-            let beyond_own =
-                |width: &f64| torque(*width).iter().zip(&own).map(|(sharper, own)| sharper - own).collect();
-            let fine: Vec<Vec<f64>> = widths.iter().map(beyond_own).collect();
-            // What a wrong width leaves comes again in every cycle: that is what is asked for, and no other error of the model.
-            let count = left.len() as f64 / correlation_time(&left).max(spectral_peak(&left));
-            let square: f64 = left.iter().map(|r| r * r).sum();
-            let weights = problem.columns.row_weights(j);
-            let likelier = |column: Vec<f64>| {
-                let weighted = column.iter().zip(weights).map(|(x, weight)| x * weight);
-                let without: f64 = left.iter().zip(weighted).map(|(r, x)| (r - x).powi(2)).sum();
-                0.5 * count * (square.max(f64::MIN_POSITIVE) / without.max(f64::MIN_POSITIVE)).ln()
+            let beyond_own = |width: &f64| {
+                let sharper = torque(*width).into_iter().zip(&own).map(|(sharper, own)| sharper - own);
+                let mut beyond: Vec<f64> = sharper.collect();
+                // A joint that sticks has no velocity that a sign could be of.
+                let stops = scene.short_rests[j].iter().filter(|_| scene.nominal.sticks);
+                stops.for_each(|rest| beyond[rest.clone()].fill(0.0));
+                beyond
             };
-            scene.filter_own_all(j, &fine).into_iter().map(likelier).collect()
+            let fine: Vec<Vec<f64>> = widths.iter().map(beyond_own).collect();
+            likelier(scene, problem, &all, j, &fine)
         })
         .collect();
     let sum = |k: usize| nats.iter().map(|joint| joint[k]).sum::<f64>();
     let best = (0..widths.len()).max_by(|a, b| sum(*a).total_cmp(&sum(*b)))?;
-    let says = |sign: f64| nats.iter().filter(|joint| sign * joint[best] > 1.0).count();
-    (sum(best) > LEAST_NATS && says(1.0) > says(-1.0)).then_some(widths[best])
+    let of_best: Vec<f64> = nats.iter().map(|joint| joint[best]).collect();
+    is_shown(&of_best).then(|| scene.nominal.with_sign(widths[best]))
+}
+
+/// Coulomb friction (Nm) that a joint has beyond the model's.
+pub(super) fn more_coulomb_nm(problem: &Problem, all: &Fit, joint: usize) -> f64 {
+    problem.index(Place::Own(joint, JointTerm::Coulomb)).map_or(0.0, |i| all.state[i])
+}
+
+/// By how much the log of a joint becomes likelier (nat) with each of some changes of its torque (Nm, fine grid).
+pub(super) fn likelier<const N: usize>(
+    scene: &Scene<N>,
+    problem: &Problem,
+    all: &Fit,
+    joint: usize,
+    changes: &[Vec<f64>],
+) -> Vec<f64> {
+    let left = problem.residual_along(&all.state, joint, &problem.all_parts());
+    // What a wrong width leaves comes again in every cycle: that is what is asked for, and no other error of the model.
+    let count = left.len() as f64 / correlation_time(&left).max(spectral_peak(&left));
+    let square: f64 = left.iter().map(|r| r * r).sum();
+    let weights = problem.columns.row_weights(joint);
+    let nats = |column: Vec<f64>| {
+        let weighted = column.iter().zip(weights).map(|(x, weight)| x * weight);
+        let without: f64 = left.iter().zip(weighted).map(|(r, x)| (r - x).powi(2)).sum();
+        0.5 * count * (square.max(f64::MIN_POSITIVE) / without.max(f64::MIN_POSITIVE)).ln()
+    };
+    scene.filter_own_all(joint, changes).into_iter().map(nats).collect()
+}
+
+/// Whether a change makes the log likelier by 10 nat in all, and most of the joints that say anything.
+pub(super) fn is_shown(nats: &[f64]) -> bool {
+    let says = |sign: f64| nats.iter().filter(|nats| sign * **nats > 1.0).count();
+    nats.iter().sum::<f64>() > LEAST_NATS && says(1.0) > says(-1.0)
 }

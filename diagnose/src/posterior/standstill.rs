@@ -101,6 +101,7 @@ mod tests {
             arm,
             friction: FrictionModel::none(),
             smoothing_rad_s: 0.01,
+            sticks: false,
             effects: Vec::new(),
             torque_side: TorqueSide::Link,
         };

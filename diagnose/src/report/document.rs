@@ -37,6 +37,7 @@ pub fn document(diagnosis: &Diagnosis, extras: &Extras) -> Value {
         "unseen": diagnosis.unseen.as_ref().map(unseen),
         "predictive_sd_nm": diagnosis.predictive_sd_nm,
         "smoothing_rad_s": diagnosis.smoothing_rad_s,
+        "sticks": diagnosis.sticks,
         "closed_loop": extras.closed_loop,
         "next_experiment": diagnosis.next_experiment.as_ref().map(next_experiment),
         "validation": diagnosis.validation.iter().map(|validation| json!({
@@ -246,6 +247,7 @@ mod tests {
             }],
             extension: Vec::new(),
             smoothing_rad_s: None,
+            sticks: false,
             unseen: Some(Unseen {
                 split: "each log in turn",
                 nominal_nm: vec![0.5],

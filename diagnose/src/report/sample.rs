@@ -115,6 +115,7 @@ pub fn diagnosis() -> Diagnosis {
         ],
         extension: Vec::new(),
         smoothing_rad_s: None,
+        sticks: false,
         unseen: Some(Unseen {
             split: "each third of the log in turn",
             nominal_nm: vec![0.5, 0.4, 0.3, 0.6, 0.1, 0.1, 0.05],

@@ -11,3 +11,4 @@ mod plain_fits;
 #[path = "../../../tests/python_witness.rs"]
 mod python_witness;
 mod scipy_filters;
+mod sticking_arm;

@@ -18,6 +18,7 @@ fn the_proposed_motion_settles_it() {
         arm: bare.arm.clone(),
         friction: bare.friction,
         smoothing_rad_s: SMOOTHING_RAD_S,
+        sticks: false,
         effects: Vec::new(),
         torque_side: Recording::default().torque_side,
     };

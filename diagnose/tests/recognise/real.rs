@@ -14,7 +14,14 @@ use super::remarks;
 
 fn nominal<const N: usize>(arm: Arm<N>, torque_side: TorqueSide) -> Nominal<N> {
     let arm = if torque_side == TorqueSide::Link { arm.link_side() } else { arm };
-    Nominal { arm, friction: FrictionModel::none(), smoothing_rad_s: 0.005, effects: Vec::new(), torque_side }
+    Nominal {
+        arm,
+        friction: FrictionModel::none(),
+        smoothing_rad_s: 0.005,
+        sticks: false,
+        effects: Vec::new(),
+        torque_side,
+    }
 }
 
 fn preset(name: &str) -> Arm<7> {

@@ -1,0 +1,170 @@
+"""Arms that Bullet simulates, whose joints stick, diagnosed by a `tribo` that knows them only from a model which is wrong everywhere.
+
+usage: bullet_arms.py TRIBO DIRECTORY [--arms panda,ur5e,xarm7,iiwa14] [--payloads 0,1] [--seeds 1,2] [--seconds 40,20] [--gain 20] [--feed 0.7]
+
+For every arm, payload and seed: `tribo export` writes the arm as URDF; every link is made wrong by 3 to 5 % (mass, inertia, centre of mass over
+its gyration radius), every torque sensor gets an offset, every joint dry and viscous friction of .7 to 1.7 % of its torque limit. Bullet holds dry friction by a
+constraint: a joint that stops sticks until more than that friction is asked for. It plays two motions at 1 kHz under a computed torque, the second faster.
+`tribo diagnose` sees the first, holds its answer against the second, and knows neither friction nor payload. Needs PyBullet and NumPy.
+"""
+import argparse, json, pathlib, subprocess
+import xml.etree.ElementTree as xml
+
+import numpy as np
+import pybullet as bullet
+
+LINK_ERROR, OFFSET = (0.03, 0.05), 0.006
+ENCODER_RAD, VELOCITY_RAD_S, TORQUE_NOISE = 1e-5, 1e-3, 6e-4
+SPEED_RAD_S, REACH_RAD, PERIOD_S = 0.8, 0.55, 1e-3
+# Friction over the torque limit, and how much of dry friction varies from joint to joint.
+DRY, VISCOUS, VARIES = 0.012, 0.012, 0.4
+READY = {
+    "panda": [0, -0.785, 0, -2.356, 0, 1.571, 0.785],
+    "ur5e": [-1.57, -1.57, 1.57, -1.57, -1.57, 0],
+    "xarm7": [0, -0.247, 0, 0.909, 0, 1.156, 0],
+    "iiwa14": [0, 0.785, 0, -1.571, 0, 0, 0],
+}
+TENSOR = ("ixx", "iyy", "izz", "ixy", "ixz", "iyz")
+
+
+def body_of(link, mass, tensor):
+    body = xml.SubElement(link, "inertial")
+    xml.SubElement(body, "origin", xyz="0 0 0", rpy="0 0 0")
+    xml.SubElement(body, "mass", value=repr(mass))
+    xml.SubElement(body, "inertia", {key: repr(tensor if key[1] == key[2] else 0.0) for key in TENSOR})
+
+
+def arm(tribo, robot, payload, rng, directory):
+    """The arm as it is, as URDF; what it carries is a body of 5 cm radius of gyration 5 cm in front of the flange."""
+    path = directory / f"{robot}.urdf"
+    subprocess.run([tribo, "export", "--robot", robot, "--format", "urdf", "--out", str(path), "--quiet"], check=True)
+    tree = xml.parse(path)
+    error = lambda: float(rng.choice([-1, 1]) * rng.uniform(*LINK_ERROR))
+    for link in tree.iter("link"):
+        body = link.find("inertial")
+        if body is None:
+            # Bullet takes a link without a body for one of 1 kg.
+            body_of(link, 1e-6, 1e-9)
+            continue
+        mass, inertia, origin = body.find("mass"), body.find("inertia"), body.find("origin")
+        kilograms = float(mass.get("value"))
+        radius = (sum(float(inertia.get(key)) for key in TENSOR[:3]) / 2 / kilograms) ** 0.5
+        mass.set("value", repr(kilograms * (1 + error())))
+        wrong = 1 + error()
+        for key in TENSOR:
+            inertia.set(key, repr(float(inertia.get(key)) * wrong))
+        origin.set("xyz", " ".join(repr(float(x) + error() * radius) for x in origin.get("xyz").split()))
+    if payload > 0:
+        children = {joint.find("child").get("link") for joint in tree.iter("joint")}
+        parents = {joint.find("parent").get("link") for joint in tree.iter("joint")}
+        [tip] = children - parents
+        body_of(xml.SubElement(tree.getroot(), "link", name="payload"), payload, payload * 0.05**2)
+        joint = xml.SubElement(tree.getroot(), "joint", name="grasp", type="fixed")
+        xml.SubElement(joint, "parent", link=tip)
+        xml.SubElement(joint, "child", link="payload")
+        xml.SubElement(joint, "origin", xyz="0 0 0.05", rpy="0 0 0")
+    true = directory / f"{robot}_{payload:g}_true.urdf"
+    tree.write(true)
+    return true
+
+
+def opened(path):
+    """The body and its joints, without any damping of Bullet's own."""
+    bullet.resetSimulation()
+    bullet.setGravity(0, 0, -9.81)
+    bullet.setTimeStep(PERIOD_S)
+    body = bullet.loadURDF(str(path), useFixedBase=True, flags=bullet.URDF_USE_INERTIA_FROM_FILE)
+    links = range(bullet.getNumJoints(body))
+    for link in range(-1, len(links)):
+        bullet.changeDynamics(body, link, linearDamping=0, angularDamping=0, jointDamping=0)
+    return body, [link for link in links if bullet.getJointInfo(body, link)[2] == bullet.JOINT_REVOLUTE]
+
+
+def record(path, arm, control, seconds, faster, rng, out):
+    """Four sines per joint about the ready pose, followed by a computed torque, as a log."""
+    ready, dry, viscous, offset = arm["ready"], arm["dry"], arm["viscous"], arm["offset"]
+    joints = len(ready)
+    body, places = opened(path)
+    for place, force in zip(places, dry):
+        # A motor that asks for standstill with no more than this force is dry friction.
+        bullet.setJointMotorControl2(body, place, bullet.VELOCITY_CONTROL, targetVelocity=0, force=force)
+    room = np.minimum(arm["upper"] - ready, ready - arm["lower"])
+    hz, phase = rng.uniform(0.05, 0.35, (4, joints)) * faster, rng.uniform(0, 2 * np.pi, (4, joints))
+    size = rng.uniform(0.5, 1, (4, joints))
+    size *= np.minimum(REACH_RAD, 0.8 * room) / size.sum(0)
+    size /= np.maximum(1, (2 * np.pi * hz * size).sum(0) / SPEED_RAD_S)
+
+    def reference(t):
+        begun, angle, rate = min(1.0, t / 2), 2 * np.pi * hz * t + phase, 2 * np.pi * hz
+        return (ready + begun * (size * np.sin(angle)).sum(0), begun * (size * rate * np.cos(angle)).sum(0),
+                -begun * (size * rate**2 * np.sin(angle)).sum(0))
+
+    for place, angle in zip(places, reference(0)[0]):
+        bullet.resetJointState(body, place, angle, 0)
+    rows = []
+    for k in range(int(seconds / PERIOD_S)):
+        t = k * PERIOD_S
+        states = bullet.getJointStates(body, places)
+        q, qd = np.array([state[0] for state in states]), np.array([state[1] for state in states])
+        wanted, wanted_rate, wanted_acceleration = reference(t)
+        asked = wanted_acceleration + control.gain**2 * (wanted - q) + 2 * control.gain * (wanted_rate - qd)
+        torque = np.array(bullet.calculateInverseDynamics(body, list(q), list(qd), list(asked)))
+        torque = np.clip(torque + control.feed * dry * np.tanh(wanted_rate / 0.02) + viscous * qd, -arm["limit"], arm["limit"])
+        seen = [q + rng.normal(0, ENCODER_RAD, joints), qd + rng.normal(0, VELOCITY_RAD_S, joints),
+                torque + offset + rng.normal(0, TORQUE_NOISE * arm["limit"])]
+        rows.append(np.concatenate([[t], *seen]))
+        bullet.setJointMotorControlArray(body, places, bullet.TORQUE_CONTROL, forces=list(torque - viscous * qd))
+        bullet.stepSimulation()
+    names = [f"{signal}_{joint}" for signal in ("q", "dq", "tau_J") for joint in range(joints)]
+    np.savetxt(out, rows, delimiter=",", header="time," + ",".join(names), comments="", fmt="%.9g")
+
+
+def judged(tribo, robot, train, test):
+    """What the answer about one log leaves of another over what the better plain fit does, and what it names."""
+    asked = [tribo, "diagnose", str(train), "--robot", robot, "--torque-side", "link", "--validate", str(test), "--json", "--quiet"]
+    answer = json.loads(subprocess.run(asked, check=True, capture_output=True, text=True).stdout)
+    held = answer["validation"][0]
+    ours, plain, full = (np.array(held[key]) for key in ("after_nm", "plain_nm", "full_nm"))
+    better = plain if (plain / full).mean() <= (full / plain).mean() else full
+    masses = [finding["params"]["mass_kg"] for finding in answer["findings"] if finding["cause"] == "payload"]
+    return {
+        "ratio": (ours / better).mean(), "worst": (ours / better).max(), "inside": held["inside95"], "mass": f"{masses[0]:.3f} kg" if masses else "no body",
+        "sticks": answer.get("sticks"), "causes": ", ".join(sorted({finding["cause"] for finding in answer["findings"]})),
+    }
+
+
+def main():
+    asked = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    asked.add_argument("tribo")
+    asked.add_argument("directory", type=pathlib.Path)
+    asked.add_argument("--arms", default="panda,ur5e,xarm7,iiwa14")
+    asked.add_argument("--payloads", default="0,1", help="kg")
+    asked.add_argument("--seeds", default="1,2")
+    asked.add_argument("--seconds", default="40,20", help="of the two motions")
+    asked.add_argument("--gain", type=float, default=20, help="bandwidth of the controller (rad/s)")
+    asked.add_argument("--feed", type=float, default=0.7, help="part of dry friction that the controller feeds forward")
+    asked.add_argument("--keep", action="store_true", help="use logs that are there")
+    asked = asked.parse_args()
+    asked.directory.mkdir(parents=True, exist_ok=True)
+    bullet.connect(bullet.DIRECT)
+    for robot in asked.arms.split(","):
+        for payload in map(float, asked.payloads.split(",")):
+            for seed in map(int, asked.seeds.split(",")):
+                rng = np.random.default_rng(seed)
+                path = arm(asked.tribo, robot, payload, rng, asked.directory)
+                body, places = opened(path)
+                lower, upper, limit = (np.array([bullet.getJointInfo(body, place)[i] for place in places]) for i in (8, 9, 10))
+                drawn = lambda size: size * limit * (1 + rng.uniform(-VARIES, VARIES, len(places)))
+                true = {"ready": np.array(READY[robot]), "lower": lower, "upper": upper, "limit": limit, "dry": drawn(DRY), "viscous": drawn(VISCOUS),
+                        "offset": OFFSET * limit * rng.uniform(-1, 1, len(places))}
+                logs = [asked.directory / f"{robot}_{payload:g}_{seed}_{part}.csv" for part in ("train", "test")]
+                for log, seconds, faster in zip(logs, map(float, asked.seconds.split(",")), (1.0, 1.6)):
+                    if not (asked.keep and log.exists()):
+                        record(path, true, asked, seconds, faster, rng, log)
+                found = judged(asked.tribo, robot, *logs)
+                print(f"| {robot} | {payload:g} | {seed} | {found['ratio']:.3f} | {found['worst']:.2f} | {100 * found['inside']:.1f} % | {found['mass']} "
+                      f"| {found['sticks']} | {found['causes']} |", flush=True)
+
+
+if __name__ == "__main__":
+    main()
