@@ -13,7 +13,8 @@ import argparse, json, pathlib
 import mujoco
 import numpy as np
 
-from mujoco_arms import ENCODER_RAD, VELOCITY_RAD_S, arm, diagnosed, exported
+from mujoco_arms import arm, diagnosed, exported
+from simulated_arms import ENCODER_RAD, VELOCITY_RAD_S
 
 REACH_RAD, PAUSE_S, SMOOTH_S = 0.7, (0.5, 0.3), 0.04
 SPEED_RAD_S, ACCELERATION_RAD_S2 = (0.6, 0.9), (2.0, 3.0)
@@ -126,7 +127,7 @@ def main():
     asked.directory.mkdir(parents=True, exist_ok=True)
     answers = []
     for robot in asked.arms.split(","):
-        path = exported(asked.tribo, robot, asked.directory)
+        path = exported(asked.tribo, robot, "mjcf", asked.directory / f"{robot}.xml")
         for seed in map(int, asked.seeds.split(",")):
             rng = np.random.default_rng([seed, *robot.encode()])
             payload = (0.0, 0.0, 0.5, 1.5)[rng.integers(4)]

@@ -7,16 +7,15 @@ mass over its gyration radius), dry and viscous friction by up to 20 %, every to
 1 kHz under a computed torque, the second faster. `tribo diagnose` sees the first, holds its answer against the second, and knows
 neither friction nor payload. Needs MuJoCo and NumPy.
 """
-import argparse, json, pathlib, subprocess
+import argparse, json, pathlib, sys
 
 import mujoco
 import numpy as np
 
-LINK_ERROR, FRICTION_ERROR, OFFSET = (0.03, 0.05), 0.2, 0.006
-ENCODER_RAD, VELOCITY_RAD_S = 1e-5, 1e-3
-SPEED_RAD_S, REACH_RAD = 0.8, 0.55
-# Noise of the torque sensors over the joint's limit.
-TORQUE_NOISE = 6e-4
+sys.path.append(str(pathlib.Path(__file__).resolve().parents[1]))
+from simulated_arms import LINK_ERROR, OFFSET, diagnosed, exported, four_sines, seen, write_log
+
+FRICTION_ERROR = 0.2
 
 
 def inertia_of(model, body):
@@ -63,17 +62,7 @@ def record(model, offset, seconds, faster, rng, path):
     """Four sines per joint about the ready pose, followed by a computed torque, as a log."""
     joints, limit = model.nv, model.actuator_ctrlrange[:, 1]
     ready, data, wanted = model.key_qpos[0], mujoco.MjData(model), mujoco.MjData(model)
-    room = np.minimum(model.jnt_range[:, 1] - ready, ready - model.jnt_range[:, 0])
-    hz, phase = rng.uniform(0.05, 0.35, (4, joints)) * faster, rng.uniform(0, 2 * np.pi, (4, joints))
-    size = rng.uniform(0.5, 1, (4, joints))
-    size *= np.minimum(REACH_RAD, 0.8 * room) / size.sum(0)
-    size /= np.maximum(1, (2 * np.pi * hz * size).sum(0) / SPEED_RAD_S)
-
-    def reference(t):
-        begun, angle, rate = min(1.0, t / 2), 2 * np.pi * hz * t + phase, 2 * np.pi * hz
-        return (ready + begun * (size * np.sin(angle)).sum(0), begun * (size * rate * np.cos(angle)).sum(0),
-                -begun * (size * rate**2 * np.sin(angle)).sum(0))
-
+    reference = four_sines(ready, model.jnt_range[:, 0], model.jnt_range[:, 1], faster, rng)
     mujoco.mj_resetData(model, data)
     data.qpos[:] = reference(0)[0]
     rows = []
@@ -84,44 +73,15 @@ def record(model, offset, seconds, faster, rng, path):
         wanted.qacc[:] = qdd + 100 * (q - data.qpos) + 20 * (qd - data.qvel)
         mujoco.mj_inverse(model, wanted)
         torque = np.clip(wanted.qfrc_inverse, -limit, limit)
-        seen = [data.qpos + rng.normal(0, ENCODER_RAD, joints), data.qvel + rng.normal(0, VELOCITY_RAD_S, joints),
-                torque + offset + rng.normal(0, TORQUE_NOISE * limit)]
-        rows.append(np.concatenate([[t], *seen]))
+        rows.append(seen(t, data.qpos, data.qvel, torque + offset, limit, rng))
         data.ctrl[:] = torque
         mujoco.mj_step(model, data)
-    names = [f"{signal}_{joint}" for signal in ("q", "dq", "tau_J") for joint in range(joints)]
-    np.savetxt(path, rows, delimiter=",", header="time," + ",".join(names), comments="", fmt="%.9g")
-
-
-def exported(tribo, robot, directory):
-    """The arm as MJCF."""
-    path = directory / f"{robot}.xml"
-    subprocess.run([tribo, "export", "--robot", robot, "--format", "mjcf", "--out", str(path), "--quiet"], check=True)
-    return path
-
-
-def diagnosed(tribo, robot, train, test):
-    """The answer about one log, what it leaves of another over what the better plain fit does, and the bodies that it names."""
-    asked = [tribo, "diagnose", str(train), "--robot", robot, "--validate", str(test), "--json", "--quiet"]
-    answer = json.loads(subprocess.run(asked, check=True, capture_output=True, text=True).stdout)
-    held = answer["validation"][0]
-    ours, plain, full = (np.array(held[key]) for key in ("after_nm", "plain_nm", "full_nm"))
-    better = plain if (plain / full).mean() <= (full / plain).mean() else full
-    bodies = [finding for finding in answer["findings"] if finding["cause"] == "payload"]
-    return answer, bodies, {
-        "ratio": float((ours / better).mean()),
-        "worst_joint": float((ours / better).max()),
-        "inside95": held["inside95"],
-        "payload_kg": bodies[0]["params"]["mass_kg"] if bodies else None,
-    }
+    write_log(path, rows, joints)
 
 
 def judged(tribo, robot, train, test):
     answer, _, found = diagnosed(tribo, robot, train, test)
-    return found | {
-        "causes": sorted({finding["cause"] for finding in answer["findings"]}),
-        "leads": any("frictionloss" in note for note in answer["notes"]),
-    }
+    return found | {"leads": any("frictionloss" in note for note in answer["notes"])}
 
 
 def main():
@@ -137,7 +97,7 @@ def main():
     asked.directory.mkdir(parents=True, exist_ok=True)
     answers = []
     for robot in asked.arms.split(","):
-        path = exported(asked.tribo, robot, asked.directory)
+        path = exported(asked.tribo, robot, "mjcf", asked.directory / f"{robot}.xml")
         for payload in map(float, asked.payloads.split(",")):
             for seed in map(int, asked.seeds.split(",")):
                 rng = np.random.default_rng(seed)

@@ -7,15 +7,16 @@ its gyration radius), every torque sensor gets an offset, every joint dry and vi
 constraint: a joint that stops sticks until more than that friction is asked for. It plays two motions at 1 kHz under a computed torque, the second faster.
 `tribo diagnose` sees the first, holds its answer against the second, and knows neither friction nor payload. Needs PyBullet and NumPy.
 """
-import argparse, json, pathlib, subprocess
+import argparse, pathlib, sys
 import xml.etree.ElementTree as xml
 
 import numpy as np
 import pybullet as bullet
 
-LINK_ERROR, OFFSET = (0.03, 0.05), 0.006
-ENCODER_RAD, VELOCITY_RAD_S, TORQUE_NOISE = 1e-5, 1e-3, 6e-4
-SPEED_RAD_S, REACH_RAD, PERIOD_S = 0.8, 0.55, 1e-3
+sys.path.append(str(pathlib.Path(__file__).resolve().parents[1]))
+from simulated_arms import LINK_ERROR, OFFSET, diagnosed, exported, four_sines, seen, write_log
+
+PERIOD_S = 1e-3
 # Friction over the torque limit, and how much of dry friction varies from joint to joint.
 DRY, VISCOUS, VARIES = 0.012, 0.012, 0.4
 READY = {
@@ -36,9 +37,7 @@ def body_of(link, mass, tensor):
 
 def arm(tribo, robot, payload, rng, directory):
     """The arm as it is, as URDF; what it carries is a body of 5 cm radius of gyration 5 cm in front of the flange."""
-    path = directory / f"{robot}.urdf"
-    subprocess.run([tribo, "export", "--robot", robot, "--format", "urdf", "--out", str(path), "--quiet"], check=True)
-    tree = xml.parse(path)
+    tree = xml.parse(exported(tribo, robot, "urdf", directory / f"{robot}.urdf"))
     error = lambda: float(rng.choice([-1, 1]) * rng.uniform(*LINK_ERROR))
     for link in tree.iter("link"):
         body = link.find("inertial")
@@ -88,17 +87,7 @@ def record(path, arm, control, seconds, faster, rng, out):
     for place, force in zip(places, dry):
         # A motor that asks for standstill with no more than this force is dry friction.
         bullet.setJointMotorControl2(body, place, bullet.VELOCITY_CONTROL, targetVelocity=0, force=force)
-    room = np.minimum(arm["upper"] - ready, ready - arm["lower"])
-    hz, phase = rng.uniform(0.05, 0.35, (4, joints)) * faster, rng.uniform(0, 2 * np.pi, (4, joints))
-    size = rng.uniform(0.5, 1, (4, joints))
-    size *= np.minimum(REACH_RAD, 0.8 * room) / size.sum(0)
-    size /= np.maximum(1, (2 * np.pi * hz * size).sum(0) / SPEED_RAD_S)
-
-    def reference(t):
-        begun, angle, rate = min(1.0, t / 2), 2 * np.pi * hz * t + phase, 2 * np.pi * hz
-        return (ready + begun * (size * np.sin(angle)).sum(0), begun * (size * rate * np.cos(angle)).sum(0),
-                -begun * (size * rate**2 * np.sin(angle)).sum(0))
-
+    reference = four_sines(ready, arm["lower"], arm["upper"], faster, rng)
     for place, angle in zip(places, reference(0)[0]):
         bullet.resetJointState(body, place, angle, 0)
     rows = []
@@ -110,27 +99,10 @@ def record(path, arm, control, seconds, faster, rng, out):
         asked = wanted_acceleration + control.gain**2 * (wanted - q) + 2 * control.gain * (wanted_rate - qd)
         torque = np.array(bullet.calculateInverseDynamics(body, list(q), list(qd), list(asked)))
         torque = np.clip(torque + control.feed * dry * np.tanh(wanted_rate / 0.02) + viscous * qd, -arm["limit"], arm["limit"])
-        seen = [q + rng.normal(0, ENCODER_RAD, joints), qd + rng.normal(0, VELOCITY_RAD_S, joints),
-                torque + offset + rng.normal(0, TORQUE_NOISE * arm["limit"])]
-        rows.append(np.concatenate([[t], *seen]))
+        rows.append(seen(t, q, qd, torque + offset, arm["limit"], rng))
         bullet.setJointMotorControlArray(body, places, bullet.TORQUE_CONTROL, forces=list(torque - viscous * qd))
         bullet.stepSimulation()
-    names = [f"{signal}_{joint}" for signal in ("q", "dq", "tau_J") for joint in range(joints)]
-    np.savetxt(out, rows, delimiter=",", header="time," + ",".join(names), comments="", fmt="%.9g")
-
-
-def judged(tribo, robot, train, test):
-    """What the answer about one log leaves of another over what the better plain fit does, and what it names."""
-    asked = [tribo, "diagnose", str(train), "--robot", robot, "--torque-side", "link", "--validate", str(test), "--json", "--quiet"]
-    answer = json.loads(subprocess.run(asked, check=True, capture_output=True, text=True).stdout)
-    held = answer["validation"][0]
-    ours, plain, full = (np.array(held[key]) for key in ("after_nm", "plain_nm", "full_nm"))
-    better = plain if (plain / full).mean() <= (full / plain).mean() else full
-    masses = [finding["params"]["mass_kg"] for finding in answer["findings"] if finding["cause"] == "payload"]
-    return {
-        "ratio": (ours / better).mean(), "worst": (ours / better).max(), "inside": held["inside95"], "mass": f"{masses[0]:.3f} kg" if masses else "no body",
-        "sticks": answer.get("sticks"), "causes": ", ".join(sorted({finding["cause"] for finding in answer["findings"]})),
-    }
+    write_log(out, rows, joints)
 
 
 def main():
@@ -161,9 +133,10 @@ def main():
                 for log, seconds, faster in zip(logs, map(float, asked.seconds.split(",")), (1.0, 1.6)):
                     if not (asked.keep and log.exists()):
                         record(path, true, asked, seconds, faster, rng, log)
-                found = judged(asked.tribo, robot, *logs)
-                print(f"| {robot} | {payload:g} | {seed} | {found['ratio']:.3f} | {found['worst']:.2f} | {100 * found['inside']:.1f} % | {found['mass']} "
-                      f"| {found['sticks']} | {found['causes']} |", flush=True)
+                answer, _, found = diagnosed(asked.tribo, robot, *logs, "--torque-side", "link")
+                mass = "no body" if found["payload_kg"] is None else f"{found['payload_kg']:.3f} kg"
+                print(f"| {robot} | {payload:g} | {seed} | {found['ratio']:.3f} | {found['worst_joint']:.2f} | {100 * found['inside95']:.1f} % | {mass} "
+                      f"| {answer['sticks']} | {', '.join(found['causes'])} |", flush=True)
 
 
 if __name__ == "__main__":

@@ -31,7 +31,7 @@ pub struct FrictionSection {
     /// Width of tanh(qd/smoothing) in place of the sign [rad/s].
     #[serde(default = "default_smoothing")]
     pub smoothing_rad_s: f64,
-    /// Whether a joint that stops for a moment sticks until the motor asks for more than its friction: on logs its torque is then a straight line
+    /// Whether a joint that stops for a moment sticks until the motor asks for more than its friction: on logs that friction is then a straight line
     /// in time over the stop. Simulated joints always stick.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     pub sticks: bool,
