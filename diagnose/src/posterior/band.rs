@@ -1,21 +1,30 @@
 //! The band that torque of unseen motion lies in, as wide as held-out parts ask for.
 //!
 //! ```text
-//! Var r_j(t) = w_j² (σ_j² (1 + d m(t))/(1 + d) + c V_j(t)),   V_j what the parameters leave open, m the motion
+//! Var r_j(t) = w_j² (σ_j² ((1 + d m(t))/(1 + d) + e (1 − s_j(t)²)) + c V_j(t)),
+//!              V_j what the parameters leave open, m the motion, s_j the smooth sign of the velocity in the band
 //! ```
 //!
-//! What is left of a real robot is error of its model, which grows away from what was fitted and with the motion (see
-//! [`super::motion`]): c and d, common to all joints, are the likeliest for parts that were held out, the fastest among them ([`super::faster`]);
-//! w_j then holds 95 % of a joint's samples in thirds or logs that were held out, and in the fastest part.
+//! What is left of a real robot is error of its model, which grows away from what was fitted, with the motion (see [`super::motion`]), and where a joint
+//! turns round or rests, whose friction is hardest to say. c, d and e, common to all joints, are the likeliest for parts that were held out, the fastest
+//! and the farthest postures among them ([`super::extremes`]). w_j holds 95 % of a joint's samples of parts that were held out in turn, and, the farther
+//! a motion is from what was fitted ([`super::distance`]), also those of the fastest and of the farthest part; and it is then no narrower than the geometric mean
+//! of itself and of the geometric mean over all joints: on another motion the widths of joints are nearer to each other than in one log.
 
 /// |z| that 95 % of a Gaussian lie within.
 const Z95: f64 = 1.96;
-/// Decimal logarithm of the largest c, and steps per decade.
-const DECADES: [usize; 2] = [4, 4];
+/// Decimal logarithms of the smallest and the largest c, and steps per decade.
+const DECADES: [i32; 3] = [-1, 4, 2];
 /// Values that d may have.
-const MOTION_SCALES: [f64; 7] = [0.0, 0.1, 0.3, 1.0, 3.0, 10.0, 30.0];
+const MOTION_SCALES: [f64; 3] = [0.0, 0.3, 3.0];
+/// Values that e may have.
+const TURNING_SCALES: [f64; 7] = [0.0, 1.0, 3.0, 10.0, 30.0, 100.0, 300.0];
 /// Largest square of a standardised residual that counts: the tails are no Gaussian's.
 const MOST_SQUARE: f64 = 9.0;
+/// Most samples that c, d and e are chosen on.
+const MOST_SAMPLES: usize = 6000;
+/// Narrowest width: a residual that is nothing must not make a band that is nothing.
+const NARROWEST: f64 = 1e-3;
 
 /// A residual (Nm) with what it was foretold to vary by (Nm²).
 #[derive(Clone, Copy, Debug)]
@@ -27,82 +36,143 @@ pub(crate) struct Deviation {
     pub unknown: f64,
     /// m, 1 in the mean of what was fitted [-].
     pub motion: f64,
+    /// 1 − s², 1 where the joint rests or turns round [-].
+    pub turning: f64,
 }
 
-/// The band.
+/// What was held out in one way.
+#[derive(Clone, Debug)]
+pub(crate) struct HeldOut {
+    /// One list per joint, empty where nothing could be held out.
+    pub deviations: Vec<Vec<Deviation>>,
+    /// How far it is from what was fitted, see [`super::distance`].
+    pub distance: f64,
+}
+
+/// The bands of all motions.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Bands {
+    scales: Scales,
+    /// w of each joint for parts that are held out in turn, and their distance.
+    near: (Vec<f64>, f64),
+    /// The same of the fastest and the farthest part.
+    far: [(Vec<f64>, f64); 2],
+}
+
+/// The band of a motion.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Band {
-    /// c.
-    pub unknown_scale: f64,
-    /// d.
-    pub motion_scale: f64,
+    scales: Scales,
     /// w of each joint.
-    pub widths: Vec<f64>,
+    widths: Vec<f64>,
+}
+
+/// c, d and e.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Scales {
+    unknown: f64,
+    motion: f64,
+    turning: f64,
+}
+
+impl Bands {
+    /// Of residuals of parts that were held out in turn, and of the fastest and the farthest part.
+    pub fn of(in_turn: &HeldOut, extremes: &[HeldOut; 2]) -> Self {
+        let scales = Scales::likeliest(&[in_turn, &extremes[0], &extremes[1]]);
+        let width = |list: &Vec<Deviation>| {
+            quantile(list.iter().map(|at| scales.square(at)).collect(), 0.95)
+                .map_or(1.0, |square| square.sqrt() / Z95)
+                .max(NARROWEST)
+        };
+        let near: Vec<f64> = in_turn.deviations.iter().map(width).collect();
+        let wider = |(list, near): (&Vec<Deviation>, &f64)| if list.is_empty() { *near } else { near.max(width(list)) };
+        let far = extremes.each_ref().map(|way| (way.deviations.iter().zip(&near).map(wider).collect(), way.distance));
+        Self { scales, near: (near, in_turn.distance), far }
+    }
+
+    /// That of the motion in which parts were held out in turn.
+    pub fn near(&self) -> Band {
+        self.at(self.near.1)
+    }
+
+    /// That of a motion with this distance from what was fitted.
+    pub fn at(&self, distance: f64) -> Band {
+        let (near, in_turn) = &self.near;
+        // 0 as near as parts in turn, or half as far as the extreme part; 1 as far as that.
+        let share = |far: f64| {
+            let from = in_turn.min(0.5 * far);
+            if far > from { ((distance - from) / (far - from)).clamp(0.0, 1.0) } else { 0.0 }
+        };
+        let shares = self.far.each_ref().map(|(_, to)| share(*to));
+        let wide = |j: usize| {
+            let of_way = |((far, _), share): (&(Vec<f64>, f64), &f64)| near[j].powf(1.0 - share) * far[j].powf(*share);
+            self.far.iter().zip(&shares).map(of_way).fold(near[j], f64::max)
+        };
+        let own: Vec<f64> = (0..near.len()).map(wide).collect();
+        let common = (own.iter().map(|w| w.ln()).sum::<f64>() / own.len().max(1) as f64).exp();
+        let pooled = 0.5 * shares[0].max(shares[1]);
+        Band {
+            scales: self.scales,
+            widths: own.iter().map(|w| w.max(w.powf(1.0 - pooled) * common.powf(pooled))).collect(),
+        }
+    }
 }
 
 impl Band {
-    /// The band of residuals of parts that were held out in turn, and of the fastest part; one list per joint.
-    pub fn of(in_turn: &[Vec<Deviation>], fastest: &[Vec<Deviation>]) -> Self {
-        let unseen: Vec<Vec<Deviation>> =
-            in_turn.iter().zip(fastest).map(|(all, fast)| all.iter().chain(fast).copied().collect()).collect();
-        let unknown = (0..=DECADES[0] * DECADES[1]).map(|k| 10f64.powf(k as f64 / DECADES[1] as f64));
-        let pairs = unknown.flat_map(|c| MOTION_SCALES.into_iter().map(move |d| [c, d]));
-        let likeliest = pairs
-            .map(|pair| (pair, cost(&unseen, pair)))
-            .min_by(|a, b| a.1.total_cmp(&b.1))
-            .map_or([1.0, 0.0], |(pair, _)| pair);
-        let width = |held_out: &[Deviation]| {
-            let squares = held_out.iter().map(|at| square(at, likeliest)).collect();
-            quantile(squares, 0.95).sqrt() / Z95
-        };
-        let wider = |(all, fast): (&Vec<Deviation>, &Vec<Deviation>)| match fast.is_empty() {
-            true => width(all).max(1e-3),
-            false => width(all).max(width(fast)).max(1e-3),
-        };
-        let [unknown_scale, motion_scale] = likeliest;
-        Self { unknown_scale, motion_scale, widths: in_turn.iter().zip(fastest).map(wider).collect() }
-    }
-
-    /// Standard deviation of a joint's torque (Nm), from variances by noise and by what is unknown (Nm²), where the arm moves as in
-    /// what was fitted.
-    pub fn sd_nm(&self, joint: usize, own: f64, unknown: f64) -> f64 {
-        let at = Deviation { residual_nm: 0.0, own, unknown, motion: 1.0 };
-        self.widths[joint] * variance(&at, [self.unknown_scale, self.motion_scale]).sqrt()
+    /// Standard deviation of a joint's torque (Nm) where its variances, motion and turning are those of `at`.
+    pub fn sd_nm(&self, joint: usize, at: &Deviation) -> f64 {
+        self.widths[joint] * self.scales.variance(at).sqrt()
     }
 
     /// Whether a residual of a joint lies in the 95 % band.
     pub fn holds(&self, joint: usize, at: &Deviation) -> bool {
-        let scales = [self.unknown_scale, self.motion_scale];
-        at.residual_nm.abs() <= Z95 * self.widths[joint] * variance(at, scales).sqrt()
+        at.residual_nm.abs() <= Z95 * self.sd_nm(joint, at)
     }
 }
 
-/// σ² (1 + d m)/(1 + d) + c V (Nm²).
-fn variance(at: &Deviation, [c, d]: [f64; 2]) -> f64 {
-    at.own * (1.0 + d * at.motion) / (1.0 + d) + c * at.unknown
+impl Scales {
+    /// Of all that may be, those under which the samples are likeliest.
+    fn likeliest(held_out: &[&HeldOut]) -> Self {
+        let all: Vec<Deviation> = held_out.iter().flat_map(|way| way.deviations.iter().flatten()).copied().collect();
+        let every = all.len().div_ceil(MOST_SAMPLES).max(1);
+        let samples: Vec<Deviation> = all.into_iter().step_by(every).filter(|at| at.own > 0.0).collect();
+        let [least, most, steps] = DECADES;
+        let unknown = (least * steps..=most * steps).map(|k| 10f64.powf(f64::from(k) / f64::from(steps)));
+        let scales = unknown.flat_map(|unknown| {
+            MOTION_SCALES
+                .into_iter()
+                .flat_map(move |motion| TURNING_SCALES.map(|turning| Self { unknown, motion, turning }))
+        });
+        let none = Self { unknown: 1.0, motion: 0.0, turning: 0.0 };
+        scales.map(|s| (s, s.cost(&samples))).min_by(|a, b| a.1.total_cmp(&b.1)).map_or(none, |(s, _)| s)
+    }
+
+    /// σ² ((1 + d m)/(1 + d) + e (1 − s²)) + c V (Nm²).
+    fn variance(self, at: &Deviation) -> f64 {
+        let moving = (1.0 + self.motion * at.motion) / (1.0 + self.motion);
+        at.own * (moving + self.turning * at.turning) + self.unknown * at.unknown
+    }
+
+    fn square(self, at: &Deviation) -> f64 {
+        at.residual_nm.powi(2) / self.variance(at).max(f64::MIN_POSITIVE)
+    }
+
+    /// Minus the logarithm of the likelihood of samples at a common width.
+    fn cost(self, samples: &[Deviation]) -> f64 {
+        let Some(square) = quantile(samples.iter().map(|at| self.square(at)).collect(), 0.95) else { return 0.0 };
+        let width = (square / Z95.powi(2)).max(1e-6);
+        let of_sample = |at: &Deviation| {
+            let grown = self.variance(at) / at.own;
+            0.5 * ((self.square(at) / width).min(MOST_SQUARE) + (width * grown).ln())
+        };
+        samples.iter().map(of_sample).sum()
+    }
 }
 
-fn square(at: &Deviation, scales: [f64; 2]) -> f64 {
-    at.residual_nm.powi(2) / variance(at, scales).max(f64::MIN_POSITIVE)
-}
-
-/// Minus the logarithm of the likelihood of all joints at their common width.
-fn cost(unseen: &[Vec<Deviation>], scales: [f64; 2]) -> f64 {
-    let all = || unseen.iter().flatten().filter(|at| at.own > 0.0);
-    let width = (quantile(all().map(|at| square(at, scales)).collect(), 0.95) / Z95.powi(2)).max(1e-6);
-    all()
-        .map(|at| {
-            let grown = variance(at, scales) / at.own;
-            0.5 * ((square(at, scales) / width).min(MOST_SQUARE) + (width * grown).ln())
-        })
-        .sum()
-}
-
-/// A quantile; of nothing, that of a Gaussian's squares.
-fn quantile(mut values: Vec<f64>, part: f64) -> f64 {
-    values.sort_by(f64::total_cmp);
-    let at = ((values.len() as f64 - 1.0) * part).round().max(0.0) as usize;
-    values.get(at).copied().unwrap_or(Z95 * Z95)
+/// A quantile; `None` of nothing.
+fn quantile(mut values: Vec<f64>, part: f64) -> Option<f64> {
+    let at = (values.len().checked_sub(1)? as f64 * part).round() as usize;
+    Some(*values.select_nth_unstable_by(at, f64::total_cmp).1)
 }
 
 #[cfg(test)]
@@ -110,23 +180,33 @@ mod tests {
     use super::*;
     use crate::noise_level::gaussian;
 
+    /// Parts held out in turn at distance 1, the fastest at distance 2, or none.
+    fn bands(in_turn: &[Vec<Deviation>], fastest: &[Vec<Deviation>]) -> Bands {
+        let none = HeldOut { deviations: vec![Vec::new(); in_turn.len()], distance: f64::INFINITY };
+        let fastest = match fastest.is_empty() {
+            true => none.clone(),
+            false => HeldOut { deviations: fastest.to_vec(), distance: 2.0 },
+        };
+        Bands::of(&HeldOut { deviations: in_turn.to_vec(), distance: 1.0 }, &[fastest, none])
+    }
+
     /// Residuals of variance 4 (1 + 10 V) are held by the band in 95 % of samples, with small V and with large.
     #[test]
     fn the_band_finds_how_errors_grow() {
         let mut gauss = gaussian(3);
         let mut draw = |unknown: f64| {
             let residual_nm = 2.0 * (1.0 + 10.0 * unknown).sqrt() * gauss();
-            Deviation { residual_nm, own: 1.0, unknown, motion: 1.0 }
+            Deviation { residual_nm, own: 1.0, unknown, motion: 1.0, turning: 0.0 }
         };
         let seen: Vec<Vec<Deviation>> =
             (0..3).map(|_| (0..3000).map(|k| draw(f64::from(k % 10) * 0.05)).collect()).collect();
-        let band = Band::of(&seen, &vec![Vec::new(); 3]);
-        assert!((5.0..20.0).contains(&band.unknown_scale), "{band:?}");
+        let band = bands(&seen, &[]).near();
+        assert!((5.0..20.0).contains(&band.scales.unknown), "{band:?}");
         let far: Vec<Deviation> = (0..3000).map(|_| draw(3.0)).collect();
         let inside = far.iter().filter(|at| band.holds(1, at)).count() as f64 / 3000.0;
         assert!((0.91..0.99).contains(&inside), "{inside}");
         // One that takes the fit at its word holds less.
-        let narrow = Band { unknown_scale: 1.0, ..band };
+        let narrow = Band { scales: Scales { unknown: 1.0, ..band.scales }, ..band };
         let inside = far.iter().filter(|at| narrow.holds(1, at)).count() as f64 / 3000.0;
         assert!(inside < 0.85, "{inside}");
     }
@@ -140,12 +220,21 @@ mod tests {
             own: 1.0,
             unknown: 0.0,
             motion,
+            turning: 0.0,
         };
         let in_turn: Vec<Vec<Deviation>> = (0..3).map(|_| (0..2000).map(|_| draw(1.0, 1.0)).collect()).collect();
         let fastest: Vec<Vec<Deviation>> =
             [1.0, 1.0, 4.0].map(|growth| (0..1000).map(|_| draw(4.0, growth)).collect()).to_vec();
-        let band = Band::of(&in_turn, &fastest);
-        let without = Band::of(&in_turn, &vec![Vec::new(); 3]);
+        let band = bands(&in_turn, &fastest).at(2.0);
+        let without = bands(&in_turn, &[]).near();
+        // A motion that is no farther than parts in turn has their width, one that is half as far as the fastest part lies between.
+        let near = bands(&in_turn, &fastest).near();
+        assert_eq!(near.widths, bands(&in_turn, &fastest).at(0.3).widths);
+        let middle = bands(&in_turn, &fastest).at(1.5);
+        assert!(
+            near.widths[2] < 0.9 * middle.widths[2] && middle.widths[2] < 0.9 * band.widths[2],
+            "{near:?} {middle:?} {band:?}"
+        );
         let mut inside = |band: &Band, joint: usize, growth: f64| {
             (0..3000).filter(|_| band.holds(joint, &draw(6.0, growth))).count() as f64 / 3000.0
         };

@@ -7,11 +7,12 @@ use tribo_logs::{RobotLog, median_period_s};
 use tribo_robot::JointNames;
 use tribo_sim::Effect;
 
-use super::band::Band;
+use super::band::{Bands, Deviation, HeldOut};
 use super::baseline::Baselines;
 use super::columns::{Columns, PARTS};
+use super::distance::{MotionSpace, distance};
+use super::extremes::extremes;
 use super::family_finding::Answer;
-use super::faster::faster;
 use super::fit::{Fit, Start, posterior};
 use super::further::further_causes;
 use super::motion::Motion;
@@ -240,7 +241,9 @@ pub(crate) fn explain<const N: usize>(
 
     step("validation", 0.95)?;
     let rates_hz: Vec<f64> = scene.chains.iter().map(|chain| chain.output_rate_hz()).collect();
-    let band = Band::of(&unseen.deviations, &faster(&problem, &all, &rates_hz));
+    let space = MotionSpace::of(&problem);
+    let in_turn = HeldOut { deviations: unseen.deviations, distance: space.in_turn(&problem) };
+    let bands = Bands::of(&in_turn, &extremes(&problem, &all, &space, &rates_hz));
     // A push belongs to the log that it was found in.
     let not_lasting = |effect: &Effect| matches!(effect, Effect::ExternalContact { .. });
     let mut extended = extended;
@@ -258,19 +261,32 @@ pub(crate) fn explain<const N: usize>(
                 &problem,
                 &all,
                 &baselines,
-                &band,
+                &bands,
+                &space,
                 settings,
                 band_hz,
             )
         })
         .collect::<Result<Vec<_>, _>>()?;
 
+    let mean = |values: &mut dyn Iterator<Item = f64>| {
+        let (sum, count) = values.fold((0.0, 0.0), |(sum, count), x| (sum + x, count + 1.0));
+        sum / f64::max(count, 1.0)
+    };
+    let band = bands.near();
     let predictive_sd_nm: Vec<f64> = (0..N)
         .map(|j| {
             let unknown: Vec<f64> =
                 unseen.parts.iter().flat_map(|part| unknown_variance(&problem, &all, j, *part)).collect();
-            let mean = unknown.iter().sum::<f64>() / unknown.len().max(1) as f64;
-            band.sd_nm(j, all.variances[j], mean)
+            let mut turning = in_turn.deviations[j].iter().map(|at| at.turning);
+            let at = Deviation {
+                residual_nm: 0.0,
+                own: all.variances[j],
+                unknown: mean(&mut unknown.into_iter()),
+                motion: 1.0,
+                turning: mean(&mut turning),
+            };
+            band.sd_nm(j, &at)
         })
         .collect();
     let mut notes = notes_of(&scene);
@@ -382,7 +398,8 @@ fn validated<const N: usize>(
     problem: &Problem,
     all: &Fit,
     baselines: &Baselines,
-    band: &Band,
+    bands: &Bands,
+    space: &MotionSpace,
     settings: &DiagnoseSettings,
     band_hz: f64,
 ) -> Result<Validation, DiagnoseError> {
@@ -405,6 +422,8 @@ fn validated<const N: usize>(
         (0..N).map(|j| (square(j) / samples).sqrt()).collect()
     };
     let motion = Motion::of(problem, &problem.all_parts());
+    let away = distance(&space.points(&here, &parts), &space.points(problem, &problem.all_parts()));
+    let band = bands.at(away);
     let inside: usize =
         (0..N).map(|j| deviations(&here, all, &motion, j, &parts).iter().filter(|at| band.holds(j, at)).count()).sum();
     let rms_of = |scene: &Scene<N>| scene.residual_nm.iter().map(|column| rms(column)).collect::<Vec<f64>>();

@@ -22,7 +22,7 @@ impl Motion {
     /// The motion of some parts.
     pub fn of(problem: &Problem, parts: &[usize]) -> Self {
         let mean_square = |joint: usize, term| {
-            let values = of_term(problem, joint, term, parts);
+            let values = problem.term_along(joint, term, parts);
             values.iter().map(|x| x * x).sum::<f64>() / values.len().max(1) as f64
         };
         Self { squares: (0..problem.joints()).map(|j| TERMS.map(|term| mean_square(j, term))).collect() }
@@ -34,7 +34,7 @@ impl Motion {
         let mut terms: f64 = 0.0;
         for (joint, squares) in self.squares.iter().enumerate() {
             for (term, square) in TERMS.into_iter().zip(squares).filter(|(_, square)| **square > 0.0) {
-                let values = of_term(problem, joint, term, &[part]);
+                let values = problem.term_along(joint, term, &[part]);
                 sum.iter_mut().zip(values).for_each(|(sum, x)| *sum += x * x / square);
                 terms += 1.0;
             }
@@ -42,11 +42,4 @@ impl Motion {
         sum.iter_mut().for_each(|m| *m /= terms.max(1.0));
         sum
     }
-}
-
-/// A column of a joint along some parts.
-fn of_term(problem: &Problem, joint: usize, term: JointTerm, parts: &[usize]) -> Vec<f64> {
-    let mut weights = nalgebra::DVector::zeros(problem.columns.joints[joint].matrix.ncols());
-    weights[term.place()] = 1.0;
-    problem.columns.unweighted(joint, &weights, parts)
 }

@@ -303,6 +303,13 @@ impl Problem {
             .collect()
     }
 
+    /// A term of a joint along some parts, per unit of its parameter.
+    pub fn term_along(&self, joint: usize, term: JointTerm, parts: &[usize]) -> Vec<f64> {
+        let mut weights = DVector::zeros(self.columns.joints[joint].matrix.ncols());
+        weights[term.place()] = 1.0;
+        self.columns.unweighted(joint, &weights, parts)
+    }
+
     /// Σ of the squared residual of a joint over one part, rows unweighted (Nm²).
     pub fn unseen_square(&self, state: &State, joint: usize, part: usize) -> f64 {
         let weights = self.residual(state, joint, self.loaded(part));

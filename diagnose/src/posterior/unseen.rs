@@ -6,6 +6,7 @@ use rayon::prelude::*;
 use super::band::Deviation;
 use super::baseline::Baselines;
 use super::fit::{Fit, posterior};
+use super::joint_term::JointTerm;
 use super::motion::Motion;
 use super::prior::Family;
 use super::problem::{Problem, State};
@@ -124,11 +125,9 @@ pub(crate) fn deviations(
             let unknown = unknown_variance(problem, fit, joint, *part);
             let own = fit.variances[joint];
             let foretold = unknown.into_iter().zip(motion.over(problem, *part));
-            residual.into_iter().zip(foretold).map(move |(residual_nm, (unknown, motion))| Deviation {
-                residual_nm,
-                own,
-                unknown,
-                motion,
+            let signs = problem.term_along(joint, JointTerm::Coulomb, &[*part]);
+            residual.into_iter().zip(foretold).zip(signs).map(move |((residual_nm, (unknown, motion)), sign)| {
+                Deviation { residual_nm, own, unknown, motion, turning: (1.0 - sign * sign).max(0.0) }
             })
         })
         .collect()
