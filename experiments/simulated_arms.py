@@ -1,5 +1,6 @@
 """What arms of every physics engine share: how wrong their model is, how they move, how `tribo diagnose` is asked about them. Needs NumPy."""
 import json, subprocess
+import xml.etree.ElementTree as xml
 
 import numpy as np
 
@@ -8,6 +9,17 @@ ENCODER_RAD, VELOCITY_RAD_S = 1e-5, 1e-3
 SPEED_RAD_S, REACH_RAD = 0.8, 0.55
 # Noise of the torque sensors over the joint's limit.
 TORQUE_NOISE = 6e-4
+READY = {
+    "panda": [0, -0.785, 0, -2.356, 0, 1.571, 0.785],
+    "ur5e": [-1.57, -1.57, 1.57, -1.57, -1.57, 0],
+    "xarm7": [0, -0.247, 0, 0.909, 0, 1.156, 0],
+    "iiwa14": [0, 0.785, 0, -1.571, 0, 0, 0],
+    "xarm6": [0, -0.4, -0.8, 0, 1.0, 0],
+    "ur10e": [-1.57, -1.57, 1.57, -1.57, -1.57, 0],
+    "ur3e": [-1.57, -1.57, 1.57, -1.57, -1.57, 0],
+    "kinova_gen3": [0, 0.4, 0, 1.6, 0, -0.9, 0],
+}
+TENSOR = ("ixx", "iyy", "izz", "ixy", "ixz", "iyz")
 
 
 def four_sines(ready, lower, upper, faster, rng):
@@ -42,6 +54,45 @@ def exported(tribo, robot, form, path):
     """The arm as a file of another program."""
     subprocess.run([tribo, "export", "--robot", robot, "--format", form, "--out", str(path), "--quiet"], check=True)
     return path
+
+
+def body_of(link, mass, tensor):
+    body = xml.SubElement(link, "inertial")
+    xml.SubElement(body, "origin", xyz="0 0 0", rpy="0 0 0")
+    xml.SubElement(body, "mass", value=repr(mass))
+    xml.SubElement(body, "inertia", {key: repr(tensor if key[1] == key[2] else 0.0) for key in TENSOR})
+
+
+def wrong_urdf(tribo, robot, payload, rng, directory):
+    """The arm as it is, as URDF: every link is not what the model says; what it carries is a body of 5 cm radius of gyration 5 cm in front of the flange."""
+    tree = xml.parse(exported(tribo, robot, "urdf", directory / f"{robot}.urdf"))
+    error = lambda: float(rng.choice([-1, 1]) * rng.uniform(*LINK_ERROR))
+    for link in tree.iter("link"):
+        body = link.find("inertial")
+        if body is None:
+            # Bullet takes a link without a body for one of 1 kg.
+            body_of(link, 1e-6, 1e-9)
+            continue
+        mass, inertia, origin = body.find("mass"), body.find("inertia"), body.find("origin")
+        kilograms = float(mass.get("value"))
+        radius = (sum(float(inertia.get(key)) for key in TENSOR[:3]) / 2 / kilograms) ** 0.5
+        mass.set("value", repr(kilograms * (1 + error())))
+        wrong = 1 + error()
+        for key in TENSOR:
+            inertia.set(key, repr(float(inertia.get(key)) * wrong))
+        origin.set("xyz", " ".join(repr(float(x) + error() * radius) for x in origin.get("xyz").split()))
+    if payload > 0:
+        children = {joint.find("child").get("link") for joint in tree.iter("joint")}
+        parents = {joint.find("parent").get("link") for joint in tree.iter("joint")}
+        [tip] = children - parents
+        body_of(xml.SubElement(tree.getroot(), "link", name="payload"), payload, payload * 0.05**2)
+        joint = xml.SubElement(tree.getroot(), "joint", name="grasp", type="fixed")
+        xml.SubElement(joint, "parent", link=tip)
+        xml.SubElement(joint, "child", link="payload")
+        xml.SubElement(joint, "origin", xyz="0 0 0.05", rpy="0 0 0")
+    true = directory / f"{robot}_{payload:g}_true.urdf"
+    tree.write(true)
+    return true
 
 
 def diagnosed(tribo, robot, train, test, *options):

@@ -27,7 +27,6 @@
 
 pub mod acquisition;
 mod allowed;
-mod belief;
 pub mod design;
 mod domain;
 mod error;
@@ -44,11 +43,11 @@ mod stop;
 mod study;
 mod suggest;
 mod suggest_sum;
+mod surrogate_model;
 mod transform;
 mod trust_region;
 
 pub use allowed::Allowed;
-pub use belief::{Belief, Slice};
 pub use domain::Domain;
 pub use error::BayesoptError;
 pub use feasibility::Feasibility;
@@ -59,5 +58,6 @@ pub use stop::{ExpectedGain, LeastGain, StopRule};
 pub use study::Study;
 pub use suggest::{ModelEvidence, Phase, Suggestion, suggest, suggest_allowed};
 pub use suggest_sum::suggest_sum;
+pub use surrogate_model::{Slice, SurrogateModel};
 pub use transform::{Bend, CostTransform, Targets};
 pub use trust_region::TrustRegion;

@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::{BayesoptError, Belief, Domain, History, Settings};
+use crate::{BayesoptError, Domain, History, Settings, SurrogateModel};
 
 /// The point to use.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -32,16 +32,16 @@ pub fn recommend(
 ) -> Result<Option<Recommendation>, BayesoptError> {
     settings.validate(domain)?;
     let Some((least, seen)) = history.incumbent() else { return Ok(None) };
-    let belief = match &settings.model {
-        Some(model) if model.noise_aware => Belief::of(model, domain, history, seed)?,
+    let surrogate = match &settings.model {
+        Some(model) if model.noise_aware => SurrogateModel::of(model, domain, history, seed)?,
         _ => None,
     };
-    let (trial, cost, sd) = match belief {
-        Some(belief) if belief.noisy => {
-            let place = domain.to_unit(&history.trials[belief.incumbent].point)?;
-            let at = belief.gp.posterior_batch(&[place])[0];
-            let [low, high] = [-at.sd, at.sd].map(|step| belief.targets.cost(belief.best_target + step));
-            (belief.incumbent, belief.targets.cost(belief.best_target), Some(0.5 * (high - low).abs()))
+    let (trial, cost, sd) = match surrogate {
+        Some(surrogate) if surrogate.noisy => {
+            let place = domain.to_unit(&history.trials[surrogate.incumbent].point)?;
+            let at = surrogate.gp.posterior_batch(&[place])[0];
+            let [low, high] = [-at.sd, at.sd].map(|step| surrogate.targets.cost(surrogate.best_target + step));
+            (surrogate.incumbent, surrogate.targets.cost(surrogate.best_target), Some(0.5 * (high - low).abs()))
         }
         _ => (least, seen, None),
     };

@@ -2,12 +2,12 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::acquisition::{OfFinished, OneOutput, SumLogEi, Worth};
-use crate::belief::Belief;
+use crate::acquisition::{AcquisitionFunction, OfFinished, OneOutput, SumLogEi};
 use crate::gp::Fit;
 use crate::kernel::KernelShape;
 use crate::search::{Bounds, Maximum, Region, maximise_acquisition};
 use crate::stop::ExpectedGain;
+use crate::surrogate_model::SurrogateModel;
 use crate::trust_region::TrustRegion;
 use crate::{Allowed, BayesoptError, Domain, History, ModelSettings, Settings};
 
@@ -94,13 +94,13 @@ pub fn suggest_allowed(
     suggest_by::<SumLogEi>(settings, (domain, allowed), history, seed, |_, _| Ok(None))
 }
 
-/// [`suggest`] by the worth that `other` makes of the belief about the whole; where it makes none, by the belief's own.
-pub(crate) fn suggest_by<W: Worth>(
+/// [`suggest`] by the acquisition function that `other` makes of the surrogate model about the whole; where it makes none, by the surrogate model's own.
+pub(crate) fn suggest_by<W: AcquisitionFunction>(
     settings: &Settings,
     (domain, allowed): (&Domain, Option<&dyn Allowed>),
     history: &History,
     seed: u64,
-    other: impl FnOnce(&ModelSettings, &Belief) -> Result<Option<W>, BayesoptError>,
+    other: impl FnOnce(&ModelSettings, &SurrogateModel) -> Result<Option<W>, BayesoptError>,
 ) -> Result<Suggestion, BayesoptError> {
     settings.validate(domain)?;
     let trial = history.len();
@@ -109,14 +109,16 @@ pub(crate) fn suggest_by<W: Worth>(
 
     // The design first; and again while the model has nothing to learn from.
     let model = settings.model.as_ref().filter(|_| trial >= settings.init_trials);
-    let belief = model.map(|model| Belief::of(model, domain, history, seed)).transpose()?.flatten();
-    let (Some(model), Some(belief)) = (model, belief) else {
+    let surrogate = model.map(|model| SurrogateModel::of(model, domain, history, seed)).transpose()?.flatten();
+    let (Some(model), Some(surrogate)) = (model, surrogate) else {
         let point = settings.design_point(domain, trial, seed)?;
         return Ok(Suggestion { trial, point, phase: Phase::Design, acquisition: None, evidence: None });
     };
-    let criterion = belief.criterion();
-    let other = other(model, &belief)?;
-    let Belief { gp, shape, fit, targets, feasibility, incumbent: incumbent_trial, best_target, doubtful, .. } = belief;
+    let criterion = surrogate.criterion();
+    let other = other(model, &surrogate)?;
+    let SurrogateModel {
+        gp, shape, fit, targets, feasibility, incumbent: incumbent_trial, best_target, doubtful, ..
+    } = surrogate;
 
     // The incumbent, and the region around it.
     let incumbent = &unit_points[incumbent_trial];
@@ -136,11 +138,11 @@ pub(crate) fn suggest_by<W: Worth>(
     let pending: Vec<Vec<f64>> =
         (0..trial).filter(|&i| history.trials[i].outcome.is_pending()).map(|i| unit_points[i].clone()).collect();
     let own = OneOutput { gp: &gp, criterion: &criterion };
-    let worth = other.as_ref().map_or(&own as &dyn Worth, |worth| worth);
-    let of_finished = feasibility.as_ref().map(|feasibility| OfFinished { worth, feasibility });
-    let worth = of_finished.as_ref().map_or(worth, |worth| worth);
+    let acquisition = other.as_ref().map_or(&own as &dyn AcquisitionFunction, |acquisition| acquisition);
+    let of_finished = feasibility.as_ref().map(|feasibility| OfFinished { acquisition, feasibility });
+    let acquisition = of_finished.as_ref().map_or(acquisition, |acquisition| acquisition);
     let found =
-        maximise_acquisition(worth, &region, Some(incumbent), &unit_points, &pending, &model.search, seed, trial);
+        maximise_acquisition(acquisition, &region, Some(incumbent), &unit_points, &pending, &model.search, seed, trial);
     let posterior = gp.posterior_slope(&found.point).at;
     let improvement = match &other {
         // Of a sum the acquisition is the logarithm of just that.
@@ -156,7 +158,7 @@ pub(crate) fn suggest_by<W: Worth>(
     // Unless another trial of the incumbent tells more.
     let repeats = doubtful && may_repeat(model, &unit_points, settings.init_trials) && !pending.contains(incumbent);
     let (phase, found, point) = if repeats {
-        let value = worth.values(std::slice::from_ref(incumbent))[0];
+        let value = acquisition.values(std::slice::from_ref(incumbent))[0];
         let found = Maximum { point: incumbent.clone(), value };
         (Phase::Repeat, found, history.trials[incumbent_trial].point.clone())
     } else {

@@ -1,7 +1,7 @@
 //! The next point to try, where the cost is a sum of which every part is known.
 
 use crate::acquisition::{Part, SumLogEi};
-use crate::belief::Belief;
+use crate::surrogate_model::SurrogateModel;
 use crate::{Allowed, BayesoptError, Domain, History, ModelSettings, Observation, Outcome, Settings, Suggestion};
 
 /// [`suggest()`](crate::suggest()) for `y = Σ_k c_k`, all c_k >= 0: one Gaussian process per part and Monte-Carlo LogEI of the sum
@@ -41,15 +41,15 @@ pub fn suggest_sum(
     crate::suggest::suggest_by(settings, (domain, allowed), history, seed, |model, whole| {
         // Where trials fail is the whole's to know.
         let model = &ModelSettings { feasibility: false, ..model.clone() };
-        let mut believed = Vec::with_capacity(count);
+        let mut parts = Vec::with_capacity(count);
         for k in 0..count {
-            match Belief::of(model, domain, &of_part(k)?, seed)? {
-                Some(Belief { gp, targets, .. }) => believed.push(Part { gp, targets }),
+            match SurrogateModel::of(model, domain, &of_part(k)?, seed)? {
+                Some(SurrogateModel { gp, targets, .. }) => parts.push(Part { gp, targets }),
                 None => return Ok(None),
             }
         }
         let best = whole.targets.cost(whole.best_target);
-        Ok(Some(SumLogEi::new(believed, best, model.sd_factor, seed, history.len())))
+        Ok(Some(SumLogEi::new(parts, best, model.sd_factor, seed, history.len())))
     })
 }
 

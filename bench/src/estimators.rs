@@ -11,7 +11,7 @@ use tribo_runtime::TickRecord;
 
 use super::BenchError;
 use super::stopwatch::per_call_ns;
-use tribo_campaign::{ValidTune, believed_band, run_trial_observed};
+use tribo_campaign::{ValidTune, band_of_model, run_trial_observed};
 
 /// Ticks of the trial that are kept: pre-roll and the first seconds of motion, joints at rest and moving.
 const SAMPLES: usize = 6000;
@@ -57,7 +57,7 @@ impl EstimatorTimes {
     /// None with valid settings.
     pub fn of<const N: usize>(tune: &ValidTune<N>) -> Result<Self, BenchError> {
         let samples = samples(tune);
-        let qp = QpSettings::new(believed_band(&tune.oracle.friction));
+        let qp = QpSettings::new(band_of_model(&tune.oracle.friction));
         Ok(Self {
             ekf_us: time_us(WrenchEkf::new(tune.config.ekf), &samples),
             qp_us: time_us(QpEstimator::new(QpSettings { limits: false, ..qp }), &samples),

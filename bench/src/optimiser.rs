@@ -5,7 +5,7 @@ use std::time::Instant;
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64;
 use serde::Serialize;
-use tribo_bayesopt::{BayesoptError, Belief, Domain, History, Outcome, Settings, suggest};
+use tribo_bayesopt::{BayesoptError, Domain, History, Outcome, Settings, SurrogateModel, suggest};
 
 /// Finished trials when the step is taken: the end of a campaign of the paper's length and a little more.
 const TRIALS: usize = 60;
@@ -36,7 +36,7 @@ impl OptimiserTimes {
         Ok(Self {
             gp_fit_ms: median_ms(repeats, |seed| {
                 let model = settings.model.as_ref();
-                model.map(|model| Belief::of(model, &domain, &history, seed)).transpose().map(drop)
+                model.map(|model| SurrogateModel::of(model, &domain, &history, seed)).transpose().map(drop)
             })?,
             bo_suggest_ms: median_ms(repeats, |seed| suggest(&settings, &domain, &history, seed).map(drop))?,
             bo_suggest_35_ms: median_ms(repeats, |seed| {

@@ -9,7 +9,7 @@ use tribo_robot::Kinematics;
 use tribo_sim::{DEFAULT_SUB_STEPS, Sensors, WrenchPulses};
 
 use crate::{AbortReason, CostMeasure, PenaltyLimits, Trial, TrialOutcome, run_trial_observed};
-use tribo_model::{Believed, Model, not_cancelled_sentences};
+use tribo_model::{ControllerModel, Model, not_cancelled_sentences};
 
 /// The same trial on a plant that obeys the extended model, with a controller that believes the nominal model (before)
 /// and one that believes the extended (after).
@@ -59,8 +59,9 @@ impl ClosedLoopGain {
 ///
 /// A link-side model says nothing of motors; the plant and both controllers get the robot's rotor inertia.
 pub fn closed_loop_gain<const N: usize>(nominal: &Model<N>, extended: &Model<N>, seed: u64) -> ClosedLoopGain {
-    let (before, after) = (Believed::by_controller(nominal), Believed::by_controller(extended));
-    let runs: Vec<Run<N>> = [&before, &after].par_iter().map(|believed| run(believed, extended, seed)).collect();
+    let (before, after) = (ControllerModel::by_controller(nominal), ControllerModel::by_controller(extended));
+    let runs: Vec<Run<N>> =
+        [&before, &after].par_iter().map(|controller_model| run(controller_model, extended, seed)).collect();
     ClosedLoopGain {
         cost_before: runs[0].outcome.cost.total(),
         cost_after: runs[1].outcome.cost.total(),
@@ -81,16 +82,16 @@ struct Run<const N: usize> {
     rms_mrad: f64,
 }
 
-fn run<const N: usize>(believed: &Believed<N>, truth: &Model<N>, seed: u64) -> Run<N> {
+fn run<const N: usize>(controller_model: &ControllerModel<N>, truth: &Model<N>, seed: u64) -> Run<N> {
     let start = truth.robot.poses_rad[0];
-    let centre = Kinematics::at(&believed.arm, &start).base_from_flange();
+    let centre = Kinematics::at(&controller_model.arm, &start).base_from_flange();
     let trial = Trial {
         truth: truth.to_truth(),
         sensors: Sensors::default(),
         sub_steps: DEFAULT_SUB_STEPS,
         pulses: WrenchPulses::default(),
-        model: believed.arm.clone(),
-        gears_nm_per_rad: believed.joint_stiffness_nm_per_rad(),
+        model: controller_model.arm.clone(),
+        gears_nm_per_rad: controller_model.joint_stiffness_nm_per_rad(),
         effects: [JointEffects::default(); N],
         start,
         impedance: ImpedanceSettings::default(),
@@ -102,11 +103,11 @@ fn run<const N: usize>(believed: &Believed<N>, truth: &Model<N>, seed: u64) -> R
         stopped_at_s: None,
         dt_s: 1e-3,
     }
-    .believing(believed);
+    .with_controller_model(controller_model);
     let mut ideal = ReferenceModel::at_rest(&trial.reference.at(0.0));
     let (mut sum_m2, mut sum_rad2, mut count) = (0.0, 0.0, 0_u64);
     let estimator = WrenchEkf::new(WrenchEkfSettings::default());
-    let outcome = run_trial_observed(&trial, &believed.friction, estimator, seed, |record, plant| {
+    let outcome = run_trial_observed(&trial, &controller_model.friction, estimator, seed, |record, plant| {
         // The plant has moved on by one period, and so does the ideal.
         ideal.step(&trial.impedance, &record.reference, trial.dt_s);
         if record.frame.time_s >= trial.reference.pre_roll_s() {

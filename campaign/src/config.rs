@@ -18,7 +18,7 @@ use crate::{
     Batches, Bounds, CostMeasure, CostName, EstimatorName, ParameterSpace, PenaltyLimits, StopBelow, Trial, TunedLaw,
     UserTrials,
 };
-use tribo_model::{Believed, ConfigError, FieldError, ModelFile, POSES, Robot, joints_of_preset};
+use tribo_model::{ConfigError, ControllerModel, FieldError, ModelFile, POSES, Robot, joints_of_preset};
 
 /// Schema name of campaign settings.
 const SCHEMA: &str = "tribo.tune/1";
@@ -199,9 +199,9 @@ pub struct ValidTune<const N: usize> {
     /// The trial that is repeated.
     pub trial: Trial<N>,
     /// What an oracle believes of the truth.
-    pub oracle: Believed<N>,
+    pub oracle: ControllerModel<N>,
     /// What the controller believes, where a model file says it; its friction law is not in the trial.
-    pub believed: Option<Believed<N>>,
+    pub controller_model: Option<ControllerModel<N>>,
 }
 
 impl<const N: usize> ValidTune<N> {
@@ -465,8 +465,8 @@ impl TuneConfig {
         }
         let LoadedTruth { truth, oracle } = self.truth.of(&robot, self.truth_content.as_ref())?;
         let truth = self.model_error.apply(truth, self.seed);
-        let believed = match &self.model_content {
-            Some(file) => Some(Believed::by_controller(&within("model_content", file.validate())?)),
+        let controller_model = match &self.model_content {
+            Some(file) => Some(ControllerModel::by_controller(&within("model_content", file.validate())?)),
             None => None,
         };
         let start = self.start(&robot)?;
@@ -506,10 +506,12 @@ impl TuneConfig {
             stopped_at_s: None,
             dt_s: 1e-3,
         };
-        let trial = believed.as_ref().map_or(trial.clone(), |believed| trial.believing(believed));
+        let trial = controller_model
+            .as_ref()
+            .map_or(trial.clone(), |controller_model| trial.with_controller_model(controller_model));
         let trial = if self.residual == EstimatorName::DoubleEncoder { trial.with_two_encoders() } else { trial };
         let space = ParameterSpace { law: self.friction, bounds, box_scale };
         self.tribo_version = env!("CARGO_PKG_VERSION").to_owned();
-        Ok(ValidTune { config: self, space, friction_scale, trial, oracle, believed })
+        Ok(ValidTune { config: self, space, friction_scale, trial, oracle, controller_model })
     }
 }

@@ -63,7 +63,7 @@ const UNKNOWN_COULOMB_NM: f64 = 0.6;
 const PRIOR: [f64; 2] = [8.0, 1.0];
 
 /// The band of a believed friction model, with the noise of a Panda: 0.1 Nm at rest, five times that per rad/s more.
-pub fn believed_band<const N: usize>(friction: &FrictionModel<N>) -> FrictionBand<N> {
+pub fn band_of_model<const N: usize>(friction: &FrictionModel<N>) -> FrictionBand<N> {
     FrictionBand::of_model(friction, VELOCITY_SD_RAD_S, NOISE_SD_NM, NOISE_GROWTH_S_PER_RAD)
 }
 
@@ -117,7 +117,7 @@ impl<const N: usize> AnyEstimator<N> {
         friction: &FrictionModel<N>,
     ) -> Result<Self, EstimatorError> {
         let unknown = CoulombViscous { coulomb_nm: UNKNOWN_COULOMB_NM, viscous_nm_s_per_rad: 0.0 };
-        let band = believed_band(&FrictionModel::uniform(unknown.into()));
+        let band = band_of_model(&FrictionModel::uniform(unknown.into()));
         Ok(match name {
             EstimatorName::Ekf => Self::Ekf(Box::new(WrenchEkf::new(ekf))),
             EstimatorName::Momentum => Self::Momentum(Box::new(momentum(band, BandOf::Remainder))),

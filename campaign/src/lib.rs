@@ -80,7 +80,7 @@ pub use config::{AnyTune, Phases, TuneConfig, ValidTune};
 pub use contact_prior::ContactPrior;
 pub use cost::{Cost, CostAccumulator, CostMeasure, CostName};
 pub use early_stop::EarlyStop;
-pub use estimator::{AnyEstimator, EstimatorError, EstimatorName, VELOCITY_SD_RAD_S, believed_band};
+pub use estimator::{AnyEstimator, EstimatorError, EstimatorName, VELOCITY_SD_RAD_S, band_of_model};
 pub use follow::{Followed, follow, follow_on};
 pub use friction_limit::{Allowance, FrictionLimit};
 pub use in_memory::{InMemory, run_in_memory};

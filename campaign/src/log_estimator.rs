@@ -4,13 +4,13 @@ use tribo_ekf::WrenchEkfSettings;
 use tribo_friction::law::CoulombViscous;
 use tribo_friction::{FrictionBand, FrictionModel, JointBand};
 use tribo_logs::RobotLog;
-use tribo_model::{Believed, Model};
+use tribo_model::{ControllerModel, Model};
 use tribo_residual::{BandFitError, OBSERVER_GAIN_RAD_S, identify_band};
 use tribo_runtime::MeasuredWrench;
 
 use crate::log_wrench::measured_wrench;
 use crate::{
-    AnyEstimator, Calibration, ContactPrior, EstimatorError, EstimatorName, LogWrench, WrenchSummary, believed_band,
+    AnyEstimator, Calibration, ContactPrior, EstimatorError, EstimatorName, LogWrench, WrenchSummary, band_of_model,
     wrench_on_log,
 };
 
@@ -22,7 +22,7 @@ use crate::{
 /// ```
 #[derive(Clone, Debug)]
 pub struct LogEstimator<const N: usize> {
-    believed: Believed<N>,
+    controller_model: ControllerModel<N>,
     smoothing_rad_s: f64,
     free: Option<FreeLog<N>>,
     contact: Option<ContactPrior>,
@@ -49,14 +49,19 @@ pub struct LogEstimate {
 }
 
 impl<const N: usize> LogEstimator<N> {
-    /// Estimators that believe in `model` ([`Believed::on_log`]) and have seen no log in free motion.
+    /// Estimators that believe in `model` ([`ControllerModel::on_log`]) and have seen no log in free motion.
     pub fn new(model: &Model<N>) -> Self {
-        Self { believed: Believed::on_log(model), smoothing_rad_s: model.smoothing_rad_s, free: None, contact: None }
+        Self {
+            controller_model: ControllerModel::on_log(model),
+            smoothing_rad_s: model.smoothing_rad_s,
+            free: None,
+            contact: None,
+        }
     }
 
     /// What of the model estimators believe, and what they cannot use.
-    pub fn believed(&self) -> &Believed<N> {
-        &self.believed
+    pub fn controller_model(&self) -> &ControllerModel<N> {
+        &self.controller_model
     }
 
     /// The same, with friction band, noise and tare from a log of strokes that nobody touches.
@@ -64,7 +69,7 @@ impl<const N: usize> LogEstimator<N> {
     /// # Errors
     /// A log without strokes that show the friction of each joint.
     pub fn calibrated_on(self, log: RobotLog) -> Result<Self, BandFitError> {
-        let fits = identify_band(&log, &self.believed.arm, OBSERVER_GAIN_RAD_S)?;
+        let fits = identify_band(&log, &self.controller_model.arm, OBSERVER_GAIN_RAD_S)?;
         let band = FrictionBand::new(fits.map(|fit| fit.band))?;
         Ok(Self { free: Some(FreeLog { log, band }), ..self })
     }
@@ -99,27 +104,27 @@ impl<const N: usize> LogEstimator<N> {
     /// # Errors
     /// A model that the estimator cannot work with.
     pub fn measured(&self, name: EstimatorName) -> Result<MeasuredWrench<N, AnyEstimator<N>>, EstimatorError> {
-        Ok(measured_wrench(&self.believed, self.smoothing_rad_s, self.any(name, 1.0)?))
+        Ok(measured_wrench(&self.controller_model, self.smoothing_rad_s, self.any(name, 1.0)?))
     }
 
     /// The wrench before tare and prior.
     #[inline(never)]
     fn raw(&self, name: EstimatorName, noise_factor: f64, log: &RobotLog) -> Result<LogWrench, EstimatorError> {
         let mut estimator = self.any(name, noise_factor)?;
-        Ok(wrench_on_log(log, &self.believed, self.smoothing_rad_s, &mut estimator))
+        Ok(wrench_on_log(log, &self.controller_model, self.smoothing_rad_s, &mut estimator))
     }
 
     /// The estimator of a name.
     fn any(&self, name: EstimatorName, noise_factor: f64) -> Result<AnyEstimator<N>, EstimatorError> {
-        let Believed { arm, friction, .. } = &self.believed;
-        let band = self.free.as_ref().map_or_else(|| believed_band(friction), |free| free.band);
+        let ControllerModel { arm, friction, .. } = &self.controller_model;
+        let band = self.free.as_ref().map_or_else(|| band_of_model(friction), |free| free.band);
         // What the joints have today, at the temperature of today; the others take no more than its band.
         let friction = match &self.free {
             Some(free) if name == EstimatorName::Thermal => free.friction(),
             _ => *friction,
         };
         let ekf = WrenchEkfSettings::default();
-        let stiffness = self.believed.joint_stiffness_nm_per_rad();
+        let stiffness = self.controller_model.joint_stiffness_nm_per_rad();
         AnyEstimator::with_confidence(name, ekf, arm, &friction, &band, noise_factor)?.on_gears(
             arm,
             stiffness,

@@ -7,7 +7,7 @@ use tribo_logs::{GAP_TOLERANCE, RobotLog, bursts};
 use tribo_robot::{SensorFrame, Wrench, WrenchEstimate, WrenchEstimator};
 use tribo_runtime::{LONGEST_GAP_PERIODS, MeasuredWrench};
 
-use tribo_model::Believed;
+use tribo_model::ControllerModel;
 
 /// Wrench along a log, one row per sample of the log, in file order: force then moment [N, Nm], base axes.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -32,11 +32,11 @@ pub struct LogWrench {
 
 /// Runs an estimator over the bursts of a log, starting anew at each.
 ///
-/// What it is given is said at [`MeasuredWrench`]; `believed` must be [`Believed::on_log`], the arm on the same side of the gears as
+/// What it is given is said at [`MeasuredWrench`]; `controller_model` must be [`ControllerModel::on_log`], the arm on the same side of the gears as
 /// `tau_J`.
 pub fn wrench_on_log<const N: usize, E: WrenchEstimator<N>>(
     log: &RobotLog,
-    believed: &Believed<N>,
+    controller_model: &ControllerModel<N>,
     smoothing_rad_s: f64,
     estimator: &mut E,
 ) -> LogWrench {
@@ -45,7 +45,7 @@ pub fn wrench_on_log<const N: usize, E: WrenchEstimator<N>>(
         let rows = 0..log.rows();
         result.reference = Some(rows.map(|k| std::array::from_fn(|i| columns[i][k])).collect());
     }
-    let mut measured = measured_wrench(believed, smoothing_rad_s, estimator);
+    let mut measured = measured_wrench(controller_model, smoothing_rad_s, estimator);
     for burst in bursts(&log.time_s, GAP_TOLERANCE.max(LONGEST_GAP_PERIODS)) {
         let first = burst.start;
         for k in burst {
@@ -67,16 +67,16 @@ pub fn wrench_on_log<const N: usize, E: WrenchEstimator<N>>(
 
 /// The estimator behind the sensors of an arm that is believed to be so, its friction at the measured velocity.
 pub(crate) fn measured_wrench<const N: usize, E: WrenchEstimator<N>>(
-    believed: &Believed<N>,
+    controller_model: &ControllerModel<N>,
     smoothing_rad_s: f64,
     estimator: E,
 ) -> MeasuredWrench<N, E> {
     let compensator = Compensator {
         smoothing_rad_s,
-        effects: believed.effects,
-        ..Compensator::new(believed.friction, VelocitySource::Measured)
+        effects: controller_model.effects,
+        ..Compensator::new(controller_model.friction, VelocitySource::Measured)
     };
-    MeasuredWrench::new(believed.arm.clone(), compensator, estimator)
+    MeasuredWrench::new(controller_model.arm.clone(), compensator, estimator)
 }
 
 /// Row k of a log as a sample of the joint sensors.

@@ -42,7 +42,7 @@ pub fn references<const N: usize>(tune: &ValidTune<N>) -> Result<References, Est
     let none = FrictionModel::none();
     let no_effects = [JointEffects::default(); N];
     let uncompensated = without_compensation(tune);
-    let oracle = tune.trial.clone().believing(&tune.oracle);
+    let oracle = tune.trial.clone().with_controller_model(&tune.oracle);
     let mut smooth = Trial { effects: no_effects, ..oracle.clone() };
     smooth.truth.friction = none;
     smooth.truth.effects.retain(stays_without_friction::<N>);

@@ -12,7 +12,7 @@ use tribo_sim::{Sensors, Truth};
 
 use crate::published_gaz::published_gaz;
 pub use tribo_model::POSES;
-use tribo_model::{Believed, ConfigError, FieldError, ModelFile, Robot};
+use tribo_model::{ConfigError, ControllerModel, FieldError, ModelFile, Robot};
 
 /// What the simulated arm is like.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -76,7 +76,7 @@ pub struct LoadedTruth<const N: usize> {
     /// What the plant obeys.
     pub truth: Truth<N>,
     /// What an oracle knows of it.
-    pub oracle: Believed<N>,
+    pub oracle: ControllerModel<N>,
 }
 
 impl TruthName {
@@ -111,7 +111,7 @@ impl TruthName {
         if let Some(file) = content {
             let model = within("truth_content", file.validate())?;
             let truth = model.to_plant();
-            return Ok(LoadedTruth { oracle: Believed::of(truth.clone()), truth });
+            return Ok(LoadedTruth { oracle: ControllerModel::of(truth.clone()), truth });
         }
         let unknown = |allowed: &str| FieldError::new("truth", String::from(self.clone()), allowed);
         let friction = || {
@@ -130,7 +130,7 @@ impl TruthName {
             Self::Frictionless | Self::Unknown => Truth::new(arm, FrictionModel::none()),
             Self::File(_) => return Err(unknown("a model file that has been read")),
         };
-        let oracle = Believed::of(truth.clone());
+        let oracle = ControllerModel::of(truth.clone());
         Ok(LoadedTruth { truth, oracle })
     }
 }

@@ -9,7 +9,7 @@ use tribo_runtime::{ControlLoop, LoopSettings, TickRecord};
 use tribo_sim::{BoxFrictionPlant, Effect, Sensors, Truth, WrenchPulses};
 
 use crate::{AbortReason, Cost, CostAccumulator, CostMeasure, PenaltyLimits, TrialLog, TrialMonitor};
-use tribo_model::Believed;
+use tribo_model::ControllerModel;
 
 /// Everything that defines a trial but the compensator's parameters and the noise.
 #[derive(Clone, Debug)]
@@ -120,10 +120,10 @@ impl<const N: usize> Trial<N> {
     }
 
     /// The same trial with a controller that believes in another arm and other effects.
-    pub fn believing(mut self, believed: &Believed<N>) -> Self {
-        self.model = believed.arm.clone();
-        self.gears_nm_per_rad = believed.joint_stiffness_nm_per_rad();
-        self.effects = believed.effects;
+    pub fn with_controller_model(mut self, controller_model: &ControllerModel<N>) -> Self {
+        self.model = controller_model.arm.clone();
+        self.gears_nm_per_rad = controller_model.joint_stiffness_nm_per_rad();
+        self.effects = controller_model.effects;
         self
     }
 }

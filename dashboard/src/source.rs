@@ -32,7 +32,7 @@ const SILENCE_S: f64 = 15.0;
 /// What the open view shows and somebody has to work out; nothing else is worked on.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Needs {
-    /// The belief about the cost.
+    /// The surrogate model of the cost.
     pub surrogate: bool,
     /// The trial that is looked at.
     pub trial: bool,
@@ -391,7 +391,7 @@ impl Source {
             (self.surrogate_of, self.surrogate_pending) = (done, true);
             self.jobs.start(ctx, move || {
                 let started = Instant::now();
-                // A kernel matrix beyond repair leaves the view without a belief.
+                // A kernel matrix beyond repair leaves the view without a surrogate model.
                 let surrogate = Surrogate::of(&campaign).ok().flatten().map(Arc::new);
                 Answer::Surrogate(campaign.directory.clone(), surrogate, started.elapsed().as_secs_f64())
             });

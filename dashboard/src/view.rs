@@ -8,7 +8,7 @@ use crate::source::Needs;
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum View {
-    /// Cost, parameters and belief over the trials.
+    /// Cost, parameters and surrogate model over the trials.
     #[default]
     Campaign,
     /// One trial.

@@ -1,10 +1,10 @@
 //! The wrench along a log, as one estimator sees it.
 
-use tribo_campaign::{AnyEstimator, EstimatorName, LogWrench, WrenchSummary, believed_band, wrench_on_log};
+use tribo_campaign::{AnyEstimator, EstimatorName, LogWrench, WrenchSummary, band_of_model, wrench_on_log};
 use tribo_ekf::WrenchEkfSettings;
 use tribo_figure::{Signal, Signals};
 use tribo_logs::RobotLog;
-use tribo_model::{AnyModel, Believed, Model};
+use tribo_model::{AnyModel, ControllerModel, Model};
 
 use crate::log_snapshot::{LogSnapshot, single};
 
@@ -54,9 +54,9 @@ impl WrenchSnapshot {
 }
 
 fn along<const N: usize>(log: &RobotLog, model: &Model<N>, estimator: EstimatorName) -> Result<LogWrench, String> {
-    let believed = Believed::on_log(model);
+    let believed = ControllerModel::on_log(model);
     let (friction, settings) = (believed.friction, WrenchEkfSettings::default());
-    let band = believed_band(&friction);
+    let band = band_of_model(&friction);
     let mut running = AnyEstimator::with_confidence(estimator, settings, &believed.arm, &friction, &band, 1.0)
         .and_then(|running| running.on_gears(&believed.arm, believed.joint_stiffness_nm_per_rad(), 1.0))
         .map_err(|error| error.to_string())?;

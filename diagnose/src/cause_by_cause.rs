@@ -14,8 +14,8 @@ use crate::evaluated::{Before, Evaluated};
 use crate::evidence::joint_fit;
 use crate::noise_level::rms;
 use crate::posterior::baseline::PlainFits;
+use crate::regression_data::{Column, RegressionData, subtracted};
 use crate::ripple::{RippleLine, ripples};
-use crate::scene::{Column, Scene, subtracted};
 use crate::search::Search;
 use crate::settings::DiagnoseSettings;
 use crate::significance::Chance;
@@ -31,37 +31,37 @@ pub(crate) struct Question<'q, const N: usize> {
     pub plain_fits: Option<&'q PlainFits>,
     /// Logs that nothing is fitted to.
     pub validate: &'q [(String, RobotLog)],
-    /// What figures before the findings are of; the scene's own model where `None`.
+    /// What figures before the findings are of; the data's own model where `None`.
     pub before: Option<Before<'q, N>>,
 }
 
 /// Explains logs by the fewest causes, each at its place; `None` if they are of too many kinds. What ripples explain is taken out of the
-/// scene's residual.
+/// data's residual.
 pub(crate) fn cause_by_cause<const N: usize>(
     question: &Question<'_, N>,
     logs: &[RobotLog],
-    scene: &mut Scene<N>,
+    data: &mut RegressionData<N>,
     settings: &DiagnoseSettings,
     step: &dyn Fn(&str, f64) -> Result<(), DiagnoseError>,
 ) -> Result<Option<Diagnosis>, DiagnoseError> {
-    let original = scene.residual_nm.clone();
+    let original = data.residual_nm.clone();
     let all = candidates::<N>().into_iter().filter(|candidate| (question.looked_for)(candidate.label()));
     let causes: Vec<Arc<dyn Candidate<N>>> = all.map(Arc::from).collect();
 
     step("ripple", 0.08)?;
-    let mut lines = ripples(scene, &[]);
-    subtract_ripples(scene, &original, &lines);
+    let mut lines = ripples(data, &[]);
+    subtract_ripples(data, &original, &lines);
     step("candidates", 0.12)?;
-    let evaluated_columns = EvaluatedColumns::of(scene, &causes);
+    let evaluated_columns = EvaluatedColumns::of(data, &causes);
     let mut round = 0;
     loop {
         let at = |fraction: f64| 0.2 + 0.33 * (f64::from(round) + fraction);
         // The colour of the noise: first of what everything together leaves, then of what the selection leaves.
-        let mut left = evaluated_columns.saturated_residual(scene);
+        let mut left = evaluated_columns.saturated_residual(data);
         let mut colours = 0;
         let (mut system, selected, inflation, chance) = loop {
             step("selection", at(0.3 + 0.3 * f64::from(colours)))?;
-            let mut system = System::new(scene, &evaluated_columns, &left);
+            let mut system = System::new(data, &evaluated_columns, &left);
             let go_on = || step("selection", at(0.3 + 0.3 * f64::from(colours))).is_ok();
             let mut search = Search::new(&mut system, 1.0);
             (search.thorough, search.most_kinds) = (colours > 0, question.most_kinds);
@@ -102,11 +102,11 @@ pub(crate) fn cause_by_cause<const N: usize>(
         // A ripple may hide behind what has now been explained.
         if round == 0 {
             let explained = explained_torque(&search);
-            let again = ripples(scene, &explained);
+            let again = ripples(data, &explained);
             if again.len() != lines.len() {
                 lines = again;
                 round = 1;
-                subtract_ripples(scene, &original, &lines);
+                subtract_ripples(data, &original, &lines);
                 continue;
             }
         }
@@ -116,7 +116,7 @@ pub(crate) fn cause_by_cause<const N: usize>(
             before: question.before,
             lines: &lines,
             plain_fits: question.plain_fits,
-            deflections: &deflections(scene),
+            deflections: &deflections(data),
             chance: &chance,
             logs,
             seed: settings.seed,
@@ -129,9 +129,9 @@ pub(crate) fn cause_by_cause<const N: usize>(
 const INFLATED: f64 = 1.15;
 
 /// The residual less the ripples.
-fn subtract_ripples<const N: usize>(scene: &mut Scene<N>, original: &[Vec<f64>; N], lines: &[RippleLine]) {
-    let columns: Vec<Column<N>> = lines.iter().map(|line| scene.filter(&line.torque(scene))).collect();
-    scene.residual_nm = subtracted(original, &columns, &vec![1.0; columns.len()]);
+fn subtract_ripples<const N: usize>(data: &mut RegressionData<N>, original: &[Vec<f64>; N], lines: &[RippleLine]) {
+    let columns: Vec<Column<N>> = lines.iter().map(|line| data.filter(&line.torque(data))).collect();
+    data.residual_nm = subtracted(original, &columns, &vec![1.0; columns.len()]);
 }
 
 /// What the selection leaves of the residual (Nm), but what everything together leaves where the selection explains nothing
@@ -139,7 +139,7 @@ fn subtract_ripples<const N: usize>(scene: &mut Scene<N>, original: &[Vec<f64>; 
 fn second_colour<const N: usize>(search: &Search<'_, '_, N>, saturated: [Vec<f64>; N]) -> [Vec<f64>; N] {
     let mut left = residual_after(search);
     for (j, everything) in saturated.into_iter().enumerate() {
-        let untouched = rms(&left[j]) > UNTOUCHED * rms(&search.system.scene.residual_nm[j]);
+        let untouched = rms(&left[j]) > UNTOUCHED * rms(&search.system.data.residual_nm[j]);
         if untouched && rms(&left[j]) > MUCH * rms(&everything) {
             left[j] = everything;
         }
@@ -156,16 +156,16 @@ const UNTOUCHED: f64 = 0.9;
 fn residual_after<const N: usize>(search: &Search<'_, '_, N>) -> [Vec<f64>; N] {
     let coefficients = joint_fit(search.system, &search.system.columns_of(&search.selected)).coefficients;
     let plain: Vec<Column<N>> = search.selected.iter().flat_map(|group| search.system.plain_columns(*group)).collect();
-    subtracted(&search.system.scene.residual_nm, &plain, &coefficients)
+    subtracted(&search.system.data.residual_nm, &plain, &coefficients)
 }
 
 /// Torque of the selected causes on the fine grid (Nm).
 fn explained_torque<const N: usize>(search: &Search<'_, '_, N>) -> Vec<SVector<f64, N>> {
-    let scene = search.system.scene;
-    let mut sum = vec![SVector::<f64, N>::zeros(); scene.samples.len()];
+    let data = search.system.data;
+    let mut sum = vec![SVector::<f64, N>::zeros(); data.samples.len()];
     let coefficients = joint_fit(search.system, &search.system.columns_of(&search.selected)).coefficients;
     let groups = search.selected.iter().map(|group| &search.system.groups[*group]);
-    let columns = groups.flat_map(|group| group.candidate.columns(scene, &group.shape));
+    let columns = groups.flat_map(|group| group.candidate.columns(data, &group.shape));
     for (column, coefficient) in columns.zip(coefficients) {
         column.add_to(&mut sum, coefficient);
     }

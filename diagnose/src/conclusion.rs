@@ -18,8 +18,8 @@ use crate::pruning::{
     drop_chance, drop_lonely_pushes, drop_small, drop_stiction, drop_worthless, prefer_likelier, prefer_names,
     yield_to_unknown,
 };
+use crate::regression_data::{RegressionData, subtracted};
 use crate::remarks::{assumptions_of, misfits, note_on_baseline, notes_of, rejected};
-use crate::scene::{Scene, subtracted};
 use crate::search::Search;
 use crate::significance::Chance;
 use crate::stamps::take_stamps;
@@ -57,7 +57,7 @@ pub(crate) fn conclude<const N: usize>(
     }
     let selected = describe(search, evaluated.chance, step)?;
     let system = &*search.system;
-    let scene = system.scene;
+    let data = system.data;
 
     // Held-out squares with all findings, and without each.
     step("held-out gain", 0.93)?;
@@ -67,9 +67,9 @@ pub(crate) fn conclude<const N: usize>(
     let plain = selected.iter().flat_map(|s| s.plain.iter().cloned()).collect();
     let held_out = HeldOut::with_plain(system, &groups, plain);
     let Before { model: asked, residual_nm: asked_nm } =
-        evaluated.before.unwrap_or(Before { model: &scene.nominal, residual_nm: evaluated.original });
+        evaluated.before.unwrap_or(Before { model: &data.nominal, residual_nm: evaluated.original });
     let before = plain_squares(asked_nm, &held_out.blocks);
-    let after = held_out.squares(&scene.residual_nm);
+    let after = held_out.squares(&data.residual_nm);
     let all_joints: Vec<usize> = (0..N).collect();
     let (mut gain_heldout, mut gain_heldout_ci95) = gain_with_interval(&before, &after, &all_joints, evaluated.seed);
 
@@ -77,7 +77,7 @@ pub(crate) fn conclude<const N: usize>(
     if let (Some(unseen), Some(before)) = (&mut unseen, evaluated.before) {
         unseen.nominal_nm = before.residual_nm.iter().map(|column| rms(column)).collect();
     }
-    let residual_after = subtracted(&scene.residual_nm, &held_out.plain, &coefficients);
+    let residual_after = subtracted(&data.residual_nm, &held_out.plain, &coefficients);
     // A model file takes named causes alone: they are fitted anew without the nameless.
     let named: Vec<usize> =
         groups.iter().copied().filter(|group| search.place(*group).0 != CauseLabel::Unknown).collect();
@@ -100,11 +100,11 @@ pub(crate) fn conclude<const N: usize>(
         ));
     }
     for line in evaluated.lines {
-        findings.push(ripple_finding(scene, line, evaluated, &after, &held_out.blocks));
+        findings.push(ripple_finding(data, line, evaluated, &after, &held_out.blocks));
     }
     let torque_findings = findings.len();
     for deflection in evaluated.deflections {
-        findings.push(deflection_finding(deflection, &scene.nominal.arm.joint_names, evaluated.seed));
+        findings.push(deflection_finding(deflection, &data.nominal.arm.joint_names, evaluated.seed));
     }
     if torque_findings == 0
         && let Some(largest) = evaluated.deflections.iter().max_by(|a, b| a.evidence.total_cmp(&b.evidence))
@@ -116,16 +116,16 @@ pub(crate) fn conclude<const N: usize>(
     let rejected = rejected(search, &findings);
     // What is reported is what the written model leaves when it is read back.
     let extension: Vec<Effect> = findings.iter().filter_map(|finding| finding.effect.clone()).collect();
-    let mut extended = scene.nominal.clone();
+    let mut extended = data.nominal.clone();
     extended.effects.extend(extension.iter().cloned());
-    let read_back = Scene::of_logs(evaluated.logs, &extended, scene.chains.first().map(|chain| chain.band_hz))?;
-    let joints = misfits(scene, asked_nm, &read_back.residual_nm, &before, &after);
+    let read_back = RegressionData::of_logs(evaluated.logs, &extended, data.chains.first().map(|chain| chain.band_hz))?;
+    let joints = misfits(data, asked_nm, &read_back.residual_nm, &before, &after);
     // The verdict.
-    let mut notes = notes_of(scene);
-    notes.extend(take_stamps(scene, &mut findings));
+    let mut notes = notes_of(data);
+    notes.extend(take_stamps(data, &mut findings));
     let doubted = |finding: &Finding| {
         let place = (finding.label, finding.location);
-        finding.alternatives.iter().any(|rival| !same_torque(&scene.nominal, place, (rival.label, rival.location)))
+        finding.alternatives.iter().any(|rival| !same_torque(&data.nominal, place, (rival.label, rival.location)))
     };
     let explained = |j: usize| {
         findings.iter().any(|finding| match finding.location {
@@ -138,7 +138,7 @@ pub(crate) fn conclude<const N: usize>(
         .max_by(|a, b| over_noise(&joints[*a]).total_cmp(&over_noise(&joints[*b])))
         .filter(|j| {
             let factor = if findings.is_empty() { 1.0 } else { BESIDE_FINDINGS };
-            let left_nm = joints[*j].rms_after_nm.min(rms_in_motion(scene, &residual_after[*j], *j));
+            let left_nm = joints[*j].rms_after_nm.min(rms_in_motion(data, &residual_after[*j], *j));
             left_nm > factor * UNEXPLAINED_OVER_NOISE * joints[*j].noise_floor_nm && left_nm > factor * UNEXPLAINED_NM
         });
     let named: f64 = findings.iter().filter(|f| f.label != CauseLabel::Unknown).map(|f| f.evidence).sum();
@@ -156,27 +156,27 @@ pub(crate) fn conclude<const N: usize>(
     if let Some(worst) = worst {
         notes.push(format!(
             "{}: {:.3} Nm are left where the sensors' own noise is {:.3} Nm, and no cause considered goes with them",
-            scene.nominal.arm.joint_names.of(worst),
+            data.nominal.arm.joint_names.of(worst),
             joints[worst].rms_after_nm,
             joints[worst].noise_floor_nm
         ));
     }
 
-    let overview = plots::overview(scene, asked_nm);
-    let pattern = plots::cross_joint_pattern(scene, asked_nm);
+    let overview = plots::overview(data, asked_nm);
+    let pattern = plots::cross_joint_pattern(data, asked_nm);
     step("validation", 0.97)?;
     let validation = validated(
-        [asked, &scene.nominal],
+        [asked, &data.nominal],
         &extension,
         validate,
-        scene.chains.first().map(|chain| chain.band_hz),
+        data.chains.first().map(|chain| chain.band_hz),
         evaluated.seed,
     )?;
-    let next_experiment = if scene.transmission { None } else { next_experiment(scene, &findings, &joints) };
+    let next_experiment = if data.transmission { None } else { next_experiment(data, &findings, &joints) };
     Ok(Diagnosis {
         verdict,
         findings,
-        joint_names: scene.nominal.arm.joint_names.clone(),
+        joint_names: data.nominal.arm.joint_names.clone(),
         joints,
         pattern,
         gain_heldout,
@@ -192,10 +192,10 @@ pub(crate) fn conclude<const N: usize>(
         notes,
         next_experiment,
         overview,
-        band_hz: scene.chains.first().map_or(0.0, |chain| chain.band_hz),
-        rate_hz: scene.chains.first().map_or(0.0, |chain| chain.output_rate_hz()),
-        samples: scene.time_s.len(),
-        bursts: scene.bursts.len(),
+        band_hz: data.chains.first().map_or(0.0, |chain| chain.band_hz),
+        rate_hz: data.chains.first().map_or(0.0, |chain| chain.output_rate_hz()),
+        samples: data.time_s.len(),
+        bursts: data.bursts.len(),
     })
 }
 
@@ -205,9 +205,9 @@ fn beside<const N: usize>(fits: &PlainFits, search: &Search<'_, '_, N>, selected
     let named: Vec<&Selected<N>> = selected.iter().filter(has_name).collect();
     let groups: Vec<usize> = named.iter().map(|member| member.group).collect();
     let plain = named.iter().flat_map(|member| member.plain.iter().cloned()).collect();
-    let scene = search.system.scene;
-    let squares = HeldOut::of_parts(search.system, &groups, plain).squares(&scene.residual_nm);
-    let samples = scene.time_s.len().max(1) as f64;
+    let data = search.system.data;
+    let squares = HeldOut::of_parts(search.system, &groups, plain).squares(&data.residual_nm);
+    let samples = data.time_s.len().max(1) as f64;
     Unseen {
         split: fits.split.name(),
         nominal_nm: fits.nominal_nm.clone(),
@@ -236,8 +236,8 @@ fn prune<const N: usize>(search: &mut Search<'_, '_, N>, chance: &Chance) {
 }
 
 /// RMS (Nm) of a residual where the joint moves: where it turns back, a slow log catches the jump of dry friction or not.
-fn rms_in_motion<const N: usize>(scene: &Scene<N>, residual: &[f64], joint: usize) -> f64 {
-    let pairs = residual.iter().zip(scene.standing(joint));
+fn rms_in_motion<const N: usize>(data: &RegressionData<N>, residual: &[f64], joint: usize) -> f64 {
+    let pairs = residual.iter().zip(data.standing(joint));
     let moving: Vec<f64> = pairs.filter(|(_, standing)| **standing < STANDING).map(|(r, _)| *r).collect();
     if moving.len() * LEAST_MOVING_PARTS < residual.len() { rms(residual) } else { rms(&moving) }
 }

@@ -6,7 +6,7 @@ use crate::cause::{Candidate, ExternalContact};
 use crate::evidence::{free_gain, joint_fit};
 use crate::golden_section::golden_section;
 use crate::noise_level::robust_sd;
-use crate::scene::{Column, Scene, add_scaled};
+use crate::regression_data::{Column, RegressionData, add_scaled};
 use crate::system::System;
 
 /// Pieces that a log is cut into for the coarse scan.
@@ -42,31 +42,31 @@ pub(crate) struct PushWindow {
 /// Cumulative sums over pieces make every pair of edges a 6×6 solve; the edges of the best are then moved sample by
 /// sample. `None` if no window explains anything.
 pub(crate) fn best_window<const N: usize>(system: &System<'_, N>, given: &[usize]) -> Option<PushWindow> {
-    let scene = system.scene;
-    if scene.transmission {
+    let data = system.data;
+    if data.transmission {
         return None;
     }
     let left = residual(system, given);
     let rows_of = |log: usize| {
-        (0..system.joint_rows).filter(|row| scene.bursts[system.row_bursts[*row]].log == log).collect::<Vec<usize>>()
+        (0..system.joint_rows).filter(|row| data.bursts[system.row_bursts[*row]].log == log).collect::<Vec<usize>>()
     };
-    let time_s = |row: usize| scene.time_s[system.row_samples[row]];
-    best_of(scene, &rows_of, &time_s, system.push_columns(), &left).map(|(_, window)| window)
+    let time_s = |row: usize| data.time_s[system.row_samples[row]];
+    best_of(data, &rows_of, &time_s, system.push_columns(), &left).map(|(_, window)| window)
 }
 
 /// The window of a push in what a fit leaves of every joint (Nm, output samples, rows weighted by `weights`), where a constant wrench explains
 /// at least `least_share` of that, every joint measured by the spread of most of its samples.
 pub(crate) fn dominant_window<const N: usize>(
-    scene: &Scene<N>,
+    data: &RegressionData<N>,
     left_nm: &[Vec<f64>],
     weights: &[&[f64]],
     least_share: f64,
 ) -> Option<PushWindow> {
-    if scene.transmission {
+    if data.transmission {
         return None;
     }
     let sd: Vec<f64> = left_nm.iter().map(|left| robust_sd(left.iter().copied()).max(f64::MIN_POSITIVE)).collect();
-    let mut push = ExternalContact { log: None }.filtered(scene, &[f64::NEG_INFINITY, f64::INFINITY]);
+    let mut push = ExternalContact { log: None }.filtered(data, &[f64::NEG_INFINITY, f64::INFINITY]);
     for column in &mut push {
         for (j, values) in column.rows.iter_mut().enumerate() {
             let scaled = |(x, weight): (&mut f64, &f64)| *x *= weight / sd[j];
@@ -76,28 +76,28 @@ pub(crate) fn dominant_window<const N: usize>(
     let rows: [Option<Vec<f64>>; N] = std::array::from_fn(|j| Some(left_nm[j].iter().map(|x| x / sd[j]).collect()));
     let total: f64 = rows.iter().flatten().flatten().map(|x| x * x).sum();
     let rows_of = |log: usize| {
-        let bursts = scene.bursts.iter().filter(|burst| burst.log == log);
+        let bursts = data.bursts.iter().filter(|burst| burst.log == log);
         bursts.flat_map(|burst| burst.out.clone()).collect::<Vec<usize>>()
     };
-    let (explained, window) = best_of(scene, &rows_of, &|row| scene.time_s[row], &push, &Column { rows })?;
+    let (explained, window) = best_of(data, &rows_of, &|row| data.time_s[row], &push, &Column { rows })?;
     (explained > least_share * total).then_some(window)
 }
 
 /// The best window of all logs and what it explains.
 fn best_of<const N: usize>(
-    scene: &Scene<N>,
+    data: &RegressionData<N>,
     rows_of: &dyn Fn(usize) -> Vec<usize>,
     time_s: &dyn Fn(usize) -> f64,
     push: &[Column<N>],
     left: &Column<N>,
 ) -> Option<(f64, PushWindow)> {
     let mut best: Option<(f64, usize, usize, usize)> = None;
-    for log in 0..scene.chains.len() {
+    for log in 0..data.chains.len() {
         let rows = rows_of(log);
         let sums = CumulativeSums::of(&rows, push, left);
         let step = (rows.len() / PIECES).max(1);
         let longest = (rows.len() as f64 * LONGEST_PART) as usize;
-        let shortest = (SHORTEST_S * scene.chains[log].output_rate_hz()).ceil() as usize;
+        let shortest = (SHORTEST_S * data.chains[log].output_rate_hz()).ceil() as usize;
         let mut log_best = (0.0, 0, 0);
         for start in (0..rows.len()).step_by(step) {
             let last = (start + longest).min(rows.len());
@@ -131,7 +131,7 @@ fn best_of<const N: usize>(
         }
     }
     best.map(|(explained, log, start, end)| {
-        let half_s = 0.5 / scene.chains[log].output_rate_hz();
+        let half_s = 0.5 / data.chains[log].output_rate_hz();
         (explained, PushWindow { log, start_s: time_s(start) - half_s, end_s: time_s(end) + half_s })
     })
 }
@@ -144,7 +144,7 @@ pub(crate) fn sharpened<const N: usize>(
     window_s: [f64; 2],
     given: &[usize],
 ) -> [f64; 2] {
-    let chain = &system.scene.chains[push.log().unwrap_or(0)];
+    let chain = &system.data.chains[push.log().unwrap_or(0)];
     let within_s = 1.0 / chain.output_rate_hz();
     let explained = |window_s: [f64; 2]| free_gain(system, &system.evaluate(push, &window_s), given).explained;
     let mut best = (explained(window_s), window_s);

@@ -15,7 +15,7 @@ use crate::diagnosis::CauseLabel;
 use crate::filter::central_difference;
 use crate::least_squares::{Gain, fit_rows, inner};
 use crate::noise_level::rms;
-use crate::scene::{Scene, add_scaled};
+use crate::regression_data::{RegressionData, add_scaled};
 use crate::whitening::Whitening;
 
 /// What the deflection of one joint shows.
@@ -45,16 +45,15 @@ const SECOND_CAUSE: f64 = 1.01;
 const LEAST_EVIDENCE: f64 = 15.0;
 
 /// Elasticity and backlash of every joint; empty without a second encoder.
-pub(crate) fn deflections<const N: usize>(scene: &Scene<N>) -> Vec<DeflectionFinding> {
-    let Some(deflection) = &scene.deflection_rad else { return Vec::new() };
-    (0..N).flat_map(|joint| joint_deflection(scene, deflection, joint)).collect()
+pub(crate) fn deflections<const N: usize>(data: &RegressionData<N>) -> Vec<DeflectionFinding> {
+    let Some(deflection) = &data.deflection_rad else { return Vec::new() };
+    (0..N).flat_map(|joint| joint_deflection(data, deflection, joint)).collect()
 }
 
 /// The deflection that the model's own effects predict (rad).
-fn nominal_deflection<const N: usize>(scene: &Scene<N>, joint: usize) -> impl Fn(f64) -> f64 + '_ {
+fn nominal_deflection<const N: usize>(data: &RegressionData<N>, joint: usize) -> impl Fn(f64) -> f64 + '_ {
     move |link_nm| {
-        scene
-            .nominal
+        data.nominal
             .effects
             .iter()
             .map(|effect| match effect {
@@ -71,33 +70,33 @@ fn nominal_deflection<const N: usize>(scene: &Scene<N>, joint: usize) -> impl Fn
 }
 
 fn joint_deflection<const N: usize>(
-    scene: &Scene<N>,
+    data: &RegressionData<N>,
     deflection: &[SVector<f64, N>],
     joint: usize,
 ) -> Vec<DeflectionFinding> {
-    let predicted = nominal_deflection(scene, joint);
-    let own = |values: Vec<f64>| scene.filter_own(joint, values);
-    let sample = |value: &dyn Fn(usize) -> f64| own((0..scene.samples.len()).map(value).collect());
-    let target = sample(&|k| deflection[k][joint] - predicted(scene.samples[k].link_nm[joint]));
-    let mut rates = Vec::with_capacity(scene.samples.len());
-    for burst in &scene.bursts {
-        let load: Vec<f64> = scene.samples[burst.fine.clone()].iter().map(|at| at.link_nm[joint]).collect();
-        rates.extend(central_difference(&load, scene.period_s(burst)));
+    let predicted = nominal_deflection(data, joint);
+    let own = |values: Vec<f64>| data.filter_own(joint, values);
+    let sample = |value: &dyn Fn(usize) -> f64| own((0..data.samples.len()).map(value).collect());
+    let target = sample(&|k| deflection[k][joint] - predicted(data.samples[k].link_nm[joint]));
+    let mut rates = Vec::with_capacity(data.samples.len());
+    for burst in &data.bursts {
+        let load: Vec<f64> = data.samples[burst.fine.clone()].iter().map(|at| at.link_nm[joint]).collect();
+        rates.extend(central_difference(&load, data.period_s(burst)));
     }
-    let load = sample(&|k| scene.samples[k].link_nm[joint]);
-    let nuisance = [sample(&|_| 1.0), sample(&|k| scene.samples[k].qd[joint])];
+    let load = sample(&|k| data.samples[k].link_nm[joint]);
+    let nuisance = [sample(&|_| 1.0), sample(&|k| data.samples[k].qd[joint])];
     let spring = [load.clone(), own(rates)];
     let gap = Backlash { joint };
     let gaps: Vec<Vec<f64>> = WIDTHS_NM
         .iter()
-        .map(|width| gap.filtered(scene, &[*width]).swap_remove(0).rows[joint].clone().unwrap_or_default())
+        .map(|width| gap.filtered(data, &[*width]).swap_remove(0).rows[joint].clone().unwrap_or_default())
         .collect();
 
     // Whiten by the colour of what everything together leaves.
     let all: Vec<&[f64]> = nuisance.iter().chain(&spring).chain(&gaps).map(Vec::as_slice).collect();
-    let bursts: Vec<_> = scene.bursts.iter().map(|burst| burst.out.clone()).collect();
+    let bursts: Vec<_> = data.bursts.iter().map(|burst| burst.out.clone()).collect();
     let left = subtract(&target, &all, &fit(&all, &target).coefficients);
-    let noise = deflection_noise(scene, joint);
+    let noise = deflection_noise(data, joint);
     let whitening = Whitening::of(&left, &bursts, (0.05 * noise).max(1e-10));
     let white = |x: &[f64]| bursts.iter().flat_map(|burst| whitening.apply(&x[burst.clone()])).collect::<Vec<f64>>();
     let white_target = white(&target);
@@ -153,7 +152,7 @@ fn joint_deflection<const N: usize>(
     if (before_rad.powi(2) - after_rad.powi(2)).max(0.0).sqrt() < LEAST_OVER_NOISE * noise {
         return Vec::new();
     }
-    let block = (2.0 * scene.chains[0].output_rate_hz()).ceil().max(1.0) as usize;
+    let block = (2.0 * data.chains[0].output_rate_hz()).ceil().max(1.0) as usize;
     let blocks: Vec<[f64; 2]> =
         corrected.chunks(block).zip(predicted.chunks(block)).map(|(b, a)| [rms(b), rms(a)]).collect();
     let fitted: Vec<f64> = corrected.iter().zip(&predicted).map(|(before, after)| before - after).collect();
@@ -185,7 +184,7 @@ fn joint_deflection<const N: usize>(
         let half_gap_rad = gain.coefficients[place];
         if half_gap_rad > 0.0 {
             let evidence = if has_spring { both - only_spring } else { only_gap };
-            if let Some(effect) = Candidate::<N>::effect(&gap, scene, &[], &[half_gap_rad]) {
+            if let Some(effect) = Candidate::<N>::effect(&gap, data, &[], &[half_gap_rad]) {
                 findings.push(template(CauseLabel::Backlash, effect, errors[place] / half_gap_rad, evidence));
             }
         }
@@ -194,9 +193,9 @@ fn joint_deflection<const N: usize>(
 }
 
 /// Noise of theta − q in the band (rad): both encoders.
-fn deflection_noise<const N: usize>(scene: &Scene<N>, joint: usize) -> f64 {
-    let chain = &scene.chains[0];
-    scene.position_sd_rad[joint] * (2.0 * 2.0 * chain.band_hz / chain.rate_hz).sqrt()
+fn deflection_noise<const N: usize>(data: &RegressionData<N>, joint: usize) -> f64 {
+    let chain = &data.chains[0];
+    data.position_sd_rad[joint] * (2.0 * 2.0 * chain.band_hz / chain.rate_hz).sqrt()
 }
 
 fn fit(columns: &[&[f64]], target: &[f64]) -> Gain {

@@ -14,7 +14,7 @@ use crate::posterior::gate::{AS_WELL, Wrongness, regression, wrongness};
 use crate::posterior::problem::Problem;
 use crate::posterior::sign_width::sharper_sign;
 use crate::posterior::sticking::sticking;
-use crate::scene::Scene;
+use crate::regression_data::RegressionData;
 use crate::search::joints_and_kinds;
 use crate::settings::DiagnoseSettings;
 use crate::{DiagnoseError, Nominal};
@@ -49,25 +49,25 @@ pub(crate) fn explained<const N: usize>(
         return Err(DiagnoseError::NoLog);
     }
     step("residual", 0.0)?;
-    let mut scene = Scene::of_logs(logs, nominal, settings.band_hz)?;
-    if scene.time_s.len() < LEAST_SAMPLES {
-        return Err(DiagnoseError::TooShort { got: scene.time_s.len(), need: LEAST_SAMPLES });
+    let mut data = RegressionData::of_logs(logs, nominal, settings.band_hz)?;
+    if data.time_s.len() < LEAST_SAMPLES {
+        return Err(DiagnoseError::TooShort { got: data.time_s.len(), need: LEAST_SAMPLES });
     }
     // How friction turns round is the model's own affair: what is asked of is the model whose joints turn round as the log shows.
     let asked = nominal;
     let mut shown = asked.clone();
     let mut asked_nm = None;
-    let whole = turned_round(logs, &mut scene, &mut shown, &mut asked_nm, &[])?;
+    let whole = turned_round(logs, &mut data, &mut shown, &mut asked_nm, &[])?;
     // With logs of a bare flange all is fitted together anyway: nobody needs to ask how much is wrong.
-    let mut wrong = unloaded.is_empty().then(|| wrongness(&scene, &whole));
+    let mut wrong = unloaded.is_empty().then(|| wrongness(&data, &whole));
     drop(whole);
     // A push hides how friction turns round; the log beside it shows that.
     if let (Some(Wrongness { pushes, .. }), None) = (&wrong, &asked_nm)
         && !pushes.is_empty()
     {
-        turned_round(logs, &mut scene, &mut shown, &mut asked_nm, pushes)?;
+        turned_round(logs, &mut data, &mut shown, &mut asked_nm, pushes)?;
         if asked_nm.is_some() {
-            wrong = Some(wrongness(&scene, &regression(&scene, &[])));
+            wrong = Some(wrongness(&data, &regression(&data, &[])));
         }
     }
     let nominal = &shown;
@@ -104,7 +104,7 @@ pub(crate) fn explained<const N: usize>(
             // A search gives up only here: elsewhere it ends soon, and the small causes that it finds beside the true ones are pruned.
             let most_kinds = wrong.in_many_joints.then_some(HOPELESS_KINDS);
             let question = Question { looked_for: &|_| true, most_kinds, plain_fits, validate, before };
-            let mut found = cause_by_cause(&question, logs, &mut scene, settings, &step)?;
+            let mut found = cause_by_cause(&question, logs, &mut data, settings, &step)?;
             if let (Some(found), None) = (&mut found, plain_fits) {
                 found.notes.push(TOO_SHORT_TO_SPLIT.to_owned());
             }
@@ -112,7 +112,7 @@ pub(crate) fn explained<const N: usize>(
         }
         None => None,
     };
-    drop(scene);
+    drop(data);
     let mut diagnosis = match one_by_one {
         Some(found) => found,
         None => explain(&Given { logs, unloaded, validate }, [asked, nominal], settings, &step)?,
@@ -135,24 +135,24 @@ pub(crate) fn explained<const N: usize>(
     Ok(diagnosis)
 }
 
-/// Puts the scene of the model whose joints turn round as the log beside some pushes shows in the place of a scene, and what it left before (Nm) beside
-/// it where that is another model; the regression of the scene.
+/// Replaces regression data by those of the model whose joints turn round as the log beside some pushes shows, with what the model left before (Nm)
+/// where that is another one; the regression of the data.
 fn turned_round<const N: usize>(
     logs: &[RobotLog],
-    scene: &mut Scene<N>,
+    data: &mut RegressionData<N>,
     model: &mut Nominal<N>,
     before_nm: &mut Option<[Vec<f64>; N]>,
     pushes: &[PushWindow],
 ) -> Result<Problem, DiagnoseError> {
-    let mut problem = regression(scene, pushes);
+    let mut problem = regression(data, pushes);
     for turns_round in [sticking::<N>, sharper_sign::<N>] {
-        let Some(Nominal { sticks, smoothing_rad_s, .. }) = turns_round(scene, &problem) else { continue };
+        let Some(Nominal { sticks, smoothing_rad_s, .. }) = turns_round(data, &problem) else { continue };
         (model.sticks, model.smoothing_rad_s) = (sticks, smoothing_rad_s);
-        let mut of_model = Scene::of_logs(logs, model, scene.chains.first().map(|chain| chain.band_hz))?;
-        of_model.borrow_regressors(scene);
-        let before = std::mem::replace(scene, of_model).residual_nm;
+        let mut of_model = RegressionData::of_logs(logs, model, data.chains.first().map(|chain| chain.band_hz))?;
+        of_model.borrow_regressors(data);
+        let before = std::mem::replace(data, of_model).residual_nm;
         before_nm.get_or_insert(before);
-        problem = regression(scene, pushes);
+        problem = regression(data, pushes);
     }
     Ok(problem)
 }

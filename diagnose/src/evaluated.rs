@@ -8,7 +8,7 @@ use crate::posterior::baseline::PlainFits;
 use crate::ripple::RippleLine;
 use crate::significance::Chance;
 
-/// A model that is asked about, where the scene has another in its place, and what it leaves (Nm).
+/// A model that is asked about, where the data have another in its place, and what it leaves (Nm).
 #[derive(Clone, Copy)]
 pub(crate) struct Before<'b, const N: usize> {
     pub model: &'b Nominal<N>,
@@ -19,7 +19,7 @@ pub(crate) struct Before<'b, const N: usize> {
 pub(crate) struct Evaluated<'e, const N: usize> {
     /// Residual before ripples were taken out (Nm).
     pub original: &'e [Vec<f64>; N],
-    /// What figures before the findings are of, if not the scene's own model.
+    /// What figures before the findings are of, if not the data's own model.
     pub before: Option<Before<'e, N>>,
     pub lines: &'e [RippleLine],
     /// What plain fits predict, to stand beside the answer.

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use nalgebra::{DMatrix, DVector};
 
 use crate::least_squares::{Gain, OWN_PART, solve_ridge, solve_truncated};
-use crate::scene::Column;
+use crate::regression_data::Column;
 use crate::system::{System, dot};
 
 /// The problem with the selected columns projected out.
@@ -213,7 +213,7 @@ mod tests {
     use super::*;
     use crate::Nominal;
     use crate::cause::candidates;
-    use crate::scene::Scene;
+    use crate::regression_data::RegressionData;
     use crate::system::EvaluatedColumns;
 
     /// Second algorithm: all others projected out anew.
@@ -229,11 +229,11 @@ mod tests {
         let Truth { arm, friction, .. } = plain;
         let torque_side = recording.torque_side;
         let nominal = Nominal { arm, friction, smoothing_rad_s: 0.01, sticks: false, effects: Vec::new(), torque_side };
-        let scene = Scene::of_logs(&[log], &nominal, None).unwrap();
+        let data = RegressionData::of_logs(&[log], &nominal, None).unwrap();
         let causes: Vec<_> = candidates::<7>().into_iter().map(Arc::from).collect();
-        let evaluated = EvaluatedColumns::of(&scene, &causes);
-        let left = evaluated.saturated_residual(&scene);
-        let system = System::new(&scene, &evaluated, &left);
+        let evaluated = EvaluatedColumns::of(&data, &causes);
+        let left = evaluated.saturated_residual(&data);
+        let system = System::new(&data, &evaluated, &left);
 
         let members: Vec<usize> = (0..system.groups.len()).step_by(system.groups.len() / 6).collect();
         let columns = system.columns_of(&members);

@@ -15,9 +15,9 @@ use crate::held_out::{
 use crate::parameters::parameters_of;
 use crate::plots;
 use crate::pruning::{LARGEST_P, torque_rms};
+use crate::regression_data::{Column, RegressionData};
 use crate::ripple::RippleLine;
 use crate::rivals::rivals;
-use crate::scene::{Column, Scene};
 use crate::search::Search;
 use crate::significance::Chance;
 
@@ -51,12 +51,12 @@ pub(crate) fn describe<const N: usize>(
         let candidate = search.system.groups[group].candidate.clone();
         let shape = search.system.groups[group].shape.clone();
         let slope = candidate.profile().map(|_| {
-            let scene = search.system.scene;
+            let data = search.system.data;
             let columns = search.system.columns_of(&search.selected);
             let fit = joint_fit(search.system, &columns).coefficients;
             let place = columns.iter().position(|c| *c == search.system.groups[group].columns.start).unwrap_or(0);
             let moved = [shape[0] * (1.0 + SHAPE_STEP)];
-            let up = candidate.filtered(scene, &moved).swap_remove(0);
+            let up = candidate.filtered(data, &moved).swap_remove(0);
             let scale = fit[place] / (shape[0] * SHAPE_STEP);
             Column {
                 rows: std::array::from_fn(|j| {
@@ -87,13 +87,13 @@ pub(crate) fn finding_of<const N: usize>(
     seed: u64,
 ) -> Finding {
     let system = &*search.system;
-    let scene = system.scene;
+    let data = system.data;
     let group = &system.groups[member.group];
     let candidate = &group.candidate;
-    let effect = candidate.effect(scene, &group.shape, own_coefficients);
+    let effect = candidate.effect(data, &group.shape, own_coefficients);
 
     // Gain of this finding, given the others, on the joints it acts on.
-    let without = fitted.held_out.squares_without(&scene.residual_nm, own.clone());
+    let without = fitted.held_out.squares_without(&data.residual_nm, own.clone());
     let affected: Vec<usize> = (0..N).filter(|j| member.plain.iter().any(|column| column.rows[*j].is_some())).collect();
     let (held_out_gain, held_out_gain_ci95) = gain_with_interval(&without, fitted.after, &affected, seed);
 
@@ -113,7 +113,7 @@ pub(crate) fn finding_of<const N: usize>(
             if slope.is_some() {
                 shape[0] = (shape[0] + fit[base]).max(1e-9);
             }
-            candidate.effect(scene, &shape, &fit[own.clone()])
+            candidate.effect(data, &shape, &fit[own.clone()])
         };
         let draws = resampled(gram.blocks(), seed, estimated);
         let drawn: Vec<_> = draws.into_iter().flatten().map(|effect| parameters_of(&effect)).collect();
@@ -135,7 +135,7 @@ pub(crate) fn finding_of<const N: usize>(
             .collect()
     });
     let explained = (0..N).map(|j| torque_rms(&member.plain, own_coefficients, j));
-    let plots = plots::of_member(scene, candidate.as_ref(), &member.plain, own_coefficients, fitted.residual_after);
+    let plots = plots::of_member(data, candidate.as_ref(), &member.plain, own_coefficients, fitted.residual_after);
     Finding {
         label: candidate.label(),
         location: candidate.location(),
@@ -155,24 +155,24 @@ pub(crate) fn finding_of<const N: usize>(
 }
 
 /// The effect of a ripple.
-fn ripple_effect<const N: usize>(scene: &Scene<N>, line: &RippleLine) -> Option<Effect> {
+fn ripple_effect<const N: usize>(data: &RegressionData<N>, line: &RippleLine) -> Option<Effect> {
     let candidate = TorqueRipple { joint: line.joint };
-    candidate.effect(scene, &[line.cycles_per_rev], &[line.sine_nm, line.cosine_nm])
+    candidate.effect(data, &[line.cycles_per_rev], &[line.sine_nm, line.cosine_nm])
 }
 
 pub(crate) fn ripple_finding<const N: usize>(
-    scene: &Scene<N>,
+    data: &RegressionData<N>,
     line: &RippleLine,
     evaluated: &Evaluated<'_, N>,
     after: &BlockSquares<N>,
     blocks: &TimeBlocks,
 ) -> Finding {
     // Without this line its torque is back in the residual.
-    let column = scene.filter(&line.torque(scene));
+    let column = data.filter(&line.torque(data));
     let torque = column.rows[line.joint].clone().unwrap_or_default();
     let mut back = evaluated.original.clone();
-    back[line.joint] = scene.residual_nm[line.joint].iter().zip(&torque).map(|(r, x)| r + x).collect();
-    let (with, without) = (plain_squares(&scene.residual_nm, blocks), plain_squares(&back, blocks));
+    back[line.joint] = data.residual_nm[line.joint].iter().zip(&torque).map(|(r, x)| r + x).collect();
+    let (with, without) = (plain_squares(&data.residual_nm, blocks), plain_squares(&back, blocks));
     // The other findings' part cancels but for the cross term, which is small: a ripple is orthogonal to slow causes.
     let raised: BlockSquares<N> = after
         .iter()
@@ -181,7 +181,7 @@ pub(crate) fn ripple_finding<const N: usize>(
         .collect();
     let (held_out_gain, held_out_gain_ci95) = gain_with_interval(&raised, after, &[line.joint], evaluated.seed);
     let error = 1.96 * line.standard_error_nm;
-    let effect = ripple_effect(scene, line);
+    let effect = ripple_effect(data, line);
     let amplitude = line.amplitude_nm();
     let phase_error = error / amplitude;
     let half = [1.96 * line.order_error, error, phase_error];
@@ -206,7 +206,7 @@ pub(crate) fn ripple_finding<const N: usize>(
         explained_rms_nm: amplitude / 2f64.sqrt(),
         evidence: line.evidence,
         alternatives: Vec::new(),
-        plots: plots::of_ripple(scene, line),
+        plots: plots::of_ripple(data, line),
     }
 }
 

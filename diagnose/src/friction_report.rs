@@ -9,7 +9,7 @@ use tribo_friction::law::smooth_sign;
 use tribo_logs::RobotLog;
 
 use crate::noise_level::rms;
-use crate::scene::Scene;
+use crate::regression_data::RegressionData;
 use crate::{
     BlockSettings, Blocks, BlocksError, DiagnoseError, ModelResidual, Nominal, ResidualSettings, SignalChain,
     TorqueResidual,
@@ -161,19 +161,19 @@ impl FrictionReport {
         // A diagnosis bends its band to the log; here somebody asked for this one.
         SignalChain::resolve(log, &ResidualSettings { band_hz, ..ResidualSettings::default() })?;
         let without = Nominal { friction: FrictionModel::none(), ..model.clone() };
-        let scene = Scene::of_logs(one, &without, Some(band_hz))?;
+        let data = RegressionData::of_logs(one, &without, Some(band_hz))?;
         let with = |friction: &FrictionModel<N>| {
             let whole = Nominal { friction: *friction, ..model.clone() };
             Ok::<_, DiagnoseError>(ModelResidual::of(one, &whole, Some(band_hz))?.residual_nm)
         };
         let with_model = friction.map(with).transpose()?;
-        let fine = |value: &dyn Fn(f64) -> f64, j: usize| scene.samples.iter().map(|at| value(at.qd[j])).collect();
+        let fine = |value: &dyn Fn(f64) -> f64, j: usize| data.samples.iter().map(|at| value(at.qd[j])).collect();
         let sign: Vec<Vec<f64>> =
-            (0..N).map(|j| scene.filter_own(j, fine(&|qd| smooth_sign(qd, settings.smoothing_rad_s), j))).collect();
-        let columns: Vec<[&[f64]; 2]> = (0..N).map(|j| [&sign[j][..], &scene.qd[j][..]]).collect();
-        let bursts: Vec<Range<usize>> = scene.bursts.iter().map(|burst| burst.out.clone()).collect();
-        let chain = scene.chains.first().cloned().ok_or(DiagnoseError::NoLog)?;
-        Ok(Self::assembled(&scene.residual_nm, with_model.as_deref(), &columns, &bursts, chain, settings))
+            (0..N).map(|j| data.filter_own(j, fine(&|qd| smooth_sign(qd, settings.smoothing_rad_s), j))).collect();
+        let columns: Vec<[&[f64]; 2]> = (0..N).map(|j| [&sign[j][..], &data.qd[j][..]]).collect();
+        let bursts: Vec<Range<usize>> = data.bursts.iter().map(|burst| burst.out.clone()).collect();
+        let chain = data.chains.first().cloned().ok_or(DiagnoseError::NoLog)?;
+        Ok(Self::assembled(&data.residual_nm, with_model.as_deref(), &columns, &bursts, chain, settings))
     }
 
     /// The report on residuals (Nm) without and with a friction model, given filtered tanh(qd/ε) and qd of each joint.

@@ -9,7 +9,7 @@ use rand_pcg::Pcg64;
 use crate::diagnosis::CauseLabel;
 use crate::least_squares::{inner, solve_ridge};
 use crate::posterior::split::THIRDS;
-use crate::scene::Column;
+use crate::regression_data::Column;
 use crate::system::System;
 
 /// Number of folds.
@@ -38,13 +38,13 @@ impl TimeBlocks {
     /// Blocks of a log; where one of the `selected` groups is a push, blocks so short that several lie inside it, or no
     /// block would have seen it when it is asked for.
     pub fn of<const N: usize>(system: &System<'_, N>, selected: &[usize]) -> Self {
-        let scene = system.scene;
-        let rate_hz = scene.chains.first().map_or(1.0, |chain| chain.output_rate_hz());
-        let duration_s = scene.time_s.len() as f64 / rate_hz;
+        let data = system.data;
+        let rate_hz = data.chains.first().map_or(1.0, |chain| chain.output_rate_hz());
+        let duration_s = data.time_s.len() as f64 / rate_hz;
         let length_s = (duration_s / BLOCKS_WANTED).clamp(SHORTEST_BLOCK_S, BLOCK_S);
         let length = ((length_s * rate_hz).round() as usize).max(2);
         let mut ranges = Vec::new();
-        for burst in &scene.bursts {
+        for burst in &data.bursts {
             let count = ((burst.out.len() + length / 2) / length).max(1);
             for block in 0..count {
                 let first = burst.out.start + block * length;
@@ -56,7 +56,7 @@ impl TimeBlocks {
             if let ([start_s, end_s], CauseLabel::ExternalContact) = (group.shape.as_slice(), group.candidate.label()) {
                 let part = (((end_s - start_s) / PARTS_OF_A_PUSH).max(SHORTEST_PART_S) * rate_hz).round() as usize;
                 let inside =
-                    |range: &Range<usize>| scene.time_s[range.clone()].iter().any(|t| (*start_s..*end_s).contains(t));
+                    |range: &Range<usize>| data.time_s[range.clone()].iter().any(|t| (*start_s..*end_s).contains(t));
                 ranges = ranges
                     .into_iter()
                     .flat_map(|range| if inside(&range) { split(range, part.max(2)) } else { vec![range] })
@@ -204,12 +204,12 @@ impl<const N: usize> HeldOut<N> {
 
     /// The same with whole parts of the logs for blocks, each held out in turn: every log, or the thirds of one.
     pub fn of_parts(system: &System<'_, N>, groups: &[usize], plain: Vec<Column<N>>) -> Self {
-        let scene = system.scene;
+        let data = system.data;
         let bounds = |log: usize| {
-            let own = || scene.bursts.iter().filter(move |burst| burst.log == log).map(|burst| &burst.out);
+            let own = || data.bursts.iter().filter(move |burst| burst.log == log).map(|burst| &burst.out);
             own().map(|out| out.start).min().unwrap_or(0)..own().map(|out| out.end).max().unwrap_or(0)
         };
-        let ranges: Vec<Range<usize>> = match scene.chains.len() {
+        let ranges: Vec<Range<usize>> = match data.chains.len() {
             1 => {
                 let Range { start, end } = bounds(0);
                 let edge = |k: usize| start + k * (end - start) / THIRDS;

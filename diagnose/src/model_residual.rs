@@ -3,7 +3,7 @@
 use tribo_logs::RobotLog;
 
 use crate::noise_level::rms;
-use crate::scene::Scene;
+use crate::regression_data::RegressionData;
 use crate::{DiagnoseError, Nominal, SignalChain};
 
 /// `residual = B (S tau_measured − model)` with everything that a model file says: arm, friction, effects, gains, delay.
@@ -30,13 +30,13 @@ impl ModelResidual {
         model: &Nominal<N>,
         band_hz: Option<f64>,
     ) -> Result<Self, DiagnoseError> {
-        Ok(Self::of_scene(&Scene::of_logs(logs, model, band_hz)?))
+        Ok(Self::of_data(&RegressionData::of_logs(logs, model, band_hz)?))
     }
 
-    /// The residual of a scene.
-    pub(crate) fn of_scene<const N: usize>(scene: &Scene<N>) -> Self {
-        let residual_nm = scene.residual_nm.to_vec();
-        Self { time_s: scene.time_s.clone(), residual_nm, chains: scene.chains.clone() }
+    /// The residual of regression data.
+    pub(crate) fn of_data<const N: usize>(data: &RegressionData<N>) -> Self {
+        let residual_nm = data.residual_nm.to_vec();
+        Self { time_s: data.time_s.clone(), residual_nm, chains: data.chains.clone() }
     }
 
     /// RMS of each joint (Nm).

@@ -7,9 +7,9 @@ use crate::cause::Candidate;
 use crate::deflection::DeflectionFinding;
 use crate::diagnosis::{CauseLabel, CrossJointPattern, Location, Plot, Series};
 use crate::least_squares::solve_truncated;
+use crate::regression_data::{Column, FineColumn, RegressionData};
 use crate::report::cause_at;
 use crate::ripple::RippleLine;
-use crate::scene::{Column, FineColumn, Scene};
 
 /// Points of a cloud.
 const MOST_POINTS: usize = 1500;
@@ -38,14 +38,14 @@ fn abscissa(label: CauseLabel) -> (&'static str, &'static str) {
 
 /// The residual that a member of the findings explains, against what it goes with, and its fit.
 pub(crate) fn of_member<const N: usize>(
-    scene: &Scene<N>,
+    data: &RegressionData<N>,
     candidate: &dyn Candidate<N>,
     plain: &[Column<N>],
     coefficients: &[f64],
     residual_after: &[Vec<f64>; N],
 ) -> Vec<Plot> {
     let torque = |j: usize| -> Vec<f64> {
-        let mut sum = vec![0.0; scene.time_s.len()];
+        let mut sum = vec![0.0; data.time_s.len()];
         for (column, c) in plain.iter().zip(coefficients) {
             if let Some(values) = &column.rows[j] {
                 sum.iter_mut().zip(values).for_each(|(sum, x)| *sum += c * x);
@@ -61,12 +61,12 @@ pub(crate) fn of_member<const N: usize>(
     let mut fit = torque(joint);
     let mut partial: Vec<f64> = residual_after[joint].iter().zip(&fit).map(|(r, x)| r + x).collect();
     let (name, x_label) = abscissa(candidate.label());
-    let mut x = natural_abscissa(scene, name, joint);
+    let mut x = natural_abscissa(data, name, joint);
     let mut y_label = "torque that the other findings leave [Nm]";
     if candidate.label() == CauseLabel::Presliding {
         // Both ways alike: along the motion, and only as far as bristles bend.
         let near: Vec<usize> = (0..x.len()).filter(|k| x[*k] < PRESLIDING_WAY_RAD).collect();
-        let along = |y: &[f64]| near.iter().map(|k| y[*k] * scene.qd[joint][*k].signum()).collect();
+        let along = |y: &[f64]| near.iter().map(|k| y[*k] * data.qd[joint][*k].signum()).collect();
         (fit, partial) = (along(&fit), along(&partial));
         x = near.iter().map(|k| x[*k]).collect();
         y_label = "torque along the motion [Nm]";
@@ -74,11 +74,11 @@ pub(crate) fn of_member<const N: usize>(
     let measured = cloud("measured − model", &x, &partial);
     // Against time there is nothing to average: the fit itself, joined where the log has no gap.
     let curves = if name == "time" {
-        vec![Series { joined: scene.bursts.len() == 1, ..cloud("fit", &x, &fit) }]
+        vec![Series { joined: data.bursts.len() == 1, ..cloud("fit", &x, &fit) }]
     } else {
         vec![mean_curve("mean", &x, &partial), mean_curve("fit", &x, &fit)]
     };
-    let names = &scene.nominal.arm.joint_names;
+    let names = &data.nominal.arm.joint_names;
     let what = cause_at(candidate.label(), candidate.location(), names);
     vec![Plot {
         title: format!("{}: torque of {} against {name}", capital(&what), names.of(joint)),
@@ -93,23 +93,23 @@ fn capital(text: &str) -> String {
     letters.next().map_or_else(String::new, |first| first.to_uppercase().chain(letters).collect())
 }
 
-fn natural_abscissa<const N: usize>(scene: &Scene<N>, name: &str, joint: usize) -> Vec<f64> {
-    let filtered = |column: FineColumn<N>| scene.filter(&column).rows[joint].clone().unwrap_or_default();
+fn natural_abscissa<const N: usize>(data: &RegressionData<N>, name: &str, joint: usize) -> Vec<f64> {
+    let filtered = |column: FineColumn<N>| data.filter(&column).rows[joint].clone().unwrap_or_default();
     match name {
-        "velocity" => scene.qd[joint].clone(),
-        "position" => scene.q[joint].clone(),
-        "load" => filtered(scene.joint_column(joint, |at| at.link_nm[joint])),
-        "acceleration" => filtered(scene.joint_column(joint, |at| at.qdd[joint])),
-        "the way since it turned back" => way_since_reversal(scene, joint),
-        _ => scene.time_s.clone(),
+        "velocity" => data.qd[joint].clone(),
+        "position" => data.q[joint].clone(),
+        "load" => filtered(data.joint_column(joint, |at| at.link_nm[joint])),
+        "acceleration" => filtered(data.joint_column(joint, |at| at.qdd[joint])),
+        "the way since it turned back" => way_since_reversal(data, joint),
+        _ => data.time_s.clone(),
     }
 }
 
 /// Way of a joint (rad) since its velocity last changed sign, or since its burst began.
-fn way_since_reversal<const N: usize>(scene: &Scene<N>, joint: usize) -> Vec<f64> {
-    let (q, qd) = (&scene.q[joint], &scene.qd[joint]);
+fn way_since_reversal<const N: usize>(data: &RegressionData<N>, joint: usize) -> Vec<f64> {
+    let (q, qd) = (&data.q[joint], &data.qd[joint]);
     let mut way = Vec::with_capacity(q.len());
-    for burst in &scene.bursts {
+    for burst in &data.bursts {
         let mut turned_at = q.get(burst.out.start).copied().unwrap_or_default();
         for k in burst.out.clone() {
             if k > burst.out.start && qd[k] * qd[k - 1] < 0.0 {
@@ -144,18 +144,18 @@ fn mean_curve(name: &str, x: &[f64], y: &[f64]) -> Series {
 }
 
 /// A ripple, folded into one cycle at the full rate of the log.
-pub(crate) fn of_ripple<const N: usize>(scene: &Scene<N>, line: &RippleLine) -> Vec<Plot> {
+pub(crate) fn of_ripple<const N: usize>(data: &RegressionData<N>, line: &RippleLine) -> Vec<Plot> {
     let j = line.joint;
     let turn = 2.0 * std::f64::consts::PI;
-    let x: Vec<f64> = scene.samples.iter().map(|at| (line.cycles_per_rev * at.q[j]).rem_euclid(turn)).collect();
-    let mut y: Vec<f64> = scene.samples.iter().map(|at| at.measured_nm[j] - at.model_nm[j]).collect();
+    let x: Vec<f64> = data.samples.iter().map(|at| (line.cycles_per_rev * at.q[j]).rem_euclid(turn)).collect();
+    let mut y: Vec<f64> = data.samples.iter().map(|at| at.measured_nm[j] - at.model_nm[j]).collect();
     let mean_nm = y.iter().sum::<f64>() / y.len().max(1) as f64;
     y.iter_mut().for_each(|y| *y -= mean_nm);
     let fit: Vec<f64> = x.iter().map(|x| line.sine_nm * x.sin() + line.cosine_nm * x.cos()).collect();
     vec![Plot {
         title: format!(
             "Torque ripple at {}: {:.1} cycles per revolution, folded",
-            scene.nominal.arm.joint_names.of(j),
+            data.nominal.arm.joint_names.of(j),
             line.cycles_per_rev
         ),
         x_label: "phase of the cycle [rad]".to_owned(),
@@ -180,21 +180,21 @@ pub(crate) fn of_deflection(found: &DeflectionFinding, names: &JointNames) -> Ve
 }
 
 /// Residual against velocity, position, load and time for every joint, and its spectrum.
-pub(crate) fn overview<const N: usize>(scene: &Scene<N>, residual: &[Vec<f64>; N]) -> Vec<Plot> {
+pub(crate) fn overview<const N: usize>(data: &RegressionData<N>, residual: &[Vec<f64>; N]) -> Vec<Plot> {
     let mut plots = Vec::new();
     for j in 0..N {
         for (name, x_label) in
             [("time", "time [s]"), ("velocity", "qd [rad/s]"), ("position", "q [rad]"), ("load", "link torque [Nm]")]
         {
-            let x = natural_abscissa(scene, name, j);
+            let x = natural_abscissa(data, name, j);
             plots.push(Plot {
-                title: format!("Residual against {name}, {}", scene.nominal.arm.joint_names.of(j)),
+                title: format!("Residual against {name}, {}", data.nominal.arm.joint_names.of(j)),
                 x_label: x_label.to_owned(),
                 y_label: "measured − model [Nm]".to_owned(),
                 series: vec![cloud("residual", &x, &residual[j]), mean_curve("mean", &x, &residual[j])],
             });
         }
-        plots.push(spectrum(scene, &residual[j], j));
+        plots.push(spectrum(data, &residual[j], j));
     }
     plots
 }
@@ -203,9 +203,9 @@ pub(crate) fn overview<const N: usize>(scene: &Scene<N>, residual: &[Vec<f64>; N
 const FREQUENCIES: usize = 120;
 
 /// Amplitude spectrum of the residual over time: direct Fourier sums on a logarithmic grid, Hann window.
-fn spectrum<const N: usize>(scene: &Scene<N>, residual: &[f64], joint: usize) -> Plot {
-    let longest = scene.bursts.iter().map(|burst| burst.out.clone()).max_by_key(ExactSizeIterator::len).unwrap_or(0..0);
-    let rate_hz = scene.chains.first().map_or(1.0, |chain| chain.output_rate_hz());
+fn spectrum<const N: usize>(data: &RegressionData<N>, residual: &[f64], joint: usize) -> Plot {
+    let longest = data.bursts.iter().map(|burst| burst.out.clone()).max_by_key(ExactSizeIterator::len).unwrap_or(0..0);
+    let rate_hz = data.chains.first().map_or(1.0, |chain| chain.output_rate_hz());
     let (x, n) = (&residual[longest.clone()], longest.len() as f64);
     let (low, high) = (2.0 * rate_hz / n.max(4.0), 0.5 * rate_hz);
     let (mut frequency, mut amplitude) = (Vec::new(), Vec::new());
@@ -221,7 +221,7 @@ fn spectrum<const N: usize>(scene: &Scene<N>, residual: &[f64], joint: usize) ->
         amplitude.push(2.0 * re.hypot(im) / n.max(1.0));
     }
     Plot {
-        title: format!("Spectrum of the residual, {}", scene.nominal.arm.joint_names.of(joint)),
+        title: format!("Spectrum of the residual, {}", data.nominal.arm.joint_names.of(joint)),
         x_label: "frequency [Hz]".to_owned(),
         y_label: "amplitude [Nm]".to_owned(),
         series: vec![Series { name: "residual".to_owned(), x: frequency, y: amplitude, joined: true }],
@@ -230,11 +230,15 @@ fn spectrum<const N: usize>(scene: &Scene<N>, residual: &[f64], joint: usize) ->
 
 /// Share of the residual's variance that means over bins of velocity, position, load and time explain, and the share
 /// that lies in the tenth of a second after reversals beyond their share of time.
-pub(crate) fn goes_with<const N: usize>(scene: &Scene<N>, residual: &[f64], joint: usize) -> [(&'static str, f64); 5] {
-    let share = |name: &str| correlation_ratio(&natural_abscissa(scene, name, joint), residual);
-    let rate_hz = scene.chains.first().map_or(1.0, |chain| chain.output_rate_hz());
+pub(crate) fn goes_with<const N: usize>(
+    data: &RegressionData<N>,
+    residual: &[f64],
+    joint: usize,
+) -> [(&'static str, f64); 5] {
+    let share = |name: &str| correlation_ratio(&natural_abscissa(data, name, joint), residual);
+    let rate_hz = data.chains.first().map_or(1.0, |chain| chain.output_rate_hz());
     let after = ((0.1 * rate_hz).ceil() as usize).max(1);
-    let qd = &scene.qd[joint];
+    let qd = &data.qd[joint];
     let mut since = usize::MAX;
     let (mut near, mut total, mut count) = (0.0, 0.0, 0usize);
     for k in 1..residual.len() {
@@ -279,15 +283,18 @@ fn correlation_ratio(x: &[f64], y: &[f64]) -> f64 {
 const PATTERN_SAMPLES: usize = 2000;
 
 /// How much of the residual of all joints one constant wrench, one change of gravity, or masses explain.
-pub(crate) fn cross_joint_pattern<const N: usize>(scene: &Scene<N>, residual: &[Vec<f64>; N]) -> CrossJointPattern {
-    let every = (scene.samples.len() / PATTERN_SAMPLES).max(1);
-    let thin: Vec<_> = scene.samples.iter().step_by(every).copied().collect();
+pub(crate) fn cross_joint_pattern<const N: usize>(
+    data: &RegressionData<N>,
+    residual: &[Vec<f64>; N],
+) -> CrossJointPattern {
+    let every = (data.samples.len() / PATTERN_SAMPLES).max(1);
+    let thin: Vec<_> = data.samples.iter().step_by(every).copied().collect();
     let sum: f64 = residual.iter().flatten().map(|r| r * r).sum();
     if sum == 0.0 || thin.is_empty() {
         return CrossJointPattern::default();
     }
     // Unfiltered samples: motion is slow against the band, noise averages out.
-    let share = |count: usize, block: &dyn Fn(&crate::scene::Sample<N>) -> DMatrix<f64>| {
+    let share = |count: usize, block: &dyn Fn(&crate::regression_data::Sample<N>) -> DMatrix<f64>| {
         let (mut square, mut score, mut total) = (DMatrix::zeros(count, count), DVector::zeros(count), 0.0);
         for at in &thin {
             let (x, y) = (block(at), DVector::from_fn(N, |j, _| at.measured_nm[j] - at.model_nm[j]));
@@ -299,10 +306,10 @@ pub(crate) fn cross_joint_pattern<const N: usize>(scene: &Scene<N>, residual: &[
         (solve_truncated(&square, &score, &norms, 1e-6).explained / total).clamp(0.0, 1.0)
     };
     let axes = [nalgebra::Vector3::x(), nalgebra::Vector3::y(), nalgebra::Vector3::z()];
-    let arms = axes.map(|axis| Arm { gravity_m_s2: axis, ..scene.nominal.arm.clone() });
+    let arms = axes.map(|axis| Arm { gravity_m_s2: axis, ..data.nominal.arm.clone() });
     CrossJointPattern {
         wrench: share(6, &|at| {
-            let jacobian = scene.jacobian(at);
+            let jacobian = data.jacobian(at);
             DMatrix::from_fn(N, 6, |j, c| jacobian[(c, j)])
         }),
         gravity: share(3, &|at| {
@@ -310,7 +317,7 @@ pub(crate) fn cross_joint_pattern<const N: usize>(scene: &Scene<N>, residual: &[
             DMatrix::from_fn(N, 3, |j, c| columns[c][j])
         }),
         inertial: share(10 * N, &|at| {
-            let blocks = inverse_dynamics_regressor(&scene.nominal.arm, &at.q, &at.qd, &at.qdd);
+            let blocks = inverse_dynamics_regressor(&data.nominal.arm, &at.q, &at.qd, &at.qdd);
             DMatrix::from_fn(N, 10 * N, |j, c| blocks[c / 10][(j, c % 10)])
         }),
     }

@@ -7,8 +7,8 @@ use crate::evidence::joint_fit;
 use crate::held_out::{BlockSquares, HeldOut};
 use crate::least_squares::inner;
 use crate::noise_level::rms;
+use crate::regression_data::Column;
 use crate::rivals::RIVAL_EVIDENCE;
-use crate::scene::Column;
 use crate::search::{LEAST_EVIDENCE, Search};
 use crate::significance::Chance;
 
@@ -29,7 +29,7 @@ pub(crate) fn prefer_likelier<const N: usize>(search: &mut Search<'_, '_, N>) {
     for place in 0..search.selected.len() {
         let group = search.selected[place];
         let own = search.place(group);
-        let one_way = |joint: usize| search.system.scene.moves_one_way(joint);
+        let one_way = |joint: usize| search.system.data.moves_one_way(joint);
         let alike = |rival: usize| {
             let other = search.place(rival);
             let constant = matches!(other.0, CauseLabel::Coulomb | CauseLabel::TorqueOffset) && other.1 == own.1;
@@ -104,7 +104,7 @@ pub(crate) fn drop_small<const N: usize>(search: &mut Search<'_, '_, N>) {
     keep(search, |search, _, plain, own| {
         (0..N).any(|j| {
             let rms = torque_rms(plain, own, j);
-            rms > LEAST_RMS_NM && rms > LEAST_OVER_NOISE * search.system.scene.torque_floor_nm[j]
+            rms > LEAST_RMS_NM && rms > LEAST_OVER_NOISE * search.system.data.torque_floor_nm[j]
         })
     });
 }
@@ -119,7 +119,7 @@ pub(crate) fn drop_stiction<const N: usize>(search: &mut Search<'_, '_, N>) {
         let (CauseLabel::Stribeck, Location::Joint(joint)) = search.place(group) else { return true };
         let torque = torque_of(plain, own, joint);
         let squares = || torque.iter().map(|torque| torque * torque);
-        let standing = search.system.scene.standing(joint);
+        let standing = search.system.data.standing(joint);
         let at_rest: f64 = squares().zip(standing).map(|(square, share)| square * share.clamp(0.0, 1.0)).sum();
         at_rest <= MOST_AT_REST * squares().sum::<f64>()
     });
@@ -130,13 +130,13 @@ pub(crate) fn drop_worthless<const N: usize>(search: &mut Search<'_, '_, N>) {
     loop {
         let system = &*search.system;
         let held_out = HeldOut::of(system, &search.selected);
-        let residual = &system.scene.residual_nm;
+        let residual = &system.data.residual_nm;
         let after = held_out.squares(residual);
-        let rows = system.scene.time_s.len().max(1) as f64;
+        let rows = system.data.time_s.len().max(1) as f64;
         // What is left of a joint that has other secrets is structure too: a little of it goes with anything.
         let asked: [f64; N] = std::array::from_fn(|j| {
             let left_nm = (after.iter().map(|block| block[j]).sum::<f64>() / rows).sqrt();
-            if left_nm <= SECRETIVE * system.scene.noise_floor_nm[j] {
+            if left_nm <= SECRETIVE * system.data.noise_floor_nm[j] {
                 LEAST_GAIN
             } else if left_nm <= MOST_LEFT * rms(&residual[j]) {
                 LEAST_GAIN_OF_CRUMBS
@@ -204,7 +204,7 @@ pub(crate) fn prefer_names<const N: usize>(search: &mut Search<'_, '_, N>) {
 
 /// Residual square of a joint (Nm²) on blocks that the coefficients of these groups have not seen.
 fn unseen_square<const N: usize>(search: &Search<'_, '_, N>, groups: &[usize], joint: usize) -> f64 {
-    let squares = HeldOut::of(search.system, groups).squares(&search.system.scene.residual_nm);
+    let squares = HeldOut::of(search.system, groups).squares(&search.system.data.residual_nm);
     squares.iter().map(|block| block[joint]).sum()
 }
 

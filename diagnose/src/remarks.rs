@@ -5,19 +5,19 @@ use crate::evidence::Conditional;
 use crate::held_out::BlockSquares;
 use crate::noise_level::rms;
 use crate::plots;
-use crate::scene::Scene;
+use crate::regression_data::RegressionData;
 use crate::search::{LEAST_EVIDENCE, Search};
 use crate::significance::Chance;
 
 /// The misfit of every joint, from what is held out as RMS before and after (Nm).
 pub(crate) fn misfits_of_squares<const N: usize>(
-    scene: &Scene<N>,
+    data: &RegressionData<N>,
     before: &[Vec<f64>; N],
     after: &[Vec<f64>; N],
     held_out_nm: &[Vec<f64>; 2],
 ) -> Vec<JointMisfit> {
     let none = vec![[0.0; N]];
-    let mut joints = misfits(scene, before, after, &none, &none);
+    let mut joints = misfits(data, before, after, &none, &none);
     for (j, joint) in joints.iter_mut().enumerate() {
         joint.held_out_nm = [held_out_nm[0][j], held_out_nm[1][j]];
     }
@@ -25,7 +25,7 @@ pub(crate) fn misfits_of_squares<const N: usize>(
 }
 
 pub(crate) fn misfits<const N: usize>(
-    scene: &Scene<N>,
+    data: &RegressionData<N>,
     before: &[Vec<f64>; N],
     after: &[Vec<f64>; N],
     held_out_before: &BlockSquares<N>,
@@ -33,7 +33,7 @@ pub(crate) fn misfits<const N: usize>(
 ) -> Vec<JointMisfit> {
     let mean = |x: &[f64]| x.iter().sum::<f64>() / x.len().max(1) as f64;
     let variance = |x: &[f64]| rms(x).powi(2) - mean(x).powi(2);
-    let samples = scene.time_s.len().max(1) as f64;
+    let samples = data.time_s.len().max(1) as f64;
     let block_rms =
         |squares: &BlockSquares<N>, j: usize| (squares.iter().map(|block| block[j]).sum::<f64>() / samples).sqrt();
     (0..N)
@@ -42,9 +42,9 @@ pub(crate) fn misfits<const N: usize>(
             bias_nm: mean(&before[j]),
             // A torque that hardly varies leaves no variance to explain.
             unexplained: variance(&before[j])
-                / variance(&scene.measured_nm[j]).max(scene.noise_floor_nm[j].powi(2)).max(1e-12),
-            noise_floor_nm: scene.noise_floor_nm[j],
-            goes_with: plots::goes_with(scene, &before[j], j),
+                / variance(&data.measured_nm[j]).max(data.noise_floor_nm[j].powi(2)).max(1e-12),
+            noise_floor_nm: data.noise_floor_nm[j],
+            goes_with: plots::goes_with(data, &before[j], j),
             rms_after_nm: rms(&after[j]),
             held_out_nm: [block_rms(held_out_before, j), block_rms(held_out_after, j)],
         })
@@ -61,32 +61,32 @@ pub(crate) fn note_on_baseline(unseen: &Unseen) -> Option<String> {
         .then(|| format!("{name} predicts unseen data better than the extended model, {ratio:.2} times: {advice}"))
 }
 
-pub(crate) fn notes_of<const N: usize>(scene: &Scene<N>) -> Vec<String> {
+pub(crate) fn notes_of<const N: usize>(data: &RegressionData<N>) -> Vec<String> {
     let mut notes = Vec::new();
     for j in 0..N {
-        let joint = scene.nominal.arm.joint_names.of(j);
-        if !scene.moves(j) {
+        let joint = data.nominal.arm.joint_names.of(j);
+        if !data.moves(j) {
             notes.push(format!("{joint} hardly moves: nothing but an offset can be said about its friction"));
             continue;
         }
-        if scene.moves_one_way(j) {
+        if data.moves_one_way(j) {
             notes.push(format!("{joint} moves in one direction only: Coulomb friction and offset cannot be separated"));
         }
     }
-    if scene.skipped_bursts > 0 {
-        let (bursts, were) = if scene.skipped_bursts == 1 { ("burst", "was") } else { ("bursts", "were") };
-        notes.push(format!("{} {bursts} {were} too short for the band and left out", scene.skipped_bursts));
+    if data.skipped_bursts > 0 {
+        let (bursts, were) = if data.skipped_bursts == 1 { ("burst", "was") } else { ("bursts", "were") };
+        notes.push(format!("{} {bursts} {were} too short for the band and left out", data.skipped_bursts));
     }
     notes
 }
 
 pub(crate) fn assumptions_of<const N: usize>(search: &Search<'_, '_, N>, chance: &Chance) -> Vec<String> {
-    let scene = search.system.scene;
-    let mut assumptions: Vec<String> = scene.chains.iter().map(ToString::to_string).collect();
+    let data = search.system.data;
+    let mut assumptions: Vec<String> = data.chains.iter().map(ToString::to_string).collect();
     assumptions.dedup();
     assumptions.push(format!(
         "sign(qd) is tanh(qd/{} rad/s); coefficients are fitted on whitened residuals of all joints together",
-        scene.nominal.smoothing_rad_s
+        data.nominal.smoothing_rad_s
     ));
     assumptions.push(format!(
         "held-out figures: coefficients of each fold come from the other contiguous blocks, shapes (speeds, distances, \
@@ -99,7 +99,7 @@ pub(crate) fn assumptions_of<const N: usize>(search: &Search<'_, '_, N>, chance:
 
 /// The best of every named cause that was not selected, and why it is out.
 pub(crate) fn rejected<const N: usize>(search: &Search<'_, '_, N>, findings: &[Finding]) -> Vec<Rejected> {
-    let scene = search.system.scene;
+    let data = search.system.data;
     let given = Conditional::on(search.system, &search.system.columns_of(&search.selected));
     let mut all: Vec<Rejected> = Vec::new();
     for group in 0..search.system.groups.len() {
@@ -114,7 +114,7 @@ pub(crate) fn rejected<const N: usize>(search: &Search<'_, '_, N>, findings: &[F
             (None, "this motion cannot tell it from the findings".to_owned())
         } else {
             let shape = &search.system.groups[group].shape;
-            let allowed = search.system.groups[group].candidate.admissible(scene, shape, &gain.coefficients);
+            let allowed = search.system.groups[group].candidate.admissible(data, shape, &gain.coefficients);
             let value = gain.explained / search.inflation - search.price(group, &gain);
             let reason = match allowed {
                 false => "only with values that physics forbids",
@@ -130,7 +130,7 @@ pub(crate) fn rejected<const N: usize>(search: &Search<'_, '_, N>, findings: &[F
         }
     }
     for candidate in crate::cause::candidates::<N>() {
-        if let Some(reason) = candidate.unavailable(scene) {
+        if let Some(reason) = candidate.unavailable(data) {
             all.push(Rejected { label: candidate.label(), location: candidate.location(), evidence: None, reason });
         }
     }

@@ -8,7 +8,7 @@ use rayon::prelude::*;
 
 use crate::least_squares::{fit_rows, inner, solve_truncated};
 use crate::noise_level::median;
-use crate::scene::{FineColumn, Sample, Scene};
+use crate::regression_data::{FineColumn, RegressionData, Sample};
 use crate::whitening::Whitening;
 
 /// A ripple of one joint, found at the full rate of the log: most of it may lie above the band of the residual.
@@ -35,9 +35,9 @@ impl RippleLine {
     }
 
     /// Its torque on the fine grid (Nm).
-    pub fn torque<const N: usize>(&self, scene: &Scene<N>) -> FineColumn<N> {
+    pub fn torque<const N: usize>(&self, data: &RegressionData<N>) -> FineColumn<N> {
         let (n, a, b) = (self.cycles_per_rev, self.sine_nm, self.cosine_nm);
-        scene.joint_column(self.joint, |at| {
+        data.joint_column(self.joint, |at| {
             let (sine, cosine) = (n * at.q[self.joint]).sin_cos();
             a * sine + b * cosine
         })
@@ -67,25 +67,28 @@ const LEAST_RMS_NM: f64 = 2.5e-3;
 const CHI2_MEDIAN: f64 = 1.386_294_361_119_890_6;
 
 /// Ripples of all joints in `measured − model − explained`, unfiltered; `explained` is what other causes explain.
-pub(crate) fn ripples<const N: usize>(scene: &Scene<N>, explained: &[nalgebra::SVector<f64, N>]) -> Vec<RippleLine> {
-    (0..N).into_par_iter().flat_map_iter(|joint| joint_ripples(scene, explained, joint)).collect()
+pub(crate) fn ripples<const N: usize>(
+    data: &RegressionData<N>,
+    explained: &[nalgebra::SVector<f64, N>],
+) -> Vec<RippleLine> {
+    (0..N).into_par_iter().flat_map_iter(|joint| joint_ripples(data, explained, joint)).collect()
 }
 
 fn joint_ripples<const N: usize>(
-    scene: &Scene<N>,
+    data: &RegressionData<N>,
     explained: &[nalgebra::SVector<f64, N>],
     joint: usize,
 ) -> Vec<RippleLine> {
     let mut lines = Vec::new();
-    if !scene.moves(joint) {
+    if !data.moves(joint) {
         return lines;
     }
-    let bursts: Vec<Range<usize>> = scene.bursts.iter().map(|burst| burst.fine.clone()).collect();
-    let q: Vec<f64> = scene.samples.iter().map(|at| at.q[joint]).collect();
-    let mut left = slow_part_removed(scene, explained, joint);
+    let bursts: Vec<Range<usize>> = data.bursts.iter().map(|burst| burst.fine.clone()).collect();
+    let q: Vec<f64> = data.samples.iter().map(|at| at.q[joint]).collect();
+    let mut left = slow_part_removed(data, explained, joint);
     for _ in 0..MOST_LINES {
         let whitening = Whitening::of(&left, &bursts, 1e-9);
-        let Some(line) = strongest_line(scene, &whitening, &bursts, &q, &left, joint) else { break };
+        let Some(line) = strongest_line(data, &whitening, &bursts, &q, &left, joint) else { break };
         left.iter_mut().zip(&q).for_each(|(left, q)| {
             let (sine, cosine) = (line.cycles_per_rev * q).sin_cos();
             *left -= line.sine_nm * sine + line.cosine_nm * cosine;
@@ -104,12 +107,16 @@ fn joint_ripples<const N: usize>(
 ///
 /// Their coefficients are those of the band: outside it the noise of the acceleration is in the residual and in the
 /// regressor alike, and would pass for inertia.
-fn slow_part_removed<const N: usize>(scene: &Scene<N>, explained: &[nalgebra::SVector<f64, N>], j: usize) -> Vec<f64> {
-    let residual = scene.samples.iter().enumerate();
+fn slow_part_removed<const N: usize>(
+    data: &RegressionData<N>,
+    explained: &[nalgebra::SVector<f64, N>],
+    j: usize,
+) -> Vec<f64> {
+    let residual = data.samples.iter().enumerate();
     let y: Vec<f64> = residual
         .map(|(k, at)| at.measured_nm[j] - at.model_nm[j] - explained.get(k).map_or(0.0, |tau| tau[j]))
         .collect();
-    let base = |value: &dyn Fn(&Sample<N>) -> f64| scene.samples.iter().map(value).collect::<Vec<f64>>();
+    let base = |value: &dyn Fn(&Sample<N>) -> f64| data.samples.iter().map(value).collect::<Vec<f64>>();
     let mut bases = vec![
         base(&|_| 1.0),
         base(&|at| at.sign[j]),
@@ -121,7 +128,7 @@ fn slow_part_removed<const N: usize>(scene: &Scene<N>, explained: &[nalgebra::SV
         base(&|at| at.q[j].cos()),
     ];
     bases.push(y);
-    let mut in_band = scene.filter_own_all(j, &bases);
+    let mut in_band = data.filter_own_all(j, &bases);
     let (target, y) = (in_band.pop().unwrap_or_default(), bases.pop().unwrap_or_default());
     let fit = fit_rows(&in_band, &target, 1e-8);
     let slow = |row: usize| -> f64 { bases.iter().zip(&fit.coefficients).map(|(base, c)| c * base[row]).sum() };
@@ -129,14 +136,14 @@ fn slow_part_removed<const N: usize>(scene: &Scene<N>, explained: &[nalgebra::SV
 }
 
 fn strongest_line<const N: usize>(
-    scene: &Scene<N>,
+    data: &RegressionData<N>,
     whitening: &Whitening,
     bursts: &[Range<usize>],
     q: &[f64],
     left: &[f64],
     joint: usize,
 ) -> Option<RippleLine> {
-    let spectrum = Spectrum::of(scene, whitening, bursts, q, left, joint)?;
+    let spectrum = Spectrum::of(data, whitening, bursts, q, left, joint)?;
     let bins = spectrum.binned(left);
     let power: Vec<f64> = spectrum.orders.iter().map(|order| spectrum.power_of(&bins, *order)).collect();
     // Short strokes smear a line over its surroundings, so that it need not be the one that stands out most from them.
@@ -151,7 +158,7 @@ fn strongest_line<const N: usize>(
     let lines = peaks.into_iter().map(|peak| spectrum.line(&bins, peak));
     let line = lines.max_by(|a, b| a.evidence.total_cmp(&b.evidence))?;
     let rms = line.amplitude_nm() / 2f64.sqrt();
-    let strong = rms > LEAST_RMS_NM && rms > LEAST_OVER_NOISE * scene.torque_floor_nm[joint];
+    let strong = rms > LEAST_RMS_NM && rms > LEAST_OVER_NOISE * data.torque_floor_nm[joint];
     (line.evidence > LEAST_EVIDENCE && strong).then_some(line)
 }
 
@@ -178,7 +185,7 @@ struct Spectrum<'s> {
 impl<'s> Spectrum<'s> {
     /// The orders of a joint; `None` where it moves too little to tell any.
     fn of<const N: usize>(
-        scene: &Scene<N>,
+        data: &RegressionData<N>,
         whitening: &'s Whitening,
         bursts: &'s [Range<usize>],
         q: &'s [f64],
@@ -196,7 +203,7 @@ impl<'s> Spectrum<'s> {
         let bins = (range / width).ceil() as usize + 1;
         let step = 0.4 * cell;
         let orders = (0..).map(|i| lowest + f64::from(i) * step).take_while(|order| *order <= HIGHEST_ORDER).collect();
-        let norm = OrderNorm::new(scene, whitening, joint);
+        let norm = OrderNorm::new(data, whitening, joint);
         Some(Self { whitening, bursts, q, left, joint, joints: N, norm, low, width, bins, cell, step, orders })
     }
 
@@ -308,17 +315,17 @@ struct OrderNorm {
 }
 
 impl OrderNorm {
-    fn new<const N: usize>(scene: &Scene<N>, whitening: &Whitening, joint: usize) -> Self {
+    fn new<const N: usize>(data: &RegressionData<N>, whitening: &Whitening, joint: usize) -> Self {
         const TABLE: usize = 1024;
         const KEPT: usize = 1500;
         let gain = (0..=TABLE).map(|i| whitening.power_gain(PI * i as f64 / TABLE as f64)).collect();
-        let every = (scene.samples.len() / KEPT).max(1);
-        let dt = |burst: &crate::scene::Burst| scene.period_s(burst);
-        let angles = scene
+        let every = (data.samples.len() / KEPT).max(1);
+        let dt = |burst: &crate::regression_data::Burst| data.period_s(burst);
+        let angles = data
             .bursts
             .iter()
             .flat_map(|burst| burst.fine.clone().step_by(every).map(move |k| (k, dt(burst))))
-            .map(|(k, dt_s)| ((scene.samples[k].qd[joint] * dt_s).abs(), every as f64))
+            .map(|(k, dt_s)| ((data.samples[k].qd[joint] * dt_s).abs(), every as f64))
             .collect();
         Self { angles, gain }
     }

@@ -155,7 +155,7 @@ impl<'s, 'a, const N: usize> Search<'s, 'a, N> {
         let candidate = &system.groups[group].candidate;
         let allowed = gain.directions > 0
             && gain.explained > LEAST_SHARE * rows
-            && candidate.admissible(system.scene, &system.groups[group].shape, &gain.coefficients);
+            && candidate.admissible(system.data, &system.groups[group].shape, &gain.coefficients);
         allowed.then(|| (gain.explained / self.inflation - self.price(group, &gain), gain))
     }
 

@@ -12,7 +12,7 @@
 
 use std::ops::Range;
 
-use crate::scene::Scene;
+use crate::regression_data::RegressionData;
 
 /// Time within which a resting joint has not moved (s).
 const WINDOW_S: f64 = 0.04;
@@ -24,7 +24,7 @@ const LONGEST_S: f64 = 0.4;
 /// Range of a resting joint's smoothed positions over their noise.
 const STILL_SD: f64 = 5.0;
 
-impl<const N: usize> Scene<N> {
+impl<const N: usize> RegressionData<N> {
     /// Finds the stops of all joints.
     pub(crate) fn find_short_rests(&mut self) {
         for burst in &self.bursts {

@@ -45,7 +45,7 @@ impl Chance {
         let given = Conditional::on(system, &selected);
 
         // Block scores of every column.
-        let rate_hz = system.scene.chains.first().map_or(1.0, |chain| chain.output_rate_hz());
+        let rate_hz = system.data.chains.first().map_or(1.0, |chain| chain.output_rate_hz());
         let length = ((BLOCK_S * rate_hz).round() as usize).max(1);
         let (mut block_of_row, mut block, mut in_block) = (Vec::new(), 0usize, 0);
         for row in 0..system.joint_rows {

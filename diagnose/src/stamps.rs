@@ -5,7 +5,7 @@ use tribo_sim::TorqueSide;
 
 use crate::diagnosis::{CauseLabel, Finding, Location};
 use crate::pruning::LEAST_GAIN;
-use crate::scene::{Sample, Scene};
+use crate::regression_data::{RegressionData, Sample};
 
 /// Period of the control loop of an arm (s), in which a torque is held and measured.
 const CONTROL_PERIOD_S: f64 = 1e-3;
@@ -16,14 +16,14 @@ const SURELY_PERIODS: f64 = 1.25;
 const POSSIBLY_PERIODS: f64 = 1.5;
 
 /// Takes from the findings what comes of when in a period a log's rows are stamped, and says so; the extended model has it.
-pub(crate) fn take_stamps<const N: usize>(scene: &Scene<N>, findings: &mut Vec<Finding>) -> Vec<String> {
+pub(crate) fn take_stamps<const N: usize>(data: &RegressionData<N>, findings: &mut Vec<Finding>) -> Vec<String> {
     let mut notes: Vec<String> = lateness_of_stamps(findings).into_iter().collect();
-    if scene.nominal.sticks {
+    if data.nominal.sticks {
         notes.extend(earliness_of_sticking(findings));
     }
-    if scene.nominal.torque_side == TorqueSide::Link {
-        let stiffness = gravity_stiffness(scene);
-        let names = &scene.nominal.arm.joint_names;
+    if data.nominal.torque_side == TorqueSide::Link {
+        let stiffness = gravity_stiffness(data);
+        let names = &data.nominal.arm.joint_names;
         let late = |finding: &Finding| {
             let Location::Joint(j) = finding.location else { return None };
             let viscous = finding.parameters.first().filter(|_| finding.label == CauseLabel::Viscous)?;
@@ -50,9 +50,9 @@ const STEP_RAD: f64 = 1e-4;
 
 /// Most that the gravity torque of each joint changes with its own angle along the motion [Nm/rad]: what is late by d looks like viscous friction
 /// of d times that.
-fn gravity_stiffness<const N: usize>(scene: &Scene<N>) -> [f64; N] {
-    let every = (scene.samples.len() / POSTURES).max(1);
-    let arm = &scene.nominal.arm;
+fn gravity_stiffness<const N: usize>(data: &RegressionData<N>) -> [f64; N] {
+    let every = (data.samples.len() / POSTURES).max(1);
+    let arm = &data.nominal.arm;
     std::array::from_fn(|j| {
         let slope = |at: &Sample<N>| {
             let torque_nm = |step: f64| {
@@ -62,7 +62,7 @@ fn gravity_stiffness<const N: usize>(scene: &Scene<N>) -> [f64; N] {
             };
             ((torque_nm(STEP_RAD) - torque_nm(-STEP_RAD)) / (2.0 * STEP_RAD)).abs()
         };
-        scene.samples.iter().step_by(every).map(slope).fold(0.0, f64::max)
+        data.samples.iter().step_by(every).map(slope).fold(0.0, f64::max)
     })
 }
 

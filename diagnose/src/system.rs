@@ -11,7 +11,7 @@ use crate::cause::{Candidate, ExternalContact};
 use crate::diagnosis::{CauseLabel, Location};
 use crate::least_squares::{ROUNDING, inner};
 use crate::noise_level::{rms, robust_sd};
-use crate::scene::{Column, Scene};
+use crate::regression_data::{Column, RegressionData};
 use crate::whitening::Whitening;
 
 /// A candidate at one shape: a set of columns that stand or fall together.
@@ -24,7 +24,7 @@ pub(crate) struct Group<const N: usize> {
 
 /// The whitened regression problem `y = X θ + e`, rows over joints and time.
 pub(crate) struct System<'a, const N: usize> {
-    pub scene: &'a Scene<N>,
+    pub data: &'a RegressionData<N>,
     pub groups: Vec<Group<N>>,
     pub columns: Vec<Column<N>>,
     pub target: Column<N>,
@@ -60,7 +60,7 @@ const MOST_KEPT: usize = 400;
 /// A candidate at a shape with its filtered columns.
 type Shaped<const N: usize> = (Arc<dyn Candidate<N>>, Vec<f64>, Vec<Column<N>>);
 
-/// The filtered columns of all candidates that a scene can show, on their grids of shapes.
+/// The filtered columns of all candidates that data can show, on their grids of shapes.
 pub(crate) struct EvaluatedColumns<const N: usize> {
     pub groups: Vec<Group<N>>,
     pub columns: Vec<Column<N>>,
@@ -68,13 +68,13 @@ pub(crate) struct EvaluatedColumns<const N: usize> {
 
 impl<const N: usize> EvaluatedColumns<N> {
     /// Evaluates candidate by candidate.
-    pub fn of(scene: &Scene<N>, candidates: &[Arc<dyn Candidate<N>>]) -> Self {
+    pub fn of(data: &RegressionData<N>, candidates: &[Arc<dyn Candidate<N>>]) -> Self {
         let evaluated: Vec<Shaped<N>> = candidates
             .par_iter()
-            .filter(|candidate| candidate.unavailable(scene).is_none())
+            .filter(|candidate| candidate.unavailable(data).is_none())
             .flat_map_iter(|candidate| {
-                candidate.shapes(scene).into_iter().map(|shape| {
-                    let filtered = candidate.filtered(scene, &shape);
+                candidate.shapes(data).into_iter().map(|shape| {
+                    let filtered = candidate.filtered(data, &shape);
                     (candidate.clone(), shape, filtered)
                 })
             })
@@ -89,9 +89,9 @@ impl<const N: usize> EvaluatedColumns<N> {
     }
 
     /// What every column together leaves of the residual (Nm).
-    pub fn saturated_residual(&self, scene: &Scene<N>) -> [Vec<f64>; N] {
+    pub fn saturated_residual(&self, data: &RegressionData<N>) -> [Vec<f64>; N] {
         let mut left: Vec<Vec<f64>> =
-            (0..N).into_par_iter().map(|j| saturated_residual(scene, &self.columns, j)).collect();
+            (0..N).into_par_iter().map(|j| saturated_residual(data, &self.columns, j)).collect();
         std::array::from_fn(|j| std::mem::take(&mut left[j]))
     }
 }
@@ -111,15 +111,15 @@ const STANDING_SHARE: f64 = 0.003;
 
 impl<'a, const N: usize> System<'a, N> {
     /// Whitens and multiplies all columns; the colour is that of `left`, the residual (Nm) of a fit.
-    pub fn new(scene: &'a Scene<N>, evaluated: &EvaluatedColumns<N>, left: &[Vec<f64>; N]) -> Self {
+    pub fn new(data: &'a RegressionData<N>, evaluated: &EvaluatedColumns<N>, left: &[Vec<f64>; N]) -> Self {
         let colour: Vec<(Vec<Whitening>, Vec<f64>, bool)> = (0..N)
             .into_par_iter()
             .map(|j| {
-                let filters = whitening_of(scene, &left[j], j);
+                let filters = whitening_of(data, &left[j], j);
                 let order = filters.iter().map(Whitening::order).max().unwrap_or(0);
-                let mut weights = rest_weights(scene, &left[j], j, order);
+                let mut weights = rest_weights(data, &left[j], j, order);
                 let stuck = weights.contains(&0.0);
-                weights.iter_mut().zip(scene.noise_weights(j)).for_each(|(weight, noisy)| *weight *= noisy);
+                weights.iter_mut().zip(data.noise_weights(j)).for_each(|(weight, noisy)| *weight *= noisy);
                 (filters, weights, stuck)
             })
             .collect();
@@ -135,14 +135,14 @@ impl<'a, const N: usize> System<'a, N> {
         let (mut row_samples, mut row_bursts) = (Vec::new(), Vec::new());
         let order = whitening.iter().flatten().map(Whitening::order).max().unwrap_or(0);
         // One order for all, so that a row is one instant of every joint.
-        for (index, burst) in scene.bursts.iter().enumerate() {
+        for (index, burst) in data.bursts.iter().enumerate() {
             for k in burst.out.clone().skip(order) {
                 row_samples.push(k);
                 row_bursts.push(index);
             }
         }
         let mut system = Self {
-            scene,
+            data,
             groups: evaluated.groups.clone(),
             columns: Vec::new(),
             target: Column { rows: std::array::from_fn(|_| None) },
@@ -163,7 +163,7 @@ impl<'a, const N: usize> System<'a, N> {
         for group in &system.groups {
             drop_rounding(&mut system.columns[group.columns.clone()]);
         }
-        system.target = system.whiten(&Column { rows: std::array::from_fn(|j| Some(scene.residual_nm[j].clone())) });
+        system.target = system.whiten(&Column { rows: std::array::from_fn(|j| Some(data.residual_nm[j].clone())) });
         system.multiply();
         system
     }
@@ -174,7 +174,7 @@ impl<'a, const N: usize> System<'a, N> {
         let rows = std::array::from_fn(|j| {
             column.rows[j].as_ref().map(|values| {
                 let mut white = Vec::with_capacity(self.joint_rows);
-                for burst in &self.scene.bursts {
+                for burst in &self.data.bursts {
                     let filter = &self.whitening[j][burst.log];
                     let whole = filter.apply(&values[burst.out.clone()]);
                     let extra = order - filter.order();
@@ -239,7 +239,7 @@ impl<'a, const N: usize> System<'a, N> {
             return columns.clone();
         }
         let columns: Vec<Column<N>> =
-            candidate.filtered(self.scene, shape).iter().map(|column| self.whiten(column)).collect();
+            candidate.filtered(self.data, shape).iter().map(|column| self.whiten(column)).collect();
         if let Ok(mut known) = self.evaluated.lock()
             && known.len() < MOST_KEPT
         {
@@ -295,7 +295,7 @@ impl<'a, const N: usize> System<'a, N> {
             return columns.clone();
         }
         let Group { candidate, shape, .. } = &self.groups[group];
-        let columns = candidate.filtered(self.scene, shape);
+        let columns = candidate.filtered(self.data, shape);
         if let Ok(mut known) = self.plain.lock() {
             known.insert(group, columns.clone());
         }
@@ -329,8 +329,8 @@ const SATURATED_TOLERANCE: f64 = 1e-6;
 const ROWS_PER_DIRECTION: usize = 8;
 
 /// What is left of the residual of a joint when every column has been fitted (truncated least squares).
-fn saturated_residual<const N: usize>(scene: &Scene<N>, columns: &[Column<N>], joint: usize) -> Vec<f64> {
-    let y = DVector::from_column_slice(&scene.residual_nm[joint]);
+fn saturated_residual<const N: usize>(data: &RegressionData<N>, columns: &[Column<N>], joint: usize) -> Vec<f64> {
+    let y = DVector::from_column_slice(&data.residual_nm[joint]);
     let rows = y.len();
     let unit: Vec<DVector<f64>> = columns
         .iter()
@@ -360,13 +360,13 @@ fn saturated_residual<const N: usize>(scene: &Scene<N>, columns: &[Column<N>], j
     (y - x * coefficients).as_slice().to_vec()
 }
 
-fn whitening_of<const N: usize>(scene: &Scene<N>, left: &[f64], joint: usize) -> Vec<Whitening> {
-    let measured = &scene.measured_nm[joint];
-    let least = (LEAST_SCALE * scene.noise_floor_nm[joint]).max(LEAST_RELATIVE_SCALE * rms(measured)).max(1e-9);
-    (0..scene.chains.len())
+fn whitening_of<const N: usize>(data: &RegressionData<N>, left: &[f64], joint: usize) -> Vec<Whitening> {
+    let measured = &data.measured_nm[joint];
+    let least = (LEAST_SCALE * data.noise_floor_nm[joint]).max(LEAST_RELATIVE_SCALE * rms(measured)).max(1e-9);
+    (0..data.chains.len())
         .map(|log| {
             let bursts: Vec<Range<usize>> =
-                scene.bursts.iter().filter(|burst| burst.log == log).map(|burst| burst.out.clone()).collect();
+                data.bursts.iter().filter(|burst| burst.log == log).map(|burst| burst.out.clone()).collect();
             Whitening::of(left, &bursts, least)
         })
         .collect()
@@ -378,8 +378,8 @@ fn whitening_of<const N: usize>(scene: &Scene<N>, left: &[f64], joint: usize) ->
 /// it is shows in the residual itself: where it is no larger at rest than in motion, nothing is thrown away; a little
 /// larger may be a cause of low speed at a shape between two trials, and a log that mostly rests has nothing else. Where
 /// samples of a rest are left out, the `order` rows after it go too, for their prediction reaches into it.
-fn rest_weights<const N: usize>(scene: &Scene<N>, left: &[f64], joint: usize, order: usize) -> Vec<f64> {
-    let standing = scene.standing(joint);
+fn rest_weights<const N: usize>(data: &RegressionData<N>, left: &[f64], joint: usize, order: usize) -> Vec<f64> {
+    let standing = data.standing(joint);
     // Robust: a push that happens to fall into a rest is none of its own.
     let scale = |pick: &dyn Fn(f64) -> bool| {
         robust_sd(left.iter().zip(standing).filter(|(_, share)| pick(**share)).map(|(r, _)| *r))
@@ -389,7 +389,7 @@ fn rest_weights<const N: usize>(scene: &Scene<N>, left: &[f64], joint: usize, or
     if rest <= REST_RATIO * motion {
         return weights;
     }
-    for burst in &scene.bursts {
+    for burst in &data.bursts {
         let mut since_rest = usize::MAX;
         for k in burst.out.clone() {
             since_rest = if standing[k] > STANDING_SHARE { 0 } else { since_rest.saturating_add(1) };

@@ -8,7 +8,7 @@ use crate::Nominal;
 use crate::diagnosis::Validation;
 use crate::held_out::gain_of_pairs;
 use crate::noise_level::rms;
-use crate::scene::Scene;
+use crate::regression_data::RegressionData;
 
 /// Length of a block of the interval (s).
 const BLOCK_S: f64 = 2.0;
@@ -29,13 +29,13 @@ pub(crate) fn validated<const N: usize>(
     logs.iter()
         .map(|(name, log)| {
             let one = std::slice::from_ref(log);
-            let before = Scene::of_logs(one, asked, band_hz)?;
-            let after = Scene::of_logs(one, &extended, Some(before.chains[0].band_hz))?;
-            let per_joint = |scene: &Scene<N>| scene.residual_nm.iter().map(|column| rms(column)).collect();
+            let before = RegressionData::of_logs(one, asked, band_hz)?;
+            let after = RegressionData::of_logs(one, &extended, Some(before.chains[0].band_hz))?;
+            let per_joint = |data: &RegressionData<N>| data.residual_nm.iter().map(|column| rms(column)).collect();
             let length = (BLOCK_S * before.chains[0].output_rate_hz()).ceil().max(1.0) as usize;
-            let block = |scene: &Scene<N>, start: usize| {
-                let end = (start + length).min(scene.time_s.len());
-                scene.residual_nm.iter().flat_map(|column| &column[start..end]).map(|r| r * r).sum::<f64>()
+            let block = |data: &RegressionData<N>, start: usize| {
+                let end = (start + length).min(data.time_s.len());
+                data.residual_nm.iter().flat_map(|column| &column[start..end]).map(|r| r * r).sum::<f64>()
             };
             let starts = (0..before.time_s.len().min(after.time_s.len())).step_by(length);
             let pairs: Vec<[f64; 2]> = starts.map(|start| [block(&before, start), block(&after, start)]).collect();

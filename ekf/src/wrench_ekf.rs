@@ -32,13 +32,13 @@ pub fn wrench_from_torque<const N: usize>(terms: &ControlTerms<N>) -> Option<SMa
 #[derive(Clone, Debug)]
 pub struct WrenchEkf {
     settings: WrenchEkfSettings,
-    belief: Belief,
+    posterior: Posterior,
     innovation: Option<Innovation>,
 }
 
 /// The state and its covariance.
 #[derive(Clone, Copy, Debug)]
-struct Belief {
+struct Posterior {
     twist: Vector6<f64>,
     position: Vector3<f64>,
     rotation: Matrix3<f64>,
@@ -46,7 +46,7 @@ struct Belief {
     covariance: AugmentedCovariance,
 }
 
-impl Belief {
+impl Posterior {
     /// Known exactly: at rest at a pose, without a wrench.
     fn at(pose: &Pose) -> Self {
         let zero = Vector6::zeros();
@@ -71,7 +71,7 @@ impl Belief {
 impl WrenchEkf {
     /// A filter that knows nothing yet; [`WrenchEstimator::reset`] places it.
     pub fn new(settings: WrenchEkfSettings) -> Self {
-        let mut ekf = Self { settings, belief: Belief::at(&Pose::identity()), innovation: None };
+        let mut ekf = Self { settings, posterior: Posterior::at(&Pose::identity()), innovation: None };
         ekf.place(&Pose::identity());
         ekf
     }
@@ -83,7 +83,7 @@ impl WrenchEkf {
 
     /// Covariance of (v, x, h).
     pub fn covariance(&self) -> &AugmentedCovariance {
-        &self.belief.covariance
+        &self.posterior.covariance
     }
 
     /// Evidence of the last update.
@@ -94,35 +94,35 @@ impl WrenchEkf {
     /// Estimation error `[v − v̂; x ⊖ x̂; h − ĥ]` against a known truth, for consistency tests: NEES = eᵀ P⁻¹ e.
     pub fn error(&self, twist: &Twist, pose: &Pose, wrench: &Wrench) -> SVector<f64, 18> {
         let mut e = SVector::<f64, 18>::zeros();
-        e.fixed_rows_mut::<6>(0).copy_from(&(twist.to_vector() - self.belief.twist));
-        e.fixed_rows_mut::<6>(6).copy_from(&self.belief.pose_difference(pose));
-        e.fixed_rows_mut::<6>(12).copy_from(&(wrench.to_vector() - self.belief.wrench));
+        e.fixed_rows_mut::<6>(0).copy_from(&(twist.to_vector() - self.posterior.twist));
+        e.fixed_rows_mut::<6>(6).copy_from(&self.posterior.pose_difference(pose));
+        e.fixed_rows_mut::<6>(12).copy_from(&(wrench.to_vector() - self.posterior.wrench));
         e
     }
 
     /// `v ← v + dt (u − Λ⁻¹ h)`, `x ← x ⊕ (dt v + dt²/2 (u − Λ⁻¹ h))`, `h ← h`.
     #[inline]
     pub fn predict(&mut self, u: &Vector6<f64>, lambda_inverse: &Matrix6<f64>, dt_s: f64) {
-        self.belief = self.predicted(u, lambda_inverse, dt_s);
+        self.posterior = self.predicted(u, lambda_inverse, dt_s);
     }
 
     /// Takes the measured pose; returns `false` and changes nothing if the innovation covariance cannot be factored.
     #[inline]
     pub fn update(&mut self, pose: &Pose, measurement_covariance: &Matrix6<f64>) -> bool {
-        let predicted = self.belief;
+        let predicted = self.posterior;
         self.correct(&predicted, pose, measurement_covariance)
     }
 
     #[inline]
-    fn predicted(&self, u: &Vector6<f64>, lambda_inverse: &Matrix6<f64>, dt_s: f64) -> Belief {
-        let Belief { twist, position, rotation, wrench, covariance } = &self.belief;
+    fn predicted(&self, u: &Vector6<f64>, lambda_inverse: &Matrix6<f64>, dt_s: f64) -> Posterior {
+        let Posterior { twist, position, rotation, wrench, covariance } = &self.posterior;
         let acceleration = u - product(lambda_inverse, wrench);
         let motion = twist * dt_s + acceleration * (0.5 * dt_s * dt_s);
         let turn: Vector3<f64> = motion.fixed_rows::<3>(0).into_owned();
         let s = &self.settings;
         let (qa, qr) = (s.acceleration_noise_m_s2.powi(2) * dt_s, s.acceleration_noise_rad_s2.powi(2) * dt_s);
         let (qf, qm) = (s.force_walk_n.powi(2) * dt_s, s.moment_walk_nm.powi(2) * dt_s);
-        Belief {
+        Posterior {
             twist: twist + acceleration * dt_s,
             position: position + motion.fixed_rows::<3>(3),
             rotation: so3::renormalized(&(so3::exp(&turn) * rotation)),
@@ -138,7 +138,7 @@ impl WrenchEkf {
 
     /// Believes `predicted`, corrected by the measured pose; changes nothing if that cannot be done.
     #[inline]
-    fn correct(&mut self, predicted: &Belief, pose: &Pose, measurement_covariance: &Matrix6<f64>) -> bool {
+    fn correct(&mut self, predicted: &Posterior, pose: &Pose, measurement_covariance: &Matrix6<f64>) -> bool {
         let s = predicted.covariance.xx + measurement_covariance;
         let Some(factor) = SpdFactor::of(&s) else {
             return false;
@@ -153,12 +153,12 @@ impl WrenchEkf {
         let gain = predicted.covariance.pose_gain(&factor);
         let correction = product(&gain.x.0, &y);
         let turn: Vector3<f64> = correction.fixed_rows::<3>(0).into_owned();
-        let believed = &mut self.belief;
-        believed.twist = predicted.twist + product(&gain.v.0, &y);
-        believed.wrench = predicted.wrench + product(&gain.h.0, &y);
-        believed.rotation = so3::exp(&turn) * predicted.rotation;
-        believed.position = predicted.position + correction.fixed_rows::<3>(3);
-        predicted.covariance.update_into(&mut believed.covariance, &gain);
+        let posterior = &mut self.posterior;
+        posterior.twist = predicted.twist + product(&gain.v.0, &y);
+        posterior.wrench = predicted.wrench + product(&gain.h.0, &y);
+        posterior.rotation = so3::exp(&turn) * predicted.rotation;
+        posterior.position = predicted.position + correction.fixed_rows::<3>(3);
+        predicted.covariance.update_into(&mut posterior.covariance, &gain);
         self.innovation = Some(Innovation { innovation, covariance: s, nis });
         true
     }
@@ -183,21 +183,21 @@ impl WrenchEkf {
         let (f, m) = (s.initial_force_sd_n.powi(2), s.initial_moment_sd_nm.powi(2));
         // At rest to within a centimetre per second; the first pose is exact to the encoder, far below this.
         let (v, w, p, r) = (1e-4, 1e-3, 1e-8, 1e-8);
-        self.belief = Belief {
+        self.posterior = Posterior {
             covariance: AugmentedCovariance::diagonal(
                 &Vector6::new(w, w, w, v, v, v),
                 &Vector6::new(r, r, r, p, p, p),
                 &Vector6::new(m, m, m, f, f, f),
             ),
-            ..Belief::at(pose)
+            ..Posterior::at(pose)
         };
         self.innovation = None;
     }
 
     fn estimate(&self) -> WrenchEstimate {
         WrenchEstimate {
-            wrench_base: Wrench::from_vector(&self.belief.wrench),
-            covariance: self.belief.covariance.hh,
+            wrench_base: Wrench::from_vector(&self.posterior.wrench),
+            covariance: self.posterior.covariance.hh,
             nis: self.innovation.map(|innovation| innovation.nis),
             limits95: None,
             fault: None,

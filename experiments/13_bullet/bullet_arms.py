@@ -8,63 +8,16 @@ constraint: a joint that stops sticks until more than that friction is asked for
 `tribo diagnose` sees the first, holds its answer against the second, and knows neither friction nor payload. Needs PyBullet and NumPy.
 """
 import argparse, pathlib, sys
-import xml.etree.ElementTree as xml
 
 import numpy as np
 import pybullet as bullet
 
 sys.path.append(str(pathlib.Path(__file__).resolve().parents[1]))
-from simulated_arms import LINK_ERROR, OFFSET, diagnosed, exported, four_sines, seen, write_log
+from simulated_arms import OFFSET, READY, diagnosed, four_sines, seen, wrong_urdf, write_log
 
 PERIOD_S = 1e-3
 # Friction over the torque limit, and how much of dry friction varies from joint to joint.
 DRY, VISCOUS, VARIES = 0.012, 0.012, 0.4
-READY = {
-    "panda": [0, -0.785, 0, -2.356, 0, 1.571, 0.785],
-    "ur5e": [-1.57, -1.57, 1.57, -1.57, -1.57, 0],
-    "xarm7": [0, -0.247, 0, 0.909, 0, 1.156, 0],
-    "iiwa14": [0, 0.785, 0, -1.571, 0, 0, 0],
-}
-TENSOR = ("ixx", "iyy", "izz", "ixy", "ixz", "iyz")
-
-
-def body_of(link, mass, tensor):
-    body = xml.SubElement(link, "inertial")
-    xml.SubElement(body, "origin", xyz="0 0 0", rpy="0 0 0")
-    xml.SubElement(body, "mass", value=repr(mass))
-    xml.SubElement(body, "inertia", {key: repr(tensor if key[1] == key[2] else 0.0) for key in TENSOR})
-
-
-def arm(tribo, robot, payload, rng, directory):
-    """The arm as it is, as URDF; what it carries is a body of 5 cm radius of gyration 5 cm in front of the flange."""
-    tree = xml.parse(exported(tribo, robot, "urdf", directory / f"{robot}.urdf"))
-    error = lambda: float(rng.choice([-1, 1]) * rng.uniform(*LINK_ERROR))
-    for link in tree.iter("link"):
-        body = link.find("inertial")
-        if body is None:
-            # Bullet takes a link without a body for one of 1 kg.
-            body_of(link, 1e-6, 1e-9)
-            continue
-        mass, inertia, origin = body.find("mass"), body.find("inertia"), body.find("origin")
-        kilograms = float(mass.get("value"))
-        radius = (sum(float(inertia.get(key)) for key in TENSOR[:3]) / 2 / kilograms) ** 0.5
-        mass.set("value", repr(kilograms * (1 + error())))
-        wrong = 1 + error()
-        for key in TENSOR:
-            inertia.set(key, repr(float(inertia.get(key)) * wrong))
-        origin.set("xyz", " ".join(repr(float(x) + error() * radius) for x in origin.get("xyz").split()))
-    if payload > 0:
-        children = {joint.find("child").get("link") for joint in tree.iter("joint")}
-        parents = {joint.find("parent").get("link") for joint in tree.iter("joint")}
-        [tip] = children - parents
-        body_of(xml.SubElement(tree.getroot(), "link", name="payload"), payload, payload * 0.05**2)
-        joint = xml.SubElement(tree.getroot(), "joint", name="grasp", type="fixed")
-        xml.SubElement(joint, "parent", link=tip)
-        xml.SubElement(joint, "child", link="payload")
-        xml.SubElement(joint, "origin", xyz="0 0 0.05", rpy="0 0 0")
-    true = directory / f"{robot}_{payload:g}_true.urdf"
-    tree.write(true)
-    return true
 
 
 def opened(path):
@@ -123,7 +76,7 @@ def main():
         for payload in map(float, asked.payloads.split(",")):
             for seed in map(int, asked.seeds.split(",")):
                 rng = np.random.default_rng(seed)
-                path = arm(asked.tribo, robot, payload, rng, asked.directory)
+                path = wrong_urdf(asked.tribo, robot, payload, rng, asked.directory)
                 body, places = opened(path)
                 lower, upper, limit = (np.array([bullet.getJointInfo(body, place)[i] for place in places]) for i in (8, 9, 10))
                 drawn = lambda size: size * limit * (1 + rng.uniform(-VARIES, VARIES, len(places)))

@@ -58,7 +58,7 @@ fn costs(tune: &ValidTune<7>, friction: Option<&FrictionModel<7>>) -> Result<Vec
         let (trial, seed) = tune.numbered(UNSEEN + draw);
         let (trial, friction) = match friction {
             Some(friction) => (trial, *friction),
-            None => (trial.believing(&tune.oracle), tune.oracle.friction),
+            None => (trial.with_controller_model(&tune.oracle), tune.oracle.friction),
         };
         let estimator = AnyEstimator::for_tuning(tune.config.residual, tune.config.ekf, &trial, &friction);
         let estimator = estimator.map_err(|error| error.to_string())?;

@@ -10,7 +10,7 @@ use super::{ExportError, Exported, TunedCompensator};
 const PREFIX: &str = "tribo";
 
 /// One `static inline` function in C99 that C++ takes as well, in need of the standard library alone: `PREFIX_compensate`. Without
-/// effects it maps two velocities to torques; with effects (see [`tribo_model::Believed`]) it also takes position, load, period
+/// effects it maps two velocities to torques; with effects (see [`tribo_model::ControllerModel`]) it also takes position, load, period
 /// and the bristles' memory, `PREFIX_BRISTLES` numbers. It is the compensator to rounding, 1e-12 Nm,
 /// within the bounds of [`super::bounds`].
 pub(super) fn export<const N: usize>(tuned: &TunedCompensator<N>, name: Option<&str>) -> Result<Exported, ExportError> {

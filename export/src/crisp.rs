@@ -3,7 +3,7 @@
 use tribo_friction::law::GazSigmoid;
 use tribo_friction::{Compensator, JointFriction, VelocitySource};
 
-use super::loss::{believed_arm, beyond_velocity, not_cancelled};
+use super::loss::{beyond_velocity, controller_arm, not_cancelled};
 use super::parameter_file::ParameterFile;
 use super::{ExportError, Exported, Format, Loss, TunedCompensator};
 
@@ -59,7 +59,7 @@ pub(super) fn export<const N: usize>(tuned: &TunedCompensator<N>, name: Option<&
     }
     losses.extend(beyond_velocity(tuned, false));
     losses.extend(not_cancelled(tuned));
-    losses.extend(believed_arm(tuned));
+    losses.extend(controller_arm(tuned));
 
     let remarks = [
         format!("Friction of {} for crisp_controllers, to be merged into the parameters of your controller.", tuned.robot),

@@ -114,7 +114,7 @@ pub(super) fn not_cancelled<const N: usize>(tuned: &TunedCompensator<N>) -> Vec<
 }
 
 /// That a file about friction alone has no arm in it, where the believed one is not the bare robot.
-pub(super) fn believed_arm<const N: usize>(tuned: &TunedCompensator<N>) -> Option<Loss> {
+pub(super) fn controller_arm<const N: usize>(tuned: &TunedCompensator<N>) -> Option<Loss> {
     tuned.extended_arm.then(|| {
         Loss::new(
             "payload, gravity, link and rotor inertia of the model",

@@ -3,7 +3,7 @@
 use tribo_friction::VelocitySource;
 
 use super::bounds;
-use super::loss::{believed_arm, not_cancelled};
+use super::loss::{controller_arm, not_cancelled};
 use super::terms::{Statement, Term, effect_terms, law_term, memory, sign, velocity};
 use super::{Loss, TunedCompensator};
 
@@ -39,7 +39,7 @@ impl<const N: usize> Program<N> {
         let (effects, memory) = (tuned.has_effects(), memory(tuned));
         let mut losses = not_cancelled(tuned);
         losses.extend(bounds::cut_off(tuned));
-        losses.extend(believed_arm(tuned));
+        losses.extend(controller_arm(tuned));
 
         let mut remarks = vec![format!("Friction compensation of {}.", tuned.robot), format!("{}.", tuned.origin)];
         let formulas: Vec<&str> = terms.iter().map(|term| term.formula).collect();

@@ -4,7 +4,7 @@ use tribo_friction::{JointEffects, MAX_BRISTLES, MAX_CURVES, MAX_RIPPLES, Veloci
 
 use super::columns::law_columns;
 use super::float::float;
-use super::loss::{believed_arm, not_cancelled};
+use super::loss::{controller_arm, not_cancelled};
 use super::parameter_file::ParameterFile;
 use super::program::REFERENCE;
 use super::text::yaml_string;
@@ -34,7 +34,7 @@ const SCALARS: [Scalar; 10] = [
 /// and so on (those of amplitude 0 are none).
 pub(super) fn export<const N: usize>(tuned: &TunedCompensator<N>, name: Option<&str>) -> Result<Exported, ExportError> {
     let mut losses = not_cancelled(tuned);
-    losses.extend(believed_arm(tuned));
+    losses.extend(controller_arm(tuned));
     let remarks = [
         format!("Friction compensation of {}.", tuned.robot),
         format!("{}.", tuned.origin),

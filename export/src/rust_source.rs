@@ -7,7 +7,7 @@ use super::text::in_comment;
 use super::{ExportError, Exported, TunedCompensator};
 
 /// A module without dependencies, `JOINTS` and `compensate`, as a file of its own or by `include!`. Without effects
-/// `compensate` maps two velocities to torques; with effects (see [`tribo_model::Believed`]) it also takes position, load, period
+/// `compensate` maps two velocities to torques; with effects (see [`tribo_model::ControllerModel`]) it also takes position, load, period
 /// and the bristles' memory, `BRISTLES` numbers. It is the compensator to rounding, 1e-12 Nm, within the bounds of
 /// [`super::bounds`].
 pub(super) fn export<const N: usize>(tuned: &TunedCompensator<N>) -> Result<Exported, ExportError> {

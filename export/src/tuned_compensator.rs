@@ -5,7 +5,7 @@ use tribo_friction::{Compensator, JointEffects, JointFriction, VelocitySource};
 use tribo_robot::Arm;
 
 use super::ExportError;
-use tribo_model::{Believed, FieldError, Model, ModelFile, NotCancelled, Robot, TunedFile};
+use tribo_model::{ControllerModel, FieldError, Model, ModelFile, NotCancelled, Robot, TunedFile};
 
 /// A tuned compensator with everything that its file says of the robot.
 #[derive(Clone, Debug, PartialEq)]
@@ -36,17 +36,17 @@ impl<const N: usize> TunedCompensator<N> {
     /// # Errors
     /// A field that is out of range.
     pub fn of(tuned: &TunedFile) -> Result<Self, FieldError> {
-        let model = tuned.believed::<N>()?;
+        let model = tuned.controller_model::<N>()?;
         let robot = model.as_ref().map(|model| model.robot.clone()).or_else(|| Robot::preset(&tuned.robot));
-        let believed = model.as_ref().map(Believed::by_controller);
+        let controller_model = model.as_ref().map(ControllerModel::by_controller);
         let mut compensator = tuned.compensator::<N>()?;
-        if let Some(believed) = &believed {
-            compensator = compensator.with_effects(believed.effects);
+        if let Some(controller_model) = &controller_model {
+            compensator = compensator.with_effects(controller_model.effects);
         }
-        let extended_arm = believed.as_ref().zip(robot.as_ref()).is_some_and(|(it, robot)| it.arm != robot.arm);
+        let extended_arm = controller_model.as_ref().zip(robot.as_ref()).is_some_and(|(it, robot)| it.arm != robot.arm);
         let pose_rad = robot.as_ref().map(|robot| robot.poses_rad[0].into());
-        let (arm, not_cancelled) = match believed {
-            Some(believed) => (Some(believed.arm), believed.not_cancelled),
+        let (arm, not_cancelled) = match controller_model {
+            Some(controller_model) => (Some(controller_model.arm), controller_model.not_cancelled),
             None => (robot.map(|robot| robot.arm), Vec::new()),
         };
         Ok(Self {

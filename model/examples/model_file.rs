@@ -2,7 +2,7 @@
 //!
 //! `cargo run --release -p tribo-model --example model_file`
 
-use tribo_model::{Believed, ModelFile, YamlDocument, not_cancelled_sentences};
+use tribo_model::{ControllerModel, ModelFile, YamlDocument, not_cancelled_sentences};
 use tribo_robot::{gravity_torque, presets};
 
 /// What a user writes, or `tribo diagnose --extend`.
@@ -34,9 +34,9 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     println!("the payload costs {:.2} Nm in joint 1", weight_nm[1]);
     println!("dry friction of joint 0: {:.2} Nm", model.friction.joints[0].set_valued(0.0).upper_nm);
 
-    let believed = Believed::by_controller(&model);
+    let controller_model = ControllerModel::by_controller(&model);
     println!("what a compensator cannot cancel:");
-    for sentence in not_cancelled_sentences(&believed.not_cancelled, &believed.arm.joint_names) {
+    for sentence in not_cancelled_sentences(&controller_model.not_cancelled, &controller_model.arm.joint_names) {
         println!("  {sentence}");
     }
 

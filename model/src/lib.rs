@@ -3,9 +3,9 @@
 //! Every file is YAML with a `schema`; an error names file, line, field and the allowed range ([`FileError`]).
 
 mod any_model;
-mod believed;
 mod checked_model;
 mod config_error;
+mod controller_model;
 mod effect_entries;
 mod effects_section;
 mod error;
@@ -24,8 +24,8 @@ mod tuned_file;
 mod yaml;
 
 pub use any_model::AnyModel;
-pub use believed::{Believed, NotCancelled, joint_effects, not_cancelled_sentences};
 pub use config_error::ConfigError;
+pub use controller_model::{ControllerModel, NotCancelled, joint_effects, not_cancelled_sentences};
 pub use error::FileError;
 pub use field_error::FieldError;
 pub use friction_section::{FrictionSection, JointParameters, LawName};

@@ -2,13 +2,13 @@
 
 use tribo_diagnose::{CauseLabel, Diagnosis};
 
-use crate::{Believed, Model, not_cancelled_sentences};
+use crate::{ControllerModel, Model, not_cancelled_sentences};
 
 /// The effects of `extended` that a controller cannot act on, one sentence per cause and reason: those that the diagnosis names and
 /// those that the nominal model had already. (The means of all other parameters are in the extended model too, and are next to
 /// nothing.)
 pub fn not_cancelled_of<const N: usize>(diagnosis: &Diagnosis, nominal: &Model<N>, extended: &Model<N>) -> Vec<String> {
-    let mut left = Believed::by_controller(extended).not_cancelled;
+    let mut left = ControllerModel::by_controller(extended).not_cancelled;
     left.retain(|left| {
         let cause = left.effect.cause();
         is_named(diagnosis, cause) || nominal.effects.iter().any(|effect| effect.cause() == cause)

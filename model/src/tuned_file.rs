@@ -40,7 +40,7 @@ pub struct TunedFile {
     pub hybrid_threshold_rad_s: f64,
     /// The compensator's friction law; `smoothing_rad_s` is the width of its smooth sign.
     pub friction: FrictionSection,
-    /// The model that the controller believed: its arm, and its effects on top of the law; none is the preset's bare arm.
+    /// The model of the controller: its arm, and its effects on top of the law; none is the preset's bare arm.
     /// An arm from a URDF is always here.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub model: Option<ModelFile>,
@@ -93,12 +93,12 @@ impl TunedFile {
 
     fn check<const N: usize>(&self) -> Result<(), FieldError> {
         self.compensator::<N>()?;
-        self.believed::<N>()?;
+        self.controller_model::<N>()?;
         Ok(())
     }
 
-    /// The model that the controller believed, if the file has one.
-    pub fn believed<const N: usize>(&self) -> Result<Option<Model<N>>, FieldError> {
+    /// The model of the controller, if the file has one.
+    pub fn controller_model<const N: usize>(&self) -> Result<Option<Model<N>>, FieldError> {
         let within = |error: FieldError| FieldError { field: format!("model.{}", error.field), ..error };
         self.model.as_ref().map(ModelFile::validate).transpose().map_err(within)
     }

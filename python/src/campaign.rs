@@ -15,7 +15,7 @@ use tribo_watch::refresh_report;
 use crate::failure::{bad, raised};
 use crate::interrupt::interruptible;
 use crate::log::PyLog;
-use crate::remarks::believe;
+use crate::remarks::accept;
 use crate::tune::settings;
 
 /// Runs the same block for a campaign of either number of joints.
@@ -126,7 +126,7 @@ where
     let (tune, user_trials) = (campaign.tune().clone(), *campaign.user_trials());
     let RecognisedTrial { log: cleaned, remarks } = recognise_trial(&tune, &user_trials, &log.log, failed.is_some());
     for remarks in &remarks {
-        believe(py, &log.name, remarks, Use::Trial, false)?;
+        accept(py, &log.name, remarks, Use::Trial, false)?;
     }
     let judged = judge_log(&tune, &user_trials, &theta, &cleaned, failed.is_some())
         .map_err(|error| bad(format!("{}: {error}", log.name)))?;

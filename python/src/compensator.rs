@@ -8,7 +8,7 @@ use pyo3::prelude::*;
 use tribo_export::{Format, export};
 use tribo_friction::{Bristles, Compensator, CompensatorInput};
 use tribo_logs::write_atomic;
-use tribo_model::{Believed, TunedFile, YamlDocument, to_yaml};
+use tribo_model::{ControllerModel, TunedFile, YamlDocument, to_yaml};
 
 use crate::failure::{bad, raised};
 use crate::rows::{array, sample};
@@ -22,8 +22,8 @@ struct Running<const N: usize> {
 impl<const N: usize> Running<N> {
     fn new(file: &TunedFile) -> PyResult<Self> {
         let mut compensator = file.compensator::<N>().map_err(raised)?;
-        if let Some(model) = file.believed::<N>().map_err(raised)? {
-            compensator = compensator.with_effects(Believed::by_controller(&model).effects);
+        if let Some(model) = file.controller_model::<N>().map_err(raised)? {
+            compensator = compensator.with_effects(ControllerModel::by_controller(&model).effects);
         }
         Ok(Self { compensator, bristles: Bristles::default() })
     }

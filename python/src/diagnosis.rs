@@ -19,7 +19,7 @@ use crate::interrupt::interruptible;
 use crate::log::PyLog;
 use crate::meant::meant;
 use crate::model::PyModel;
-use crate::remarks::believe;
+use crate::remarks::accept;
 
 /// A diagnosis, with the model that it extends.
 #[pyclass(name = "RawDiagnosis", module = "tribo._tribo", frozen)]
@@ -65,8 +65,8 @@ impl RawDiagnosis {
     }
 }
 
-/// Logs, each believed or refused.
-fn believed(
+/// Logs, each accepted or refused.
+fn accepted(
     py: Python<'_>,
     logs: &[Bound<'_, PyLog>],
     model: &PyModel,
@@ -75,13 +75,13 @@ fn believed(
     let mut taken = Vec::new();
     for log in logs {
         let PyLog { log, name, .. } = log.get();
-        believe(py, name, &recognise(log), Use::Diagnosis, anyway)?;
+        accept(py, name, &recognise(log), Use::Diagnosis, anyway)?;
         if log.joints() != model.model.joints() {
             let message = format!("{name}: {} joints; the model has {}", log.joints(), model.model.joints());
             return Err(bad(message));
         }
         let remarks = either!(&model.model, AnyModel, model => with_model(log, &model.to_nominal()));
-        believe(py, name, &remarks, Use::Diagnosis, anyway)?;
+        accept(py, name, &remarks, Use::Diagnosis, anyway)?;
         taken.push((name.clone(), log.clone()));
     }
     Ok(taken)
@@ -111,9 +111,9 @@ pub(crate) fn diagnose(
     let given: Vec<&Bound<'_, PyLog>> = logs.iter().chain(&validate).chain(&reference).collect();
     let raw: Vec<RobotLog> = logs.iter().map(|log| log.get().log.clone()).collect();
     let model = meant(model.as_ref(), &raw)?;
-    let (names, session): (Vec<String>, Vec<RobotLog>) = believed(py, &logs, &model, anyway)?.into_iter().unzip();
-    let unseen = believed(py, &validate, &model, anyway)?;
-    let unloaded: Vec<RobotLog> = believed(py, &reference, &model, anyway)?.into_iter().map(|(_, log)| log).collect();
+    let (names, session): (Vec<String>, Vec<RobotLog>) = accepted(py, &logs, &model, anyway)?.into_iter().unzip();
+    let unseen = accepted(py, &validate, &model, anyway)?;
+    let unloaded: Vec<RobotLog> = accepted(py, &reference, &model, anyway)?.into_iter().map(|(_, log)| log).collect();
     let settings = DiagnoseSettings { seed, band_hz };
     let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().map_err(raised)?;
     let result = interruptible(py, |stop| {

@@ -13,7 +13,7 @@ use crate::failure::{bad, raised};
 use crate::interrupt::interruptible;
 use crate::log::PyLog;
 use crate::meant::meant;
-use crate::remarks::{believe, warn};
+use crate::remarks::{accept, warn};
 use crate::rows::array;
 
 type Numbers<'py> = Bound<'py, PyArrayDyn<f64>>;
@@ -71,22 +71,22 @@ fn run<const N: usize>(
 where
     Nominal<N>: Diagnosable,
 {
-    let believed = |log: &PyLog, anyway: bool| -> PyResult<()> {
+    let accepted = |log: &PyLog, anyway: bool| -> PyResult<()> {
         if log.log.joints() != N {
             return Err(bad(format!("{}: {} joints; the model has {N}", log.name, log.log.joints())));
         }
         if name == EstimatorName::DoubleEncoder && log.log.theta_rad.is_none() {
             return Err(bad(format!("{}: no theta, which double_encoder needs", log.name)));
         }
-        believe(py, &log.name, &recognise(&log.log), Use::Wrench, anyway)?;
-        believe(py, &log.name, &with_model(&log.log, &model.to_nominal()), Use::Wrench, anyway)
+        accept(py, &log.name, &recognise(&log.log), Use::Wrench, anyway)?;
+        accept(py, &log.name, &with_model(&log.log, &model.to_nominal()), Use::Wrench, anyway)
     };
-    believed(log, anyway)?;
-    free.map(|free| believed(free, false)).transpose()?;
+    accepted(log, anyway)?;
+    free.map(|free| accepted(free, false)).transpose()?;
     let mut estimator = LogEstimator::new(model);
-    let believed = estimator.believed();
-    for left in &believed.not_cancelled {
-        warn(py, &left.sentence(&believed.arm.joint_names))?;
+    let controller_model = estimator.controller_model();
+    for left in &controller_model.not_cancelled {
+        warn(py, &left.sentence(&controller_model.arm.joint_names))?;
     }
     if let Some(touched) = touched {
         estimator = estimator.with_contact_prior(ContactPrior::rarely(touched).map_err(raised)?);

@@ -3,9 +3,9 @@
 use nalgebra::{SVector, Vector6};
 use numpy::PyArrayDyn;
 use pyo3::prelude::*;
-use tribo_campaign::{AnyEstimator, believed_band};
+use tribo_campaign::{AnyEstimator, band_of_model};
 use tribo_ekf::WrenchEkfSettings;
-use tribo_model::{AnyModel, Believed, Model};
+use tribo_model::{AnyModel, ControllerModel, Model};
 use tribo_robot::{Arm, ControlTerms, EstimatorInput, SensorFrame, WrenchEstimate, WrenchEstimator};
 
 use crate::estimate::estimator_named;
@@ -24,9 +24,9 @@ struct Running<const N: usize> {
 
 impl<const N: usize> Running<N> {
     fn new(model: &Model<N>, name: &str) -> PyResult<Self> {
-        let Believed { arm, friction, .. } = Believed::on_log(model);
+        let ControllerModel { arm, friction, .. } = ControllerModel::on_log(model);
         let settings = WrenchEkfSettings::default();
-        let band = believed_band(&friction);
+        let band = band_of_model(&friction);
         let estimator = AnyEstimator::with_confidence(estimator_named(name)?, settings, &arm, &friction, &band, 1.0)
             .map_err(raised)?;
         Ok(Self { arm, estimator, time_s: 0.0, started: false, last: WrenchEstimate::none_yet() })

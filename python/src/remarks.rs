@@ -1,4 +1,4 @@
-//! Whether a log is believed.
+//! Whether a log is accepted.
 
 use std::ffi::CString;
 
@@ -13,7 +13,7 @@ use crate::failure::bad;
 ///
 /// # Errors
 /// `ValueError` with one line per reason.
-pub(crate) fn believe(py: Python<'_>, name: &str, remarks: &[Remark], wanted: Use, anyway: bool) -> PyResult<()> {
+pub(crate) fn accept(py: Python<'_>, name: &str, remarks: &[Remark], wanted: Use, anyway: bool) -> PyResult<()> {
     if let Some(reasons) = refusal(name, remarks, wanted).filter(|_| !anyway) {
         return Err(bad(reasons));
     }

@@ -4,7 +4,7 @@ use tribo_campaign::scenario::TruthName;
 use tribo_campaign::strategy::StrategyName;
 use tribo_campaign::{AnyEstimator, StopBelow, TuneConfig, run_in_memory, run_trial};
 use tribo_friction::VelocitySource;
-use tribo_model::Believed;
+use tribo_model::ControllerModel;
 
 /// J of a controller that knows the friction of this moment, under the noise of the trial itself: a maximum over 30 s moves
 /// by several per cent with the noise alone.
@@ -17,8 +17,8 @@ fn instantaneous_oracle(tune: &tribo_campaign::ValidTune<7>, number: usize) -> f
     for joint in &mut truth.friction.joints {
         *joint = joint.scaled(scale);
     }
-    let believed = Believed::of(truth);
-    let trial = trial.believing(&believed);
+    let believed = ControllerModel::of(truth);
+    let trial = trial.with_controller_model(&believed);
     let estimator = AnyEstimator::for_tuning(tune.config.residual, tune.config.ekf, &trial, &believed.friction);
     run_trial(&trial, &believed.friction, estimator.expect("an estimator"), noise).cost.total()
 }

@@ -20,7 +20,7 @@ use tribo_campaign::strategy::BestTrial;
 use tribo_campaign::{CampaignError, References, refresh_tuned};
 use tribo_model::FileError;
 
-/// Slices of the belief in the report: the most relevant parameters.
+/// Slices of the surrogate model in the report: the most relevant parameters.
 const SLICES: usize = 4;
 /// Name of the report in the directory of its campaign.
 const REPORT: &str = "report.html";
@@ -53,7 +53,7 @@ pub fn write_report(directory: &Path, out: Option<&Path>, loop_time: bool) -> Re
         }
         campaign
     };
-    // Without enough trials, or with a kernel matrix beyond repair, the report does without the belief.
+    // Without enough trials, or with a kernel matrix beyond repair, the report does without the surrogate model.
     let surrogate = Surrogate::of(&campaign).ok().flatten();
     let best = match campaign.best() {
         Some(best) => {

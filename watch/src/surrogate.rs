@@ -1,14 +1,14 @@
 //! The Gaussian process over the trials of a campaign.
 
-use tribo_bayesopt::{BayesoptError, Belief, Settings, Slice};
+use tribo_bayesopt::{BayesoptError, Settings, Slice, SurrogateModel};
 
 use super::CampaignSnapshot;
 use tribo_campaign::strategy::{FinishedTrial, StrategyName, observations};
 
-/// The surrogate of J after the trials so far: slices through the incumbent, and how much each parameter matters.
+/// The surrogate model of J after the trials so far: slices through the incumbent, and how much each parameter matters.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Surrogate {
-    /// Whose belief it is, as a sentence.
+    /// Whose surrogate it is, as a sentence.
     pub whose: &'static str,
     /// Trials behind it.
     pub trials: usize,
@@ -32,7 +32,7 @@ const POINTS: usize = 81;
 const MOST_TRIALS: usize = 300;
 
 impl Surrogate {
-    /// The surrogate of a campaign; none where fewer than three different parameter vectors were tried.
+    /// The surrogate model of a campaign; none where fewer than three different parameter vectors were tried.
     ///
     /// # Errors
     /// A kernel matrix beyond repair.
@@ -59,11 +59,11 @@ impl Surrogate {
         };
         let domain = space.domain()?;
         let Some(model) = settings.model.filter(|_| different.len() == 3) else { return Ok(None) };
-        let Some(belief) = Belief::of(&model, &domain, &observations(&history, &[]), config.seed)? else {
+        let Some(surrogate) = SurrogateModel::of(&model, &domain, &observations(&history, &[]), config.seed)? else {
             return Ok(None);
         };
-        let slices = (0..domain.dimension()).map(|k| belief.slice(k, POINTS)).collect::<Result<_, _>>()?;
-        let incumbent = &history[belief.incumbent];
+        let slices = (0..domain.dimension()).map(|k| surrogate.slice(k, POINTS)).collect::<Result<_, _>>()?;
+        let incumbent = &history[surrogate.incumbent];
         Ok(Some(Self {
             whose,
             trials: history.len(),
@@ -71,7 +71,7 @@ impl Surrogate {
             names: domain.names().to_vec(),
             slices,
             incumbent_theta: incumbent.theta.clone(),
-            lengthscales: belief.fit.hyper.lengthscales,
+            lengthscales: surrogate.fit.hyper.lengthscales,
             log_acquisition: model.acquisition == tribo_bayesopt::acquisition::Acquisition::LogEi,
         }))
     }

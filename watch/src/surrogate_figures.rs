@@ -20,10 +20,10 @@ fn axis_of(name: &str, joints: &JointNames) -> Scale {
     Scale::of(&if unit.is_empty() { quantity } else { format!("{quantity} [{unit}]") })
 }
 
-/// Costs far above all trials are cut off at this multiple of the worst: the belief there is as wide as the prior.
+/// Costs far above all trials are cut off at this multiple of the worst: the surrogate model there is as wide as the prior.
 const CUT: f64 = 1.5;
 
-/// The belief about J along one parameter through the incumbent, with its 95 % band and the trials seen from the side.
+/// The surrogate model about J along one parameter through the incumbent, with its 95 % band and the trials seen from the side.
 pub fn slice(surrogate: &Surrogate, campaign: &CampaignSnapshot, parameter: usize) -> Option<Figure> {
     let (slice, name) = (surrogate.slices.get(parameter)?, surrogate.names.get(parameter)?);
     let complete: Vec<_> = campaign.trials.iter().filter(|watched| watched.trial.aborted.is_none()).collect();

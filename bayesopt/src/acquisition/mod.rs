@@ -1,16 +1,16 @@
-//! How much a new trial is worth.
+//! Acquisition functions: how much a new trial promises.
 
+mod acquisition_function;
 mod ei;
 mod log_ei;
 mod normal;
 mod sum_log_ei;
-mod worth;
 
+pub use acquisition_function::{AcquisitionFunction, OfFinished, OneOutput};
 pub use ei::expected_improvement;
 pub use log_ei::log_expected_improvement;
 pub use normal::{log_normal_cdf, normal_cdf, normal_pdf};
 pub use sum_log_ei::{Part, SumLogEi};
-pub use worth::{OfFinished, OneOutput, Worth};
 
 use serde::{Deserialize, Serialize};
 

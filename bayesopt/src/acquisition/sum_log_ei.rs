@@ -1,6 +1,6 @@
 //! Expected improvement of a sum of which every part has a model of its own.
 
-use super::Worth;
+use super::AcquisitionFunction;
 use crate::Targets;
 use crate::design::scrambled_sobol;
 use crate::gp::{Gp, Posterior};
@@ -93,7 +93,7 @@ impl SumLogEi {
     }
 }
 
-impl Worth for SumLogEi {
+impl AcquisitionFunction for SumLogEi {
     fn values(&self, points: &[Vec<f64>]) -> Vec<f64> {
         let posteriors: Vec<Vec<Posterior>> = self.parts.iter().map(|part| part.gp.posterior_batch(points)).collect();
         let at = |i: usize| posteriors.iter().map(|part| part[i]).collect::<Vec<_>>();
@@ -135,9 +135,9 @@ fn log_softplus(u: f64) -> (f64, f64) {
 
 #[cfg(test)]
 mod tests {
-    use super::super::worth::tests::slope_is_that_of_the_value;
+    use super::super::acquisition_function::tests::slope_is_that_of_the_value;
     use super::*;
-    use crate::{Belief, Domain, History, Outcome, Settings};
+    use crate::{Domain, History, Outcome, Settings, SurrogateModel};
 
     fn parts(count: usize) -> (Vec<Part>, f64) {
         let domain = Domain::unit_cube(2).unwrap();
@@ -154,8 +154,8 @@ mod tests {
         }
         let model = settings.model.unwrap();
         let part = |history: &History| {
-            let belief = Belief::of(&model, &domain, history, 1).unwrap().unwrap();
-            Part { gp: belief.gp, targets: belief.targets }
+            let surrogate = SurrogateModel::of(&model, &domain, history, 1).unwrap().unwrap();
+            Part { gp: surrogate.gp, targets: surrogate.targets }
         };
         (histories.iter().map(part).collect(), best)
     }
@@ -163,9 +163,9 @@ mod tests {
     #[test]
     fn gradient_is_that_of_the_value() {
         let (parts, best) = parts(3);
-        let worth = SumLogEi::new(parts, best, 1.5, 3, 9);
+        let acquisition = SumLogEi::new(parts, best, 1.5, 3, 9);
         for x in [[0.31, 0.42], [0.9, 0.1], [0.25, 0.6]] {
-            slope_is_that_of_the_value(&worth, x, 1e-9);
+            slope_is_that_of_the_value(&acquisition, x, 1e-9);
         }
     }
 
@@ -174,12 +174,12 @@ mod tests {
     fn one_part_is_the_closed_form() {
         let (parts, best) = parts(1);
         let targets = parts[0].targets.clone();
-        let worth = SumLogEi::new(parts, best, 1.0, 3, 9);
+        let acquisition = SumLogEi::new(parts, best, 1.0, 3, 9);
         let (mean, sd) = (targets.mean + targets.sd * 0.2, 0.5 * targets.sd);
         if targets.logarithmic || targets.bend.is_some() {
             return;
         }
-        let (value, _) = worth.evaluate(&[Posterior { mean: 0.2, sd: 0.5 }]);
+        let (value, _) = acquisition.evaluate(&[Posterior { mean: 0.2, sd: 0.5 }]);
         let closed = super::super::log_expected_improvement(mean, sd, best).value;
         assert!((value - closed).abs() < 0.1, "{value} {closed}");
     }
@@ -187,9 +187,9 @@ mod tests {
     #[test]
     fn is_finite_however_hopeless() {
         let (parts, best) = parts(2);
-        let worth = SumLogEi::new(parts, best, 2.0, 3, 9);
+        let acquisition = SumLogEi::new(parts, best, 2.0, 3, 9);
         for mean in [-1e3, 0.0, 10.0, 1e3, 1e6] {
-            let (value, slopes) = worth.evaluate(&[Posterior { mean, sd: 1e-9 }; 2]);
+            let (value, slopes) = acquisition.evaluate(&[Posterior { mean, sd: 1e-9 }; 2]);
             assert!(value.is_finite() && slopes.iter().flatten().all(|slope| slope.is_finite()), "{mean}: {value}");
         }
         for u in [-29.999_999_9, 29.999_999_9] {

@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 
 use super::Region;
 use super::projected_lbfgs::{Bounds, Descent, minimise};
-use crate::acquisition::Worth;
+use crate::acquisition::AcquisitionFunction;
 use crate::design::scrambled_sobol;
 use crate::random::{Purpose, scramble_key, stream};
 
@@ -61,7 +61,7 @@ const SAME_PENDING: f64 = 1e-2;
 /// Points that coincide with one of `known`, or lie within 1 % of the box of one of `pending`, are passed over; a point of
 /// the region is returned in any case.
 pub fn maximise_acquisition(
-    worth: &dyn Worth,
+    acquisition: &dyn AcquisitionFunction,
     region: &Region<'_>,
     incumbent: Option<&[f64]>,
     known: &[Vec<f64>],
@@ -71,7 +71,7 @@ pub fn maximise_acquisition(
     trial: usize,
 ) -> Maximum {
     let score = |points: Vec<Vec<f64>>| {
-        let values = worth.values(&points);
+        let values = acquisition.values(&points);
         let mut scored: Vec<Maximum> =
             points.into_iter().zip(values).map(|(point, value)| Maximum { point, value }).collect();
         scored.sort_by(|a, b| b.value.total_cmp(&a.value));
@@ -92,7 +92,7 @@ pub fn maximise_acquisition(
     };
     let refine = |start: &Maximum| {
         let mut objective = |x: &[f64], gradient: &mut [f64]| {
-            let value = worth.slope(x, gradient);
+            let value = acquisition.slope(x, gradient);
             gradient.iter_mut().for_each(|slope| *slope = -*slope);
             -value
         };
@@ -105,7 +105,7 @@ pub fn maximise_acquisition(
                 ends.push(Maximum { point: found.point, value: -found.value });
                 break;
             }
-            ends.push(Maximum { value: worth.values(std::slice::from_ref(&point))[0], point: point.clone() });
+            ends.push(Maximum { value: acquisition.values(std::slice::from_ref(&point))[0], point: point.clone() });
             for (i, upper) in bounds.upper.iter_mut().enumerate().filter(|(i, _)| point[*i] < found.point[*i]) {
                 *upper = point[i].max(bounds.lower[i]);
             }
@@ -214,8 +214,8 @@ mod tests {
         let settings = SearchSettings::default();
         let criterion = Criterion { acquisition: Acquisition::LogEi, best: -0.5, sd_factor: 1.0 };
         let ask = |known: &[Vec<f64>], pending: &[Vec<f64>]| {
-            let worth = OneOutput { gp: &gp, criterion: &criterion };
-            maximise_acquisition(&worth, &region, Some(&[0.9, 0.2]), known, pending, &settings, 1, 3)
+            let acquisition = OneOutput { gp: &gp, criterion: &criterion };
+            maximise_acquisition(&acquisition, &region, Some(&[0.9, 0.2]), known, pending, &settings, 1, 3)
         };
         let first = ask(&[], &[]);
         let second = ask(std::slice::from_ref(&first.point), &[]);
@@ -249,16 +249,18 @@ mod tests {
         let (gp, domain) = (gp(), Domain::unit_cube(2).unwrap());
         let region = Region::within(Bounds::unit_cube(2), &domain, &Budget);
         let criterion = Criterion { acquisition: Acquisition::LogEi, best: -0.5, sd_factor: 1.0 };
-        let worth = OneOutput { gp: &gp, criterion: &criterion };
+        let acquisition = OneOutput { gp: &gp, criterion: &criterion };
         let incumbent = [0.6, 0.1];
-        let found = maximise_acquisition(&worth, &region, Some(&incumbent), &[], &[], &SearchSettings::default(), 1, 3);
+        let found =
+            maximise_acquisition(&acquisition, &region, Some(&incumbent), &[], &[], &SearchSettings::default(), 1, 3);
         assert!(found.point.iter().sum::<f64>() <= 0.8 + 1e-12, "{found:?}");
         let grid: Vec<Vec<f64>> =
             (0..=80).flat_map(|i| (0..=80 - i).map(move |j| vec![0.01 * f64::from(i), 0.01 * f64::from(j)])).collect();
-        let best = worth.values(&grid).into_iter().fold(f64::NEG_INFINITY, f64::max);
+        let best = acquisition.values(&grid).into_iter().fold(f64::NEG_INFINITY, f64::max);
         // Unlimited, it is beyond the limit.
         let free = Region::of(Bounds::unit_cube(2));
-        let free = maximise_acquisition(&worth, &free, Some(&incumbent), &[], &[], &SearchSettings::default(), 1, 3);
+        let free =
+            maximise_acquisition(&acquisition, &free, Some(&incumbent), &[], &[], &SearchSettings::default(), 1, 3);
         assert!(free.point.iter().sum::<f64>() > 0.85, "{free:?}");
         assert!(found.value >= best - 0.02 * best.abs(), "{found:?} {best}");
     }

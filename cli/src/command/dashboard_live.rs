@@ -43,7 +43,7 @@ impl Watching {
             return Err(BadInput("a Franka has seven joints".to_owned()).into());
         };
         let by_name = LogEstimator::new(&model);
-        warn_not_cancelled(&by_name.believed().not_cancelled, &model.robot.arm.joint_names, common);
+        warn_not_cancelled(&by_name.controller_model().not_cancelled, &model.robot.arm.joint_names, common);
         let estimator = by_name.measured(name)?;
         let robot = model.robot.arm.name.clone();
         let title = LiveTitle { host: host.to_owned(), robot, estimator: name.as_str().to_owned() };

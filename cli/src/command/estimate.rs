@@ -10,7 +10,7 @@ use tribo_diagnose::{BlockSettings, Diagnosable, FrictionReport, FrictionSetting
 use tribo_friction::{FrictionModel, JointFriction};
 use tribo_logs::recognise::{self, Use};
 use tribo_logs::{LogSummary, RobotLog, Table, write_table};
-use tribo_model::{AnyModel, Believed, Model, SIGN_SMOOTHING_RAD_S};
+use tribo_model::{AnyModel, ControllerModel, Model, SIGN_SMOOTHING_RAD_S};
 use tribo_robot::JointNames;
 use tribo_sim::{Effect, TorqueSide, panda_gaz_joints};
 
@@ -105,7 +105,7 @@ where
 {
     let (wanted, refused) = judgement(arguments);
     believe(path, &tribo_diagnose::recognise::recognise(log, &model.to_nominal()), wanted, refused, common.quiet)?;
-    warn_not_cancelled(&Believed::on_log(model).not_cancelled, &model.robot.arm.joint_names, common);
+    warn_not_cancelled(&ControllerModel::on_log(model).not_cancelled, &model.robot.arm.joint_names, common);
     if !(arguments.block_s > 0.0 && arguments.block_s.is_finite()) {
         let message = format!("--block-s is {}; allowed: greater than 0", arguments.block_s);
         return Err(BadInput(message).into());

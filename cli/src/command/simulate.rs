@@ -6,7 +6,7 @@ use serde_json::{Map, Value, json};
 use tribo_campaign::{AnyEstimator, AnyTune, ValidTune, follow, simulate_log};
 use tribo_friction::{FrictionModel, JointEffects};
 use tribo_logs::RobotLog;
-use tribo_model::{Believed, ModelFile, NotCancelled, TrajectoryFile, TunedFile, YamlDocument};
+use tribo_model::{ControllerModel, ModelFile, NotCancelled, TrajectoryFile, TunedFile, YamlDocument};
 use tribo_sim::{WrenchPulses, not_simulated};
 
 use super::convert::{target_of, write_log};
@@ -54,7 +54,7 @@ fn simulate<const N: usize>(arguments: &Simulate, common: &Common, mut tune: Val
     if !(0.0..=10.0).contains(&arguments.scale) {
         return Err(BadInput(format!("--scale is {}; allowed: 0 to 10", arguments.scale)).into());
     }
-    let (friction, left) = belief(arguments, &mut tune)?;
+    let (friction, left) = compensation_of(arguments, &mut tune)?;
     let friction = friction.scaled(arguments.scale);
     warn_not_cancelled(&left, &tune.trial.model.joint_names, common);
     let limits = not_simulated(&tune.trial.truth.effects, &tune.trial.model.joint_names);
@@ -72,12 +72,12 @@ fn simulate<const N: usize>(arguments: &Simulate, common: &Common, mut tune: Val
 }
 
 /// The friction that the compensator believes and what it believes in vain; arm and effects go into the trial.
-fn belief<const N: usize>(
+fn compensation_of<const N: usize>(
     arguments: &Simulate,
     tune: &mut ValidTune<N>,
 ) -> anyhow::Result<(FrictionModel<N>, Vec<NotCancelled>)> {
     let name = arguments.compensation.as_str();
-    let given = tune.believed.take();
+    let given = tune.controller_model.take();
     let whole = match name {
         "none" => {
             // The arm may still be that of --model.
@@ -85,7 +85,7 @@ fn belief<const N: usize>(
             return Ok((FrictionModel::none(), Vec::new()));
         }
         "oracle" => Some(tune.oracle.clone()),
-        file if is_model(Path::new(file))? => Some(believed_file(Path::new(file))?),
+        file if is_model(Path::new(file))? => Some(model_of_controller(Path::new(file))?),
         _ => None,
     };
     if let Some(whole) = whole {
@@ -93,7 +93,7 @@ fn belief<const N: usize>(
             let message = format!("--model and --compensation {name} both say what the controller believes; give one");
             return Err(BadInput(message).into());
         }
-        tune.trial = tune.trial.clone().believing(&whole);
+        tune.trial = tune.trial.clone().with_controller_model(&whole);
         return Ok((whole.friction, whole.not_cancelled));
     }
 
@@ -104,19 +104,19 @@ fn belief<const N: usize>(
     }
     let believed = match given {
         Some(believed) => Some(believed),
-        None => tuned.believed().map_err(bad)?.map(|model| Believed::by_controller(&model)),
+        None => tuned.controller_model().map_err(bad)?.map(|model| ControllerModel::by_controller(&model)),
     };
     if let Some(believed) = &believed {
-        tune.trial = tune.trial.clone().believing(believed);
+        tune.trial = tune.trial.clone().with_controller_model(believed);
     }
     let friction = tuned.compensator().map_err(bad)?.friction;
     Ok((friction, believed.map_or_else(Vec::new, |believed| believed.not_cancelled)))
 }
 
 /// What a controller makes of a model file about a robot with N joints.
-fn believed_file<const N: usize>(path: &Path) -> anyhow::Result<Believed<N>> {
+fn model_of_controller<const N: usize>(path: &Path) -> anyhow::Result<ControllerModel<N>> {
     let (file, document) = ModelFile::read(path)?;
-    Ok(Believed::by_controller(&file.validate().map_err(|error| document.explain(error))?))
+    Ok(ControllerModel::by_controller(&file.validate().map_err(|error| document.explain(error))?))
 }
 
 /// Whether a YAML file calls itself a model; what it is otherwise, its own reader says.
@@ -204,7 +204,7 @@ fn play(arguments: &Simulate, host: &str, common: &Common) -> anyhow::Result<()>
         arguments.scenario.apply(config)
     })?;
     let mut tune = of_seven_joints(tune)?;
-    let (friction, left) = belief(arguments, &mut tune)?;
+    let (friction, left) = compensation_of(arguments, &mut tune)?;
     warn_not_cancelled(&left, &tune.trial.model.joint_names, common);
     let motion = TrajectoryFile::read(path, &tune.trial.model)?.path();
     stop_on_signal();

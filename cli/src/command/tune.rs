@@ -63,8 +63,8 @@ fn finish<const N: usize>(
             message!("tribo: {limit}");
         }
     }
-    if let Some(believed) = &campaign.tune().believed {
-        warn_not_cancelled(&believed.not_cancelled, &believed.arm.joint_names, common);
+    if let Some(model) = &campaign.tune().controller_model {
+        warn_not_cancelled(&model.not_cancelled, &model.arm.joint_names, common);
     }
     let mut progress = TrialProgress::new(total, finished, common.quiet);
     let pool = threads::pool(common)?;

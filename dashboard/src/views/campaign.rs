@@ -1,4 +1,4 @@
-//! Cost, parameters and belief over the trials.
+//! Cost, parameters and surrogate model over the trials.
 
 use egui::{ComboBox, ProgressBar, RichText, ScrollArea, Ui};
 use tribo_figure::number::{fixed, significant};
@@ -17,7 +17,7 @@ pub struct CampaignView {
     with_penalty: bool,
     cost: Memo,
     parameters: Memo,
-    belief: Memo,
+    surrogate: Memo,
 }
 
 impl CampaignView {
@@ -55,7 +55,7 @@ impl CampaignView {
             let key = (vec![address(Some(&campaign))], vec![joint]);
             let figures = self.parameters.get(key, || campaign_figures::parameters_of_joint(&campaign, joint));
             grid(ui, figures, Look { height: 195.0, ..look });
-            self.belief(ui, &campaign, source);
+            self.surrogate(ui, &campaign, source);
             ui.add_space(8.0);
             ui.label(RichText::new("Trials").heading());
             table(ui, &campaign, &mut look_at);
@@ -119,7 +119,7 @@ impl CampaignView {
         ui.add_space(4.0);
     }
 
-    fn belief(&mut self, ui: &mut Ui, campaign: &CampaignSnapshot, source: &Source) {
+    fn surrogate(&mut self, ui: &mut Ui, campaign: &CampaignSnapshot, source: &Source) {
         ui.add_space(8.0);
         let surrogate = source.snapshot().surrogate.clone();
         ui.horizontal(|ui| {
@@ -157,7 +157,7 @@ impl CampaignView {
         };
         let chosen = self.parameter.unwrap_or_else(|| surrogate_figures::most_relevant(&surrogate));
         let key = (vec![address(Some(&surrogate)), campaign.trials.len()], vec![chosen]);
-        let figures = self.belief.get(key, || {
+        let figures = self.surrogate.get(key, || {
             let mut figures: Vec<_> = surrogate_figures::slice(&surrogate, campaign, chosen).into_iter().collect();
             figures.extend(surrogate_figures::acquisition(&surrogate, campaign, chosen));
             figures.push(surrogate_figures::relevance(&surrogate, campaign));

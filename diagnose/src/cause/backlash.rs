@@ -4,7 +4,7 @@ use tribo_sim::Effect;
 
 use super::Candidate;
 use crate::diagnosis::{CauseLabel, Location};
-use crate::scene::{FineColumn, Scene};
+use crate::regression_data::{FineColumn, RegressionData};
 
 /// `theta − q = b sign(tau_link)`: an angle, not a torque, so it has a column in the deflection only (see
 /// [`crate::deflection`]).
@@ -26,11 +26,11 @@ impl<const N: usize> Candidate<N> for Backlash {
         Location::Joint(self.joint)
     }
 
-    fn columns(&self, scene: &Scene<N>, shape: &[f64]) -> Vec<FineColumn<N>> {
-        vec![scene.joint_column(self.joint, |at| transmitted_sign(at.link_nm[self.joint], shape[0]))]
+    fn columns(&self, data: &RegressionData<N>, shape: &[f64]) -> Vec<FineColumn<N>> {
+        vec![data.joint_column(self.joint, |at| transmitted_sign(at.link_nm[self.joint], shape[0]))]
     }
 
-    fn effect(&self, _scene: &Scene<N>, _shape: &[f64], coefficients: &[f64]) -> Option<Effect> {
+    fn effect(&self, _data: &RegressionData<N>, _shape: &[f64], coefficients: &[f64]) -> Option<Effect> {
         Some(Effect::Backlash { joint: self.joint, half_gap_rad: coefficients[0] })
     }
 }

@@ -6,7 +6,7 @@ use tribo_sim::Effect;
 
 use super::{Candidate, RIGID_UNASKED};
 use crate::diagnosis::{CauseLabel, Location};
-use crate::scene::{FineColumn, Scene};
+use crate::regression_data::{FineColumn, RegressionData};
 
 /// Gravity of another direction: columns are the gravity torque per m/s² of its change.
 ///
@@ -50,32 +50,32 @@ impl<const N: usize> Candidate<N> for BaseTilt {
         Location::Arm
     }
 
-    fn unavailable(&self, scene: &Scene<N>) -> Option<String> {
-        scene.transmission.then(|| RIGID_UNASKED.to_owned())
+    fn unavailable(&self, data: &RegressionData<N>) -> Option<String> {
+        data.transmission.then(|| RIGID_UNASKED.to_owned())
     }
 
-    fn columns(&self, scene: &Scene<N>, _shape: &[f64]) -> Vec<FineColumn<N>> {
-        let directions = Self::directions(&scene.nominal.arm.gravity_m_s2);
+    fn columns(&self, data: &RegressionData<N>, _shape: &[f64]) -> Vec<FineColumn<N>> {
+        let directions = Self::directions(&data.nominal.arm.gravity_m_s2);
         let count = if self.large { 3 } else { 2 };
         directions[..count]
             .iter()
             .map(|direction| {
-                let arm = Arm { gravity_m_s2: *direction, ..scene.nominal.arm.clone() };
-                scene.arm_column(|at| gravity_torque(&arm, &at.q))
+                let arm = Arm { gravity_m_s2: *direction, ..data.nominal.arm.clone() };
+                data.arm_column(|at| gravity_torque(&arm, &at.q))
             })
             .collect()
     }
 
-    fn admissible(&self, scene: &Scene<N>, _shape: &[f64], coefficients: &[f64]) -> bool {
-        let gravity = scene.nominal.arm.gravity_m_s2;
-        let turned = self.turned(&scene.nominal.arm, coefficients);
+    fn admissible(&self, data: &RegressionData<N>, _shape: &[f64], coefficients: &[f64]) -> bool {
+        let gravity = data.nominal.arm.gravity_m_s2;
+        let turned = self.turned(&data.nominal.arm, coefficients);
         let same_length = !self.large || (turned.norm() / gravity.norm() - 1.0).abs() < LENGTH_TOLERANCE;
         same_length && gravity.angle(&turned) < LARGEST_RAD
     }
 
-    fn effect(&self, scene: &Scene<N>, _shape: &[f64], coefficients: &[f64]) -> Option<Effect> {
-        let gravity = scene.nominal.arm.gravity_m_s2;
-        let turned = self.turned(&scene.nominal.arm, coefficients);
+    fn effect(&self, data: &RegressionData<N>, _shape: &[f64], coefficients: &[f64]) -> Option<Effect> {
+        let gravity = data.nominal.arm.gravity_m_s2;
+        let turned = self.turned(&data.nominal.arm, coefficients);
         // Rᵀ g = turned: R turns `turned` back onto g.
         let axis = turned.cross(&gravity);
         let axis = Unit::try_new(axis, 1e-12)?;
@@ -84,13 +84,13 @@ impl<const N: usize> Candidate<N> for BaseTilt {
 }
 
 /// Gravity torque per m/s² of the two directions across gravity.
-pub(crate) fn base_tilt_columns<const N: usize>(scene: &Scene<N>) -> Vec<FineColumn<N>> {
-    BaseTilt { large: false }.columns(scene, &[])
+pub(crate) fn base_tilt_columns<const N: usize>(data: &RegressionData<N>) -> Vec<FineColumn<N>> {
+    BaseTilt { large: false }.columns(data, &[])
 }
 
 /// The tilt whose gravity differs by these components across the nominal one (m/s²).
-pub(crate) fn tilt_of<const N: usize>(scene: &Scene<N>, change: [f64; 2]) -> Option<Effect> {
-    BaseTilt { large: false }.effect(scene, &[], &change)
+pub(crate) fn tilt_of<const N: usize>(data: &RegressionData<N>, change: [f64; 2]) -> Option<Effect> {
+    BaseTilt { large: false }.effect(data, &[], &change)
 }
 
 /// Coefficients of the three columns for a known tilt under standard gravity along −z.

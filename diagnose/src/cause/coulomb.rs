@@ -4,7 +4,7 @@ use tribo_sim::Effect;
 
 use super::Candidate;
 use crate::diagnosis::{CauseLabel, Location};
-use crate::scene::{FineColumn, Scene};
+use crate::regression_data::{FineColumn, RegressionData};
 
 /// `dFc tanh(qd/ε)`. Linear. Needs motion both ways: one way it is an offset.
 pub(super) struct Coulomb {
@@ -20,16 +20,16 @@ impl<const N: usize> Candidate<N> for Coulomb {
         Location::Joint(self.joint)
     }
 
-    fn columns(&self, scene: &Scene<N>, _shape: &[f64]) -> Vec<FineColumn<N>> {
-        vec![scene.joint_column(self.joint, |at| at.sign[self.joint])]
+    fn columns(&self, data: &RegressionData<N>, _shape: &[f64]) -> Vec<FineColumn<N>> {
+        vec![data.joint_column(self.joint, |at| at.sign[self.joint])]
     }
 
     /// The whole of dry friction stays positive, but for a slack of a tenth.
-    fn admissible(&self, scene: &Scene<N>, _shape: &[f64], coefficients: &[f64]) -> bool {
-        coefficients[0] > -1.1 * scene.nominal.dry_nm(self.joint)
+    fn admissible(&self, data: &RegressionData<N>, _shape: &[f64], coefficients: &[f64]) -> bool {
+        coefficients[0] > -1.1 * data.nominal.dry_nm(self.joint)
     }
 
-    fn effect(&self, _scene: &Scene<N>, _shape: &[f64], coefficients: &[f64]) -> Option<Effect> {
+    fn effect(&self, _data: &RegressionData<N>, _shape: &[f64], coefficients: &[f64]) -> Option<Effect> {
         Some(Effect::Coulomb { joint: self.joint, delta_coulomb_nm: coefficients[0] })
     }
 }

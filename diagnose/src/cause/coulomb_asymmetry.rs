@@ -5,7 +5,7 @@ use tribo_sim::Effect;
 
 use super::Candidate;
 use crate::diagnosis::{CauseLabel, Location};
-use crate::scene::{FineColumn, Scene};
+use crate::regression_data::{FineColumn, RegressionData};
 
 /// `a |tanh(qd/ε)|`. Linear. While the joint moves it is an offset; only standing still tells them apart.
 ///
@@ -26,17 +26,17 @@ impl<const N: usize> Candidate<N> for CoulombAsymmetry {
         Location::Joint(self.joint)
     }
 
-    fn columns(&self, scene: &Scene<N>, _shape: &[f64]) -> Vec<FineColumn<N>> {
-        let smoothing = scene.nominal.smoothing_rad_s;
-        let noise = NOISE_SD * scene.velocity_sd_rad_s[self.joint];
-        vec![scene.joint_column(self.joint, |at| {
+    fn columns(&self, data: &RegressionData<N>, _shape: &[f64]) -> Vec<FineColumn<N>> {
+        let smoothing = data.nominal.smoothing_rad_s;
+        let noise = NOISE_SD * data.velocity_sd_rad_s[self.joint];
+        vec![data.joint_column(self.joint, |at| {
             let qd = at.qd[self.joint];
             let kept = if qd.abs() > noise { 1.0 - (noise / qd).powi(2) } else { 0.0 };
             smooth_sign(kept * qd, smoothing).abs()
         })]
     }
 
-    fn effect(&self, _scene: &Scene<N>, _shape: &[f64], coefficients: &[f64]) -> Option<Effect> {
+    fn effect(&self, _data: &RegressionData<N>, _shape: &[f64], coefficients: &[f64]) -> Option<Effect> {
         Some(Effect::CoulombAsymmetry { joint: self.joint, asymmetry_nm: coefficients[0] })
     }
 }

@@ -5,7 +5,7 @@ use tribo_sim::Effect;
 
 use super::Candidate;
 use crate::diagnosis::{CauseLabel, Location};
-use crate::scene::{FineColumn, Scene};
+use crate::regression_data::{FineColumn, RegressionData};
 
 /// `−Jᵀ [force, moment]` on the robot during a window: six coefficients. Shape start and end (s), found by
 /// [`crate::contact_window`]. A push that never ends is a payload.
@@ -27,13 +27,13 @@ impl<const N: usize> Candidate<N> for ExternalContact {
         self.log
     }
 
-    fn columns(&self, scene: &Scene<N>, shape: &[f64]) -> Vec<FineColumn<N>> {
-        let mut columns = vec![vec![SVector::<f64, N>::zeros(); scene.samples.len()]; 6];
-        for burst in scene.bursts.iter().filter(|burst| self.log.is_none_or(|log| log == burst.log)) {
+    fn columns(&self, data: &RegressionData<N>, shape: &[f64]) -> Vec<FineColumn<N>> {
+        let mut columns = vec![vec![SVector::<f64, N>::zeros(); data.samples.len()]; 6];
+        for burst in data.bursts.iter().filter(|burst| self.log.is_none_or(|log| log == burst.log)) {
             for k in burst.fine.clone() {
-                let at = &scene.samples[k];
+                let at = &data.samples[k];
                 if at.time_s >= shape[0] && at.time_s <= shape[1] {
-                    let jacobian = scene.jacobian(at);
+                    let jacobian = data.jacobian(at);
                     for (component, column) in columns.iter_mut().enumerate() {
                         column[k] = -jacobian.row(component).transpose();
                     }
@@ -43,7 +43,7 @@ impl<const N: usize> Candidate<N> for ExternalContact {
         columns.into_iter().map(FineColumn::Arm).collect()
     }
 
-    fn effect(&self, _scene: &Scene<N>, shape: &[f64], coefficients: &[f64]) -> Option<Effect> {
+    fn effect(&self, _data: &RegressionData<N>, shape: &[f64], coefficients: &[f64]) -> Option<Effect> {
         let c = coefficients;
         Some(Effect::ExternalContact {
             force_n: [c[0], c[1], c[2]],

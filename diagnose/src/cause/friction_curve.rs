@@ -5,7 +5,7 @@ use tribo_sim::Effect;
 
 use super::Candidate;
 use crate::diagnosis::{CauseLabel, Location};
-use crate::scene::{FineColumn, Scene};
+use crate::regression_data::{FineColumn, RegressionData};
 
 /// `A tanh(qd/w)`. Shape w. Several widths beside viscous friction make any curve that rises and bends; the selection knows
 /// it as a family of all joints ([`crate::posterior`]), not joint by joint.
@@ -22,11 +22,11 @@ impl<const N: usize> Candidate<N> for FrictionCurve {
         Location::Joint(self.joint)
     }
 
-    fn columns(&self, scene: &Scene<N>, shape: &[f64]) -> Vec<FineColumn<N>> {
-        vec![scene.joint_column(self.joint, |at| smooth_sign(at.qd[self.joint], shape[0]))]
+    fn columns(&self, data: &RegressionData<N>, shape: &[f64]) -> Vec<FineColumn<N>> {
+        vec![data.joint_column(self.joint, |at| smooth_sign(at.qd[self.joint], shape[0]))]
     }
 
-    fn effect(&self, _scene: &Scene<N>, shape: &[f64], coefficients: &[f64]) -> Option<Effect> {
+    fn effect(&self, _data: &RegressionData<N>, shape: &[f64], coefficients: &[f64]) -> Option<Effect> {
         Some(Effect::FrictionCurve { joint: self.joint, amplitude_nm: coefficients[0], width_rad_s: shape[0] })
     }
 }

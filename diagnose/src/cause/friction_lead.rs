@@ -5,7 +5,7 @@ use tribo_sim::Effect;
 
 use super::Candidate;
 use crate::diagnosis::{CauseLabel, Location};
-use crate::scene::{FineColumn, Scene};
+use crate::regression_data::{FineColumn, RegressionData};
 
 /// `A (clip((qd + ℓ qdd)/w) − s)`. Shape w, ℓ. Known to the selection as a family of all joints
 /// ([`crate::posterior`]), not joint by joint: a whole arm is simulated with soft friction, or none of it.
@@ -22,12 +22,12 @@ impl<const N: usize> Candidate<N> for FrictionLead {
         Location::Joint(self.joint)
     }
 
-    fn columns(&self, scene: &Scene<N>, shape: &[f64]) -> Vec<FineColumn<N>> {
+    fn columns(&self, data: &RegressionData<N>, shape: &[f64]) -> Vec<FineColumn<N>> {
         let (j, width_rad_s, lead_s) = (self.joint, shape[0], shape[1]);
-        vec![scene.joint_column(j, |at| leading_sign(at.qd[j], at.qdd[j], width_rad_s, lead_s) - at.sign[j])]
+        vec![data.joint_column(j, |at| leading_sign(at.qd[j], at.qdd[j], width_rad_s, lead_s) - at.sign[j])]
     }
 
-    fn effect(&self, _scene: &Scene<N>, shape: &[f64], coefficients: &[f64]) -> Option<Effect> {
+    fn effect(&self, _data: &RegressionData<N>, shape: &[f64], coefficients: &[f64]) -> Option<Effect> {
         let (amplitude_nm, width_rad_s, lead_s) = (coefficients[0], shape[0], shape[1]);
         Some(Effect::FrictionLead { joint: self.joint, amplitude_nm, width_rad_s, lead_s })
     }

@@ -6,7 +6,7 @@ use tribo_sim::{Effect, oscillator_step};
 
 use super::{Candidate, RIGID_UNASKED, log_grid, only};
 use crate::diagnosis::{CauseLabel, Location};
-use crate::scene::{FineColumn, Scene, smooth_in_time};
+use crate::regression_data::{FineColumn, RegressionData, smooth_in_time};
 
 /// The link lags the motor by δ, so its torque is that of another state:
 ///
@@ -36,14 +36,14 @@ impl<const N: usize> Candidate<N> for JointElasticity {
         Location::Joint(self.joint)
     }
 
-    fn unavailable(&self, scene: &Scene<N>) -> Option<String> {
-        if scene.transmission {
+    fn unavailable(&self, data: &RegressionData<N>) -> Option<String> {
+        if data.transmission {
             return Some(RIGID_UNASKED.to_owned());
         }
-        scene.deflection_rad.is_some().then(|| "theta − q shows it directly".to_owned())
+        data.deflection_rad.is_some().then(|| "theta − q shows it directly".to_owned())
     }
 
-    fn shapes(&self, _scene: &Scene<N>) -> Vec<Vec<f64>> {
+    fn shapes(&self, _data: &RegressionData<N>) -> Vec<Vec<f64>> {
         log_grid(STIFFNESS_NM_RAD[0], STIFFNESS_NM_RAD[1], 6)
     }
 
@@ -53,18 +53,18 @@ impl<const N: usize> Candidate<N> for JointElasticity {
             .then(|| vec![stiffness.clamp(STIFFNESS_NM_RAD[0], STIFFNESS_NM_RAD[1])])
     }
 
-    fn columns(&self, scene: &Scene<N>, shape: &[f64]) -> Vec<FineColumn<N>> {
+    fn columns(&self, data: &RegressionData<N>, shape: &[f64]) -> Vec<FineColumn<N>> {
         let (j, stiffness) = (self.joint, shape[0]);
-        let damping = shape.get(1).copied().unwrap_or_else(|| assumed_damping(scene, j, stiffness));
-        let link_arm = scene.nominal.arm.clone().link_side();
-        let mut column = Vec::with_capacity(scene.samples.len());
-        for burst in &scene.bursts {
-            let samples = &scene.samples[burst.fine.clone()];
-            let dt_s = scene.period_s(burst);
+        let damping = shape.get(1).copied().unwrap_or_else(|| assumed_damping(data, j, stiffness));
+        let link_arm = data.nominal.arm.clone().link_side();
+        let mut column = Vec::with_capacity(data.samples.len());
+        for burst in &data.bursts {
+            let samples = &data.samples[burst.fine.clone()];
+            let dt_s = data.period_s(burst);
             let Some(first) = samples.first() else { continue };
             // At its resonance the spring would magnify the noise of the acceleration above the band.
             let load: Vec<f64> = samples.iter().map(|at| at.link_nm[j]).collect();
-            let drive = scene.chains[burst.log].in_band(&load);
+            let drive = data.chains[burst.log].in_band(&load);
             let mut inertia = mass_matrix(&link_arm, &first.q)[(j, j)].max(1e-4);
             let mut before = drive[0];
             let mut slope = drive.get(1).map_or(0.0, |next| (next - before) / dt_s);
@@ -91,7 +91,7 @@ impl<const N: usize> Candidate<N> for JointElasticity {
                 }
                 lag.push([deflection, rate, (drive - damping * rate - stiffness * deflection) / inertia]);
             }
-            let stride = scene.chains[burst.log].knot_stride();
+            let stride = data.chains[burst.log].knot_stride();
             column.extend(smooth_in_time(samples.len(), stride, |k| {
                 let (at, [deflection, rate, acceleration]) = (&samples[k], lag[k]);
                 let tau = rnea(
@@ -106,29 +106,29 @@ impl<const N: usize> Candidate<N> for JointElasticity {
         vec![FineColumn::Arm(column)]
     }
 
-    fn admissible(&self, _scene: &Scene<N>, _shape: &[f64], coefficients: &[f64]) -> bool {
+    fn admissible(&self, _data: &RegressionData<N>, _shape: &[f64], coefficients: &[f64]) -> bool {
         (COEFFICIENT[0]..COEFFICIENT[1]).contains(&coefficients[0])
     }
 
-    fn effect(&self, scene: &Scene<N>, shape: &[f64], coefficients: &[f64]) -> Option<Effect> {
+    fn effect(&self, data: &RegressionData<N>, shape: &[f64], coefficients: &[f64]) -> Option<Effect> {
         Some(Effect::JointElasticity {
             joint: self.joint,
             stiffness_nm_per_rad: shape[0] / coefficients[0],
-            damping_nm_s_per_rad: assumed_damping(scene, self.joint, shape[0]),
+            damping_nm_s_per_rad: assumed_damping(data, self.joint, shape[0]),
         })
     }
 }
 
 /// `2 ζ √(K M)`, ζ = 0.05: below its resonance a joint does not show its damping.
-fn assumed_damping<const N: usize>(scene: &Scene<N>, joint: usize, stiffness: f64) -> f64 {
-    2.0 * DAMPING_RATIO * (stiffness * typical_inertia(scene, joint)).sqrt()
+fn assumed_damping<const N: usize>(data: &RegressionData<N>, joint: usize, stiffness: f64) -> f64 {
+    2.0 * DAMPING_RATIO * (stiffness * typical_inertia(data, joint)).sqrt()
 }
 
 /// Samples between two evaluations of the inertia, which varies with the posture alone.
 const INERTIA_EVERY: usize = 50;
 
 /// Inertia about the joint in the middle of the log [kg m²].
-fn typical_inertia<const N: usize>(scene: &Scene<N>, joint: usize) -> f64 {
-    let q = scene.samples.get(scene.samples.len() / 2).map_or_else(SVector::zeros, |at| at.q);
-    mass_matrix(&scene.nominal.arm.clone().link_side(), &q)[(joint, joint)].max(1e-4)
+fn typical_inertia<const N: usize>(data: &RegressionData<N>, joint: usize) -> f64 {
+    let q = data.samples.get(data.samples.len() / 2).map_or_else(SVector::zeros, |at| at.q);
+    mass_matrix(&data.nominal.arm.clone().link_side(), &q)[(joint, joint)].max(1e-4)
 }

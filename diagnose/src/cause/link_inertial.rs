@@ -6,7 +6,7 @@ use tribo_sim::Effect;
 
 use super::{Candidate, RIGID_UNASKED};
 use crate::diagnosis::{CauseLabel, Location};
-use crate::scene::{Column, FineColumn, Scene, combined};
+use crate::regression_data::{Column, FineColumn, RegressionData, combined};
 
 /// `Y_k dπ_k`, Y_k the regressor of link k. Linear. Only what the joints feel of a link is identifiable: the least change
 /// that explains the torque is reported. On the last link it cannot be told from a payload.
@@ -39,8 +39,8 @@ impl Extent {
 
 impl LinkInertial {
     /// Columns of the regressor as the extent combines them: ten numbers per coefficient.
-    fn directions<const N: usize>(&self, scene: &Scene<N>) -> Vec<SVector<f64, 10>> {
-        let link = &scene.nominal.arm.links[self.link];
+    fn directions<const N: usize>(&self, data: &RegressionData<N>) -> Vec<SVector<f64, 10>> {
+        let link = &data.nominal.arm.links[self.link];
         let unit = |i: usize| SVector::<f64, 10>::from_fn(|row, _| if row == i { 1.0 } else { 0.0 });
         let moved = |i: usize| unit(i) + with_origin_inertia(&steiner_change(link, &unit(i)));
         match self.extent {
@@ -99,28 +99,28 @@ impl<const N: usize> Candidate<N> for LinkInertial {
         Location::Link(self.link)
     }
 
-    fn unavailable(&self, scene: &Scene<N>) -> Option<String> {
-        scene.transmission.then(|| RIGID_UNASKED.to_owned())
+    fn unavailable(&self, data: &RegressionData<N>) -> Option<String> {
+        data.transmission.then(|| RIGID_UNASKED.to_owned())
     }
 
-    fn columns(&self, scene: &Scene<N>, _shape: &[f64]) -> Vec<FineColumn<N>> {
-        let directions = self.directions(scene);
-        let mut columns = vec![Vec::with_capacity(scene.samples.len()); directions.len()];
-        for at in &scene.samples {
-            let block = inverse_dynamics_regressor(&scene.nominal.arm, &at.q, &at.qd, &at.qdd)[self.link];
+    fn columns(&self, data: &RegressionData<N>, _shape: &[f64]) -> Vec<FineColumn<N>> {
+        let directions = self.directions(data);
+        let mut columns = vec![Vec::with_capacity(data.samples.len()); directions.len()];
+        for at in &data.samples {
+            let block = inverse_dynamics_regressor(&data.nominal.arm, &at.q, &at.qd, &at.qdd)[self.link];
             columns.iter_mut().zip(&directions).for_each(|(column, direction)| column.push(block * direction));
         }
         columns.into_iter().map(FineColumn::Arm).collect()
     }
 
-    fn filtered(&self, scene: &Scene<N>, _shape: &[f64]) -> Vec<Column<N>> {
-        let regressor = &scene.link_regressors()[self.link];
-        self.directions(scene).iter().map(|direction| combined(regressor, direction)).collect()
+    fn filtered(&self, data: &RegressionData<N>, _shape: &[f64]) -> Vec<Column<N>> {
+        let regressor = &data.link_regressors()[self.link];
+        self.directions(data).iter().map(|direction| combined(regressor, direction)).collect()
     }
 
     /// A link keeps a good part of its mass.
-    fn admissible(&self, scene: &Scene<N>, _shape: &[f64], coefficients: &[f64]) -> bool {
-        let mass_kg = scene.nominal.arm.links[self.link].mass_kg;
+    fn admissible(&self, data: &RegressionData<N>, _shape: &[f64], coefficients: &[f64]) -> bool {
+        let mass_kg = data.nominal.arm.links[self.link].mass_kg;
         match self.extent {
             Extent::Scale => (-0.9..5.0).contains(&coefficients[0]),
             Extent::FirstMoment | Extent::Shift => true,
@@ -132,9 +132,9 @@ impl<const N: usize> Candidate<N> for LinkInertial {
 
     /// Where the estimate is no body (noise, or an inertia that the motion does not show), the inertia about the centre
     /// of mass is left as it was.
-    fn effect(&self, scene: &Scene<N>, _shape: &[f64], coefficients: &[f64]) -> Option<Effect> {
-        let link = &scene.nominal.arm.links[self.link];
-        let directions = self.directions(scene);
+    fn effect(&self, data: &RegressionData<N>, _shape: &[f64], coefficients: &[f64]) -> Option<Effect> {
+        let link = &data.nominal.arm.links[self.link];
+        let directions = self.directions(data);
         let delta = directions
             .iter()
             .zip(coefficients)

@@ -4,7 +4,7 @@ use tribo_sim::Effect;
 
 use super::Candidate;
 use crate::diagnosis::{CauseLabel, Location};
-use crate::scene::{FineColumn, Scene};
+use crate::regression_data::{FineColumn, RegressionData};
 
 /// `γ |tau_link| tanh(qd/ε)`. Linear. Where the load hardly varies it is Coulomb friction.
 pub(super) struct LoadFriction {
@@ -20,16 +20,16 @@ impl<const N: usize> Candidate<N> for LoadFriction {
         Location::Joint(self.joint)
     }
 
-    fn columns(&self, scene: &Scene<N>, _shape: &[f64]) -> Vec<FineColumn<N>> {
+    fn columns(&self, data: &RegressionData<N>, _shape: &[f64]) -> Vec<FineColumn<N>> {
         let j = self.joint;
-        vec![scene.joint_column(j, |at| at.link_nm[j].abs() * at.sign[j])]
+        vec![data.joint_column(j, |at| at.link_nm[j].abs() * at.sign[j])]
     }
 
-    fn admissible(&self, _scene: &Scene<N>, _shape: &[f64], coefficients: &[f64]) -> bool {
+    fn admissible(&self, _data: &RegressionData<N>, _shape: &[f64], coefficients: &[f64]) -> bool {
         (0.0..1.0).contains(&coefficients[0])
     }
 
-    fn effect(&self, _scene: &Scene<N>, _shape: &[f64], coefficients: &[f64]) -> Option<Effect> {
+    fn effect(&self, _data: &RegressionData<N>, _shape: &[f64], coefficients: &[f64]) -> Option<Effect> {
         Some(Effect::LoadFriction { joint: self.joint, load_coefficient: coefficients[0] })
     }
 }

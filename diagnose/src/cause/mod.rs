@@ -43,7 +43,7 @@ use nalgebra::SVector;
 use tribo_sim::Effect;
 
 use crate::diagnosis::{CauseLabel, Location};
-use crate::scene::{Column, FineColumn, Scene};
+use crate::regression_data::{Column, FineColumn, RegressionData};
 
 /// A cause at a place.
 pub(crate) trait Candidate<const N: usize>: Send + Sync {
@@ -58,13 +58,13 @@ pub(crate) trait Candidate<const N: usize>: Send + Sync {
         None
     }
 
-    /// Why this scene cannot show it, if so.
-    fn unavailable(&self, _scene: &Scene<N>) -> Option<String> {
+    /// Why these data cannot show it, if so.
+    fn unavailable(&self, _data: &RegressionData<N>) -> Option<String> {
         None
     }
 
     /// Grid of the nonlinear parameters; one empty shape for a linear cause.
-    fn shapes(&self, _scene: &Scene<N>) -> Vec<Vec<f64>> {
+    fn shapes(&self, _data: &RegressionData<N>) -> Vec<Vec<f64>> {
         vec![Vec::new()]
     }
 
@@ -79,20 +79,20 @@ pub(crate) trait Candidate<const N: usize>: Send + Sync {
     }
 
     /// Torque per unit of each coefficient on the fine grid.
-    fn columns(&self, scene: &Scene<N>, shape: &[f64]) -> Vec<FineColumn<N>>;
+    fn columns(&self, data: &RegressionData<N>, shape: &[f64]) -> Vec<FineColumn<N>>;
 
     /// The same in the band, which not every candidate needs to filter anew.
-    fn filtered(&self, scene: &Scene<N>, shape: &[f64]) -> Vec<Column<N>> {
-        scene.filter_all(&self.columns(scene, shape))
+    fn filtered(&self, data: &RegressionData<N>, shape: &[f64]) -> Vec<Column<N>> {
+        data.filter_all(&self.columns(data, shape))
     }
 
     /// Whether physics allows these values.
-    fn admissible(&self, _scene: &Scene<N>, _shape: &[f64], _coefficients: &[f64]) -> bool {
+    fn admissible(&self, _data: &RegressionData<N>, _shape: &[f64], _coefficients: &[f64]) -> bool {
         true
     }
 
     /// The effect with these values; `None` for what no model can take.
-    fn effect(&self, scene: &Scene<N>, shape: &[f64], coefficients: &[f64]) -> Option<Effect>;
+    fn effect(&self, data: &RegressionData<N>, shape: &[f64], coefficients: &[f64]) -> Option<Effect>;
 
     /// What the torque goes with, for an unknown cause.
     fn signature(&self) -> Option<String> {

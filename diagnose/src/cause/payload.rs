@@ -6,7 +6,7 @@ use tribo_sim::Effect;
 
 use super::{Candidate, RIGID_UNASKED};
 use crate::diagnosis::{CauseLabel, Location};
-use crate::scene::{Column, FineColumn, Scene, combined};
+use crate::regression_data::{Column, FineColumn, RegressionData, combined};
 
 /// `Y_flange π`, π = [m, m c, I_o] in the flange frame: mass, first moments, inertia about the flange origin. Linear.
 /// The same torque comes from a heavier last link; a payload is the likelier story.
@@ -39,37 +39,37 @@ impl<const N: usize> Candidate<N> for Payload {
         Location::Arm
     }
 
-    fn unavailable(&self, scene: &Scene<N>) -> Option<String> {
-        scene.transmission.then(|| RIGID_UNASKED.to_owned())
+    fn unavailable(&self, data: &RegressionData<N>) -> Option<String> {
+        data.transmission.then(|| RIGID_UNASKED.to_owned())
     }
 
-    fn columns(&self, scene: &Scene<N>, _shape: &[f64]) -> Vec<FineColumn<N>> {
-        let arm = &scene.nominal.arm;
+    fn columns(&self, data: &RegressionData<N>, _shape: &[f64]) -> Vec<FineColumn<N>> {
+        let arm = &data.nominal.arm;
         let link_from_flange = link_from_flange(arm);
         let count = if self.extent == Extent::Body { 10 } else { 4 };
-        let mut columns = vec![Vec::with_capacity(scene.samples.len()); count];
-        for at in &scene.samples {
+        let mut columns = vec![Vec::with_capacity(data.samples.len()); count];
+        for at in &data.samples {
             let block = inverse_dynamics_regressor(arm, &at.q, &at.qd, &at.qdd)[N - 1] * link_from_flange;
             columns.iter_mut().enumerate().for_each(|(i, column)| column.push(block.column(i).into_owned()));
         }
         columns.into_iter().map(FineColumn::Arm).collect()
     }
 
-    fn filtered(&self, scene: &Scene<N>, _shape: &[f64]) -> Vec<Column<N>> {
-        let link_from_flange = link_from_flange(&scene.nominal.arm);
+    fn filtered(&self, data: &RegressionData<N>, _shape: &[f64]) -> Vec<Column<N>> {
+        let link_from_flange = link_from_flange(&data.nominal.arm);
         let count = if self.extent == Extent::Body { 10 } else { 4 };
-        let regressor = &scene.link_regressors()[N - 1];
+        let regressor = &data.link_regressors()[N - 1];
         (0..count).map(|i| combined(regressor, &link_from_flange.column(i).into_owned())).collect()
     }
 
-    fn admissible(&self, _scene: &Scene<N>, _shape: &[f64], coefficients: &[f64]) -> bool {
+    fn admissible(&self, _data: &RegressionData<N>, _shape: &[f64], coefficients: &[f64]) -> bool {
         let mass_kg = coefficients[0];
         let first_moment = Vector3::new(coefficients[1], coefficients[2], coefficients[3]);
         let reachable = first_moment.norm() < FARTHEST_M * mass_kg && first_moment.z > FARTHEST_BEHIND_M * mass_kg;
         mass_kg > 0.0 && mass_kg < HEAVIEST_KG && reachable
     }
 
-    fn effect(&self, _scene: &Scene<N>, _shape: &[f64], coefficients: &[f64]) -> Option<Effect> {
+    fn effect(&self, _data: &RegressionData<N>, _shape: &[f64], coefficients: &[f64]) -> Option<Effect> {
         let c = coefficients;
         let mass_kg = c[0];
         let com = Vector3::new(c[1], c[2], c[3]) / mass_kg;

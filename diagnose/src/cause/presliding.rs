@@ -4,7 +4,7 @@ use tribo_sim::Effect;
 
 use super::{Candidate, log_grid};
 use crate::diagnosis::{CauseLabel, Location};
-use crate::scene::{FineColumn, Scene};
+use crate::regression_data::{FineColumn, RegressionData};
 
 /// `Fc (z − s)`, z the Dahl bristle ratio, profiled over its distance d:
 ///
@@ -32,7 +32,7 @@ impl<const N: usize> Candidate<N> for Presliding {
         Location::Joint(self.joint)
     }
 
-    fn shapes(&self, _scene: &Scene<N>) -> Vec<Vec<f64>> {
+    fn shapes(&self, _data: &RegressionData<N>) -> Vec<Vec<f64>> {
         log_grid(DISTANCE_RAD[0], DISTANCE_RAD[1], 8)
     }
 
@@ -40,30 +40,30 @@ impl<const N: usize> Candidate<N> for Presliding {
         Some(DISTANCE_RAD)
     }
 
-    fn columns(&self, scene: &Scene<N>, shape: &[f64]) -> Vec<FineColumn<N>> {
+    fn columns(&self, data: &RegressionData<N>, shape: &[f64]) -> Vec<FineColumn<N>> {
         let j = self.joint;
-        let z = bristle(scene, j, shape[0]);
-        vec![FineColumn::Joint(j, z.iter().zip(&scene.samples).map(|(z, at)| z - at.sign[j]).collect())]
+        let z = bristle(data, j, shape[0]);
+        vec![FineColumn::Joint(j, z.iter().zip(&data.samples).map(|(z, at)| z - at.sign[j]).collect())]
     }
 
-    fn admissible(&self, scene: &Scene<N>, _shape: &[f64], coefficients: &[f64]) -> bool {
-        let dry_nm = scene.nominal.dry_nm(self.joint);
+    fn admissible(&self, data: &RegressionData<N>, _shape: &[f64], coefficients: &[f64]) -> bool {
+        let dry_nm = data.nominal.dry_nm(self.joint);
         let [low, high] = COULOMB_FACTOR.map(|factor| factor * dry_nm);
         coefficients[0] > low && (dry_nm == 0.0 || coefficients[0] < high)
     }
 
-    fn effect(&self, _scene: &Scene<N>, shape: &[f64], _coefficients: &[f64]) -> Option<Effect> {
+    fn effect(&self, _data: &RegressionData<N>, shape: &[f64], _coefficients: &[f64]) -> Option<Effect> {
         Some(Effect::Presliding { joint: self.joint, presliding_distance_rad: shape[0], amplitude_nm: None })
     }
 }
 
 /// Dahl's bristle ratio z along the samples of a joint, 0 at the start of each burst.
-pub(crate) fn bristle<const N: usize>(scene: &Scene<N>, j: usize, distance_rad: f64) -> Vec<f64> {
-    let mut ratios = Vec::with_capacity(scene.samples.len());
-    for burst in &scene.bursts {
+pub(crate) fn bristle<const N: usize>(data: &RegressionData<N>, j: usize, distance_rad: f64) -> Vec<f64> {
+    let mut ratios = Vec::with_capacity(data.samples.len());
+    for burst in &data.bursts {
         let mut z = 0.0;
         let mut last = None;
-        for at in &scene.samples[burst.fine.clone()] {
+        for at in &data.samples[burst.fine.clone()] {
             let travel = at.q[j] - last.unwrap_or(at.q[j]);
             let toward = travel.signum();
             z = toward + (z - toward) * (-travel.abs() / distance_rad).exp();

@@ -4,7 +4,7 @@ use tribo_sim::Effect;
 
 use super::{Candidate, log_grid};
 use crate::diagnosis::{CauseLabel, Location};
-use crate::scene::{FineColumn, Scene};
+use crate::regression_data::{FineColumn, RegressionData};
 
 /// `dF exp(−(qd/vs)²) tanh(qd/ε)`, profiled over vs. Confusable with Coulomb friction unless the joint also moves fast,
 /// and with presliding where it only reverses.
@@ -24,7 +24,7 @@ impl<const N: usize> Candidate<N> for Stribeck {
         Location::Joint(self.joint)
     }
 
-    fn shapes(&self, _scene: &Scene<N>) -> Vec<Vec<f64>> {
+    fn shapes(&self, _data: &RegressionData<N>) -> Vec<Vec<f64>> {
         log_grid(VELOCITY_RAD_S[0], VELOCITY_RAD_S[1], 7)
     }
 
@@ -32,16 +32,16 @@ impl<const N: usize> Candidate<N> for Stribeck {
         Some(VELOCITY_RAD_S)
     }
 
-    fn columns(&self, scene: &Scene<N>, shape: &[f64]) -> Vec<FineColumn<N>> {
+    fn columns(&self, data: &RegressionData<N>, shape: &[f64]) -> Vec<FineColumn<N>> {
         let j = self.joint;
-        vec![scene.joint_column(j, |at| (-(at.qd[j] / shape[0]).powi(2)).exp() * at.sign[j])]
+        vec![data.joint_column(j, |at| (-(at.qd[j] / shape[0]).powi(2)).exp() * at.sign[j])]
     }
 
-    fn admissible(&self, _scene: &Scene<N>, _shape: &[f64], coefficients: &[f64]) -> bool {
+    fn admissible(&self, _data: &RegressionData<N>, _shape: &[f64], coefficients: &[f64]) -> bool {
         coefficients[0] > 0.0
     }
 
-    fn effect(&self, _scene: &Scene<N>, shape: &[f64], coefficients: &[f64]) -> Option<Effect> {
+    fn effect(&self, _data: &RegressionData<N>, shape: &[f64], coefficients: &[f64]) -> Option<Effect> {
         Some(Effect::Stribeck {
             joint: self.joint,
             breakaway_minus_coulomb_nm: coefficients[0],

@@ -7,7 +7,7 @@ use tribo_sim::{Effect, Recording, TorqueSide, Truth, record};
 
 use crate::Nominal;
 use crate::noise_level::rms;
-use crate::scene::Scene;
+use crate::regression_data::RegressionData;
 
 const SMOOTHING_RAD_S: f64 = 0.01;
 
@@ -31,12 +31,12 @@ fn nominal() -> Nominal<7> {
 
 /// Share of the effect's torque in the band that the candidate's column, at the true parameters, does not predict.
 fn missed(effect: &Effect, motion: Excitation, band_hz: f64) -> f64 {
-    let scene = Scene::of_logs(&[log_of(vec![effect.clone()], motion)], &nominal(), Some(band_hz)).unwrap();
-    let torque = scene.effect_torque(effect).unwrap();
-    let column = scene.filter(&torque);
+    let data = RegressionData::of_logs(&[log_of(vec![effect.clone()], motion)], &nominal(), Some(band_hz)).unwrap();
+    let torque = data.effect_torque(effect).unwrap();
+    let column = data.filter(&torque);
     let (mut left, mut whole) = (0.0, 0.0);
     for j in 0..7 {
-        let residual = &scene.residual_nm[j];
+        let residual = &data.residual_nm[j];
         let predicted = column.rows[j].clone().unwrap_or_else(|| vec![0.0; residual.len()]);
         let difference: Vec<f64> = residual.iter().zip(&predicted).map(|(a, b)| a - b).collect();
         left += rms(&difference).powi(2);

@@ -4,7 +4,7 @@ use tribo_sim::Effect;
 
 use super::{Candidate, log_grid};
 use crate::diagnosis::{CauseLabel, Location};
-use crate::scene::{FineColumn, Scene};
+use crate::regression_data::{FineColumn, RegressionData};
 
 /// `−drop (Fc s + Fv qd) x(t)`, profiled over the time constant τ:
 ///
@@ -32,16 +32,16 @@ impl<const N: usize> Candidate<N> for ThermalFriction {
         Location::Joint(self.joint)
     }
 
-    fn unavailable(&self, scene: &Scene<N>) -> Option<String> {
-        if scene.nominal.dry_nm(self.joint) + scene.nominal.viscous_nm_s(self.joint) <= 0.0 {
+    fn unavailable(&self, data: &RegressionData<N>) -> Option<String> {
+        if data.nominal.dry_nm(self.joint) + data.nominal.viscous_nm_s(self.joint) <= 0.0 {
             return Some("the model has no friction on this joint that could fade".to_owned());
         }
-        let span_s = span_s(scene);
+        let span_s = span_s(data);
         (span_s < LEAST_SPAN * TIME_CONSTANT_S[0])
             .then(|| format!("the log spans {span_s:.0} s, a gear warms up over minutes"))
     }
 
-    fn shapes(&self, _scene: &Scene<N>) -> Vec<Vec<f64>> {
+    fn shapes(&self, _data: &RegressionData<N>) -> Vec<Vec<f64>> {
         log_grid(TIME_CONSTANT_S[0], TIME_CONSTANT_S[1], 8)
     }
 
@@ -49,48 +49,48 @@ impl<const N: usize> Candidate<N> for ThermalFriction {
         Some(TIME_CONSTANT_S)
     }
 
-    fn columns(&self, scene: &Scene<N>, shape: &[f64]) -> Vec<FineColumn<N>> {
-        let x = warmth(scene, self.joint, shape[0]);
-        let values = scene.samples.iter().zip(x).map(|(at, x)| -at.friction_nm[self.joint] * x);
+    fn columns(&self, data: &RegressionData<N>, shape: &[f64]) -> Vec<FineColumn<N>> {
+        let x = warmth(data, self.joint, shape[0]);
+        let values = data.samples.iter().zip(x).map(|(at, x)| -at.friction_nm[self.joint] * x);
         vec![FineColumn::Joint(self.joint, values.collect())]
     }
 
-    fn admissible(&self, _scene: &Scene<N>, _shape: &[f64], coefficients: &[f64]) -> bool {
+    fn admissible(&self, _data: &RegressionData<N>, _shape: &[f64], coefficients: &[f64]) -> bool {
         (0.0..1.0).contains(&coefficients[0])
     }
 
-    fn effect(&self, _scene: &Scene<N>, shape: &[f64], coefficients: &[f64]) -> Option<Effect> {
+    fn effect(&self, _data: &RegressionData<N>, shape: &[f64], coefficients: &[f64]) -> Option<Effect> {
         Some(Effect::ThermalFriction { joint: self.joint, drop_fraction: coefficients[0], time_constant_s: shape[0] })
     }
 }
 
 /// Longest time from first to last sample of a log (s).
-fn span_s<const N: usize>(scene: &Scene<N>) -> f64 {
-    let starts = scene.bursts.iter().map(|burst| {
-        let first = scene.bursts.iter().find(|other| other.log == burst.log).unwrap_or(burst);
+fn span_s<const N: usize>(data: &RegressionData<N>) -> f64 {
+    let starts = data.bursts.iter().map(|burst| {
+        let first = data.bursts.iter().find(|other| other.log == burst.log).unwrap_or(burst);
         let end = burst.fine.end.saturating_sub(1);
-        scene.samples[end].time_s - scene.samples[first.fine.start].time_s
+        data.samples[end].time_s - data.samples[first.fine.start].time_s
     });
     starts.fold(0.0, f64::max)
 }
 
 /// x(t) along the samples.
-fn warmth<const N: usize>(scene: &Scene<N>, joint: usize, tau_s: f64) -> Vec<f64> {
-    let power = |k: usize| (scene.samples[k].friction_nm[joint] * scene.samples[k].qd[joint]).abs();
+fn warmth<const N: usize>(data: &RegressionData<N>, joint: usize, tau_s: f64) -> Vec<f64> {
+    let power = |k: usize| (data.samples[k].friction_nm[joint] * data.samples[k].qd[joint]).abs();
     let mean = |range: std::ops::Range<usize>| {
         let count = range.len().max(1) as f64;
         range.map(power).sum::<f64>() / count
     };
-    let mean_w = mean(0..scene.samples.len()).max(1e-12);
-    let mut warmth = Vec::with_capacity(scene.samples.len());
+    let mean_w = mean(0..data.samples.len()).max(1e-12);
+    let mut warmth = Vec::with_capacity(data.samples.len());
     let (mut x, mut log, mut last_s, mut last_w) = (0.0, usize::MAX, 0.0, 0.0);
-    for burst in &scene.bursts {
+    for burst in &data.bursts {
         if burst.log != log {
-            (x, log, last_s) = (0.0, burst.log, scene.samples[burst.fine.start].time_s);
+            (x, log, last_s) = (0.0, burst.log, data.samples[burst.fine.start].time_s);
         }
         let burst_w = mean(burst.fine.clone()) / mean_w;
         for k in burst.fine.clone() {
-            let at = &scene.samples[k];
+            let at = &data.samples[k];
             let input = if k == burst.fine.start { last_w } else { burst_w };
             x = input + (x - input) * (-(at.time_s - last_s) / tau_s).exp();
             last_s = at.time_s;

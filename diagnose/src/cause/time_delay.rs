@@ -5,7 +5,7 @@ use tribo_sim::Effect;
 
 use super::Candidate;
 use crate::diagnosis::{CauseLabel, Location};
-use crate::scene::{FineColumn, Scene};
+use crate::regression_data::{FineColumn, RegressionData};
 
 /// `tau(t − d) − tau(t)`, one delay for all joints: the column is that difference over d, so its coefficient is d.
 /// Shape d. Positive is torque late. Confusable with viscous friction where accelerations are small, and with
@@ -28,7 +28,7 @@ impl<const N: usize> Candidate<N> for TimeDelay {
         Location::Arm
     }
 
-    fn shapes(&self, _scene: &Scene<N>) -> Vec<Vec<f64>> {
+    fn shapes(&self, _data: &RegressionData<N>) -> Vec<Vec<f64>> {
         vec![vec![1e-3]]
     }
 
@@ -37,12 +37,12 @@ impl<const N: usize> Candidate<N> for TimeDelay {
         Some(vec![if delay_s.abs() < SHORTEST_S { SHORTEST_S } else { delay_s }])
     }
 
-    fn columns(&self, scene: &Scene<N>, shape: &[f64]) -> Vec<FineColumn<N>> {
+    fn columns(&self, data: &RegressionData<N>, shape: &[f64]) -> Vec<FineColumn<N>> {
         let delay_s = shape[0];
-        let mut column = Vec::with_capacity(scene.samples.len());
-        for burst in &scene.bursts {
-            let samples = &scene.samples[burst.fine.clone()];
-            let back = delay_s / scene.period_s(burst);
+        let mut column = Vec::with_capacity(data.samples.len());
+        for burst in &data.bursts {
+            let samples = &data.samples[burst.fine.clone()];
+            let back = delay_s / data.period_s(burst);
             for k in 0..samples.len() {
                 let before = interpolated(samples.len(), k as f64 - back, |i| samples[i].model_nm);
                 column.push((before - samples[k].model_nm) / delay_s);
@@ -51,11 +51,11 @@ impl<const N: usize> Candidate<N> for TimeDelay {
         vec![FineColumn::Arm(column)]
     }
 
-    fn admissible(&self, _scene: &Scene<N>, _shape: &[f64], coefficients: &[f64]) -> bool {
+    fn admissible(&self, _data: &RegressionData<N>, _shape: &[f64], coefficients: &[f64]) -> bool {
         (SHORTEST_BELIEVED_S..LONGEST_S).contains(&coefficients[0].abs())
     }
 
-    fn effect(&self, _scene: &Scene<N>, _shape: &[f64], coefficients: &[f64]) -> Option<Effect> {
+    fn effect(&self, _data: &RegressionData<N>, _shape: &[f64], coefficients: &[f64]) -> Option<Effect> {
         Some(Effect::TimeDelay { delay_s: coefficients[0] })
     }
 }

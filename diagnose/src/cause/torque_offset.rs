@@ -4,7 +4,7 @@ use tribo_sim::Effect;
 
 use super::Candidate;
 use crate::diagnosis::{CauseLabel, Location};
-use crate::scene::{FineColumn, Scene};
+use crate::regression_data::{FineColumn, RegressionData};
 
 /// `offset`. Linear. On a joint that moves one way it is Coulomb friction; on a joint under gravity that keeps its
 /// posture, a first moment.
@@ -21,11 +21,11 @@ impl<const N: usize> Candidate<N> for TorqueOffset {
         Location::Joint(self.joint)
     }
 
-    fn columns(&self, scene: &Scene<N>, _shape: &[f64]) -> Vec<FineColumn<N>> {
-        vec![scene.joint_column(self.joint, |_| 1.0)]
+    fn columns(&self, data: &RegressionData<N>, _shape: &[f64]) -> Vec<FineColumn<N>> {
+        vec![data.joint_column(self.joint, |_| 1.0)]
     }
 
-    fn effect(&self, _scene: &Scene<N>, _shape: &[f64], coefficients: &[f64]) -> Option<Effect> {
+    fn effect(&self, _data: &RegressionData<N>, _shape: &[f64], coefficients: &[f64]) -> Option<Effect> {
         Some(Effect::TorqueOffset { joint: self.joint, offset_nm: coefficients[0] })
     }
 }

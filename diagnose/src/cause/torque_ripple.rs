@@ -4,7 +4,7 @@ use tribo_sim::Effect;
 
 use super::Candidate;
 use crate::diagnosis::{CauseLabel, Location};
-use crate::scene::{FineColumn, Scene};
+use crate::regression_data::{FineColumn, RegressionData};
 
 /// `a sin(n q) + b cos(n q)`: amplitude and phase follow. Shape n, found by [`crate::ripple`].
 pub(crate) struct TorqueRipple {
@@ -20,15 +20,15 @@ impl<const N: usize> Candidate<N> for TorqueRipple {
         Location::Joint(self.joint)
     }
 
-    fn columns(&self, scene: &Scene<N>, shape: &[f64]) -> Vec<FineColumn<N>> {
+    fn columns(&self, data: &RegressionData<N>, shape: &[f64]) -> Vec<FineColumn<N>> {
         let j = self.joint;
         vec![
-            scene.joint_column(j, |at| (shape[0] * at.q[j]).sin()),
-            scene.joint_column(j, |at| (shape[0] * at.q[j]).cos()),
+            data.joint_column(j, |at| (shape[0] * at.q[j]).sin()),
+            data.joint_column(j, |at| (shape[0] * at.q[j]).cos()),
         ]
     }
 
-    fn effect(&self, _scene: &Scene<N>, shape: &[f64], coefficients: &[f64]) -> Option<Effect> {
+    fn effect(&self, _data: &RegressionData<N>, shape: &[f64], coefficients: &[f64]) -> Option<Effect> {
         let [sine, cosine] = [coefficients[0], coefficients[1]];
         Some(Effect::TorqueRipple {
             joint: self.joint,

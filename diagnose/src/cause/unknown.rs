@@ -7,7 +7,7 @@ use tribo_sim::Effect;
 use super::Candidate;
 use super::presliding::bristle;
 use crate::diagnosis::{CauseLabel, Location};
-use crate::scene::{FineColumn, Sample, Scene};
+use crate::regression_data::{FineColumn, RegressionData, Sample};
 
 /// A family of torques of one joint. When it beats every named cause, the verdict is `unknown` with its signature.
 pub(super) struct Unknown {
@@ -94,9 +94,9 @@ impl<const N: usize> Candidate<N> for Unknown {
         Location::Joint(self.joint)
     }
 
-    fn columns(&self, scene: &Scene<N>, _shape: &[f64]) -> Vec<FineColumn<N>> {
+    fn columns(&self, data: &RegressionData<N>, _shape: &[f64]) -> Vec<FineColumn<N>> {
         let j = self.joint;
-        let column = |value: &dyn Fn(&Sample<N>) -> f64| scene.joint_column(j, value);
+        let column = |value: &dyn Fn(&Sample<N>) -> f64| data.joint_column(j, value);
         match self.family {
             Family::Position(factor) => [1.0, 2.0]
                 .iter()
@@ -108,7 +108,7 @@ impl<const N: usize> Candidate<N> for Unknown {
                 })
                 .collect(),
             Family::Time(factor) => {
-                let (start, end) = scene.samples.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), at| {
+                let (start, end) = data.samples.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), at| {
                     (low.min(at.time_s), high.max(at.time_s))
                 });
                 let unit = move |at: &Sample<N>| 2.0 * (at.time_s - start) / (end - start).max(1e-9) - 1.0;
@@ -122,22 +122,22 @@ impl<const N: usize> Candidate<N> for Unknown {
                 vec![column(&|at| at.qd[j] * at.qd[j].abs()), column(&|at| at.qd[j].powi(3))]
             }
             Family::Load => {
-                let squares: f64 = scene.samples.iter().map(|at| at.model_nm[j].powi(2)).sum();
-                let knee_nm = (SATURATES_AT * (squares / scene.samples.len().max(1) as f64).sqrt()).max(1e-6);
+                let squares: f64 = data.samples.iter().map(|at| at.model_nm[j].powi(2)).sum();
+                let knee_nm = (SATURATES_AT * (squares / data.samples.len().max(1) as f64).sqrt()).max(1e-6);
                 vec![
                     column(&|at| at.link_nm[j] * at.link_nm[j].abs()),
                     column(&|at| at.link_nm[j].powi(3)),
                     column(&|at| (at.model_nm[j] / knee_nm).tanh()),
                 ]
             }
-            Family::Path => PATH_RAD.iter().map(|d| FineColumn::Joint(j, bristle(scene, j, *d))).collect(),
+            Family::Path => PATH_RAD.iter().map(|d| FineColumn::Joint(j, bristle(data, j, *d))).collect(),
             Family::Neighbour(other) => {
                 vec![column(&|at| at.sign[other]), column(&|at| at.qd[other]), column(&|at| at.qdd[other])]
             }
         }
     }
 
-    fn effect(&self, _scene: &Scene<N>, _shape: &[f64], _coefficients: &[f64]) -> Option<Effect> {
+    fn effect(&self, _data: &RegressionData<N>, _shape: &[f64], _coefficients: &[f64]) -> Option<Effect> {
         None
     }
 

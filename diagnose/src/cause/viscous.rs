@@ -4,7 +4,7 @@ use tribo_sim::Effect;
 
 use super::Candidate;
 use crate::diagnosis::{CauseLabel, Location};
-use crate::scene::{FineColumn, Scene};
+use crate::regression_data::{FineColumn, RegressionData};
 
 /// `dFv qd`. Linear. Confusable with friction that grows faster than qd unless speeds vary.
 pub(super) struct Viscous {
@@ -20,11 +20,11 @@ impl<const N: usize> Candidate<N> for Viscous {
         Location::Joint(self.joint)
     }
 
-    fn columns(&self, scene: &Scene<N>, _shape: &[f64]) -> Vec<FineColumn<N>> {
-        vec![scene.joint_column(self.joint, |at| at.qd[self.joint])]
+    fn columns(&self, data: &RegressionData<N>, _shape: &[f64]) -> Vec<FineColumn<N>> {
+        vec![data.joint_column(self.joint, |at| at.qd[self.joint])]
     }
 
-    fn effect(&self, _scene: &Scene<N>, _shape: &[f64], coefficients: &[f64]) -> Option<Effect> {
+    fn effect(&self, _data: &RegressionData<N>, _shape: &[f64], coefficients: &[f64]) -> Option<Effect> {
         Some(Effect::Viscous { joint: self.joint, delta_viscous_nm_s_per_rad: coefficients[0] })
     }
 }

@@ -7,7 +7,7 @@ use super::pair::Pair;
 use crate::cause::{Candidate, ExternalContact, TorqueRipple, candidate_of_effect, candidates};
 use crate::diagnosis::{CauseLabel, JointMisfit, Location};
 use crate::least_squares::solve_ridge;
-use crate::scene::{Column, Scene};
+use crate::regression_data::{Column, RegressionData};
 
 /// Density of what the model cannot know (Nm² s), white in the band:
 ///
@@ -29,8 +29,8 @@ const BETWEEN: [f64; 4] = [-0.5, -0.25, 0.25, 0.5];
 
 impl<const N: usize> SensorNoise<N> {
     /// Of the log at hand.
-    pub fn of(scene: &Scene<N>, joints: &[JointMisfit]) -> Option<Self> {
-        let chain = scene.chains.first()?;
+    pub fn of(data: &RegressionData<N>, joints: &[JointMisfit]) -> Option<Self> {
+        let chain = data.chains.first()?;
         let nyquist_hz = 0.5 * chain.rate_hz;
         let gain = |step: usize| chain.gain(nyquist_hz * (step as f64 + 0.5) / STEPS as f64);
         let noise_band_hz = nyquist_hz * (0..STEPS).map(|step| gain(step).powi(2)).sum::<f64>() / STEPS as f64;
@@ -39,21 +39,21 @@ impl<const N: usize> SensorNoise<N> {
             density_nm2_s: SVector::from_fn(|j, _| {
                 let left_nm = joints.get(j).map_or(0.0, |joint| joint.rms_after_nm);
                 let left_nm = if left_nm.is_finite() { left_nm } else { 0.0 };
-                scene.noise_floor_nm[j].max(left_nm).max(LEAST_NOISE_NM).powi(2) / (2.0 * band_hz)
+                data.noise_floor_nm[j].max(left_nm).max(LEAST_NOISE_NM).powi(2) / (2.0 * band_hz)
             }),
         })
     }
 
     /// Weight of the output samples of a joint: `1/(rate density)`.
-    fn weight(&self, scene: &Scene<N>, joint: usize) -> f64 {
-        let rate_hz = scene.chains.first().map_or(1.0, |chain| chain.output_rate_hz());
+    fn weight(&self, data: &RegressionData<N>, joint: usize) -> f64 {
+        let rate_hz = data.chains.first().map_or(1.0, |chain| chain.output_rate_hz());
         1.0 / (rate_hz * self.density_nm2_s[joint])
     }
 }
 
 /// A motion with the torque that the nominal model lacks on it (Nm).
 pub(super) struct Run<'s, const N: usize> {
-    scene: &'s Scene<N>,
+    data: &'s RegressionData<N>,
     torque_nm: Column<N>,
     /// Whether a push may act.
     touched: bool,
@@ -61,18 +61,18 @@ pub(super) struct Run<'s, const N: usize> {
 
 impl<'s, const N: usize> Run<'s, N> {
     /// What the model leaves over.
-    pub fn of_residual(scene: &'s Scene<N>) -> Self {
-        let torque_nm = Column { rows: std::array::from_fn(|j| Some(scene.residual_nm[j].clone())) };
-        Self { scene, torque_nm, touched: true }
+    pub fn of_residual(data: &'s RegressionData<N>) -> Self {
+        let torque_nm = Column { rows: std::array::from_fn(|j| Some(data.residual_nm[j].clone())) };
+        Self { data, torque_nm, touched: true }
     }
 
     /// What an effect would add; `None` where it is not a torque.
-    pub fn of_torque(scene: &'s Scene<N>, effect: &Effect) -> Option<Self> {
+    pub fn of_torque(data: &'s RegressionData<N>, effect: &Effect) -> Option<Self> {
         let (candidate, shape, coefficients) = candidate_of_effect::<N>(effect)?;
         let mut rows: [Option<Vec<f64>>; N] = std::array::from_fn(|_| None);
-        for (column, coefficient) in candidate.filtered(scene, &shape).iter().zip(coefficients) {
+        for (column, coefficient) in candidate.filtered(data, &shape).iter().zip(coefficients) {
             let coefficient = match effect {
-                Effect::Presliding { joint, .. } => scene.nominal.dry_nm(*joint),
+                Effect::Presliding { joint, .. } => data.nominal.dry_nm(*joint),
                 _ => coefficient,
             };
             for (sum, values) in rows.iter_mut().zip(&column.rows) {
@@ -82,17 +82,17 @@ impl<'s, const N: usize> Run<'s, N> {
                 }
             }
         }
-        Some(Self { scene, torque_nm: Column { rows }, touched: true })
+        Some(Self { data, torque_nm: Column { rows }, touched: true })
     }
 
     /// The same motion with nobody touching the arm, and nothing lacking.
     pub fn untouched(&self) -> Self {
-        Self { scene: self.scene, torque_nm: Column { rows: std::array::from_fn(|_| None) }, touched: false }
+        Self { data: self.data, torque_nm: Column { rows: std::array::from_fn(|_| None) }, touched: false }
     }
 
     /// Columns of a candidate on this motion.
     fn columns(&self, candidate: &dyn Candidate<N>, shape: &[f64]) -> Vec<Column<N>> {
-        let mut columns = candidate.filtered(self.scene, shape);
+        let mut columns = candidate.filtered(self.data, shape);
         if !self.touched && candidate.label() == CauseLabel::ExternalContact {
             columns.iter_mut().for_each(|column| column.rows = std::array::from_fn(|_| None));
         }
@@ -112,7 +112,7 @@ pub(super) fn expected_evidence<const N: usize>(
 ) -> Option<f64> {
     let fit = Fit { runs, noise, company: company(runs, pair, others) };
     let (found, shape, _) = candidate_of_effect::<N>(&pair.effect)?;
-    let able = |candidate: &dyn Candidate<N>| runs.iter().all(|run| candidate.unavailable(run.scene).is_none());
+    let able = |candidate: &dyn Candidate<N>| runs.iter().all(|run| candidate.unavailable(run.data).is_none());
     if !able(found.as_ref()) {
         return None;
     }
@@ -152,7 +152,7 @@ fn company<const N: usize>(runs: &[Run<'_, N>], pair: &Pair, others: &[&Effect])
         .iter()
         .filter_map(|effect| candidate_of_effect::<N>(effect))
         .filter(|(candidate, _, _)| (candidate.label(), candidate.location()) != pair.rival)
-        .filter(|(candidate, _, _)| runs.iter().all(|run| candidate.unavailable(run.scene).is_none()))
+        .filter(|(candidate, _, _)| runs.iter().all(|run| candidate.unavailable(run.data).is_none()))
         .collect();
     let columns = |run: &Run<'_, N>| {
         placed.iter().flat_map(|(candidate, shape, _)| run.columns(candidate.as_ref(), shape)).collect()
@@ -171,7 +171,7 @@ impl<const N: usize> Fit<'_, N> {
     /// What the candidate explains at its best shape.
     fn best(&self, candidate: &dyn Candidate<N>) -> f64 {
         let Some(last) = self.runs.last() else { return 0.0 };
-        let shapes = candidate.shapes(last.scene);
+        let shapes = candidate.shapes(last.data);
         let judged = shapes.iter().map(|shape| (self.fitted(candidate, shape), shape));
         let Some(((mut explained, coefficients), shape)) = judged.max_by(|a, b| a.0.0.total_cmp(&b.0.0)) else {
             return 0.0;
@@ -209,7 +209,7 @@ impl<const N: usize> Fit<'_, N> {
         for ((run, own), company) in self.runs.iter().zip(&own).zip(&self.company) {
             let columns: Vec<&Column<N>> = own.iter().chain(company).collect();
             for j in 0..N {
-                let weight = self.noise.weight(run.scene, j);
+                let weight = self.noise.weight(run.data, j);
                 for (i, a) in columns.iter().enumerate() {
                     let Some(a) = &a.rows[j] else { continue };
                     if let Some(torque) = &run.torque_nm.rows[j] {

@@ -25,7 +25,7 @@ use self::motion::Motion;
 use self::pair::Pair;
 use self::simulated::Arrangement;
 use crate::diagnosis::{CauseLabel, Finding, JointMisfit, Location};
-use crate::scene::Scene;
+use crate::regression_data::RegressionData;
 
 /// A safe motion of the library.
 #[derive(Clone, Debug, PartialEq)]
@@ -50,12 +50,12 @@ const LEAST_EXPECTED: f64 = 1.0;
 
 /// The experiment for the closest pair of rivals, or `None` where every finding has one name.
 pub(crate) fn next_experiment<const N: usize>(
-    scene: &Scene<N>,
+    data: &RegressionData<N>,
     findings: &[Finding],
     joints: &[JointMisfit],
 ) -> Option<NextExperiment> {
-    let pair = Pair::closest(scene, findings)?;
-    if pair.same_torque(scene) {
+    let pair = Pair::closest(data, findings)?;
+    if pair.same_torque(data) {
         return Some(without_motion(&pair, 0.0));
     }
     let others: Vec<&Effect> = findings
@@ -63,8 +63,8 @@ pub(crate) fn next_experiment<const N: usize>(
         .filter_map(|finding| finding.effect.as_ref())
         .filter(|effect| **effect != pair.effect)
         .collect();
-    let noise = SensorNoise::of(scene, joints)?;
-    let here = Run::of_torque(scene, &pair.effect)?;
+    let noise = SensorNoise::of(data, joints)?;
+    let here = Run::of_torque(data, &pair.effect)?;
     let evidence_of_this_log = expected_evidence(std::slice::from_ref(&here), &pair, &others, &noise).unwrap_or(0.0);
 
     if let Effect::ExternalContact { .. } = pair.effect {
@@ -82,14 +82,14 @@ pub(crate) fn next_experiment<const N: usize>(
     }
     drop(here);
 
-    let arrangement = Arrangement { scene, pair: &pair, others: &others };
+    let arrangement = Arrangement { data, pair: &pair, others: &others };
     let mut tried: Vec<(Motion, ViaPoints<N>, f64)> = Motion::ALL
         .into_par_iter()
         .filter(|motion| motion.suits(&pair))
         .filter_map(|motion| {
-            let points = motion.draw(&room::of(scene, &pair, motion));
-            let scenes = arrangement.played(motion, &points)?;
-            let runs: Vec<Run<'_, N>> = scenes.iter().map(Run::of_residual).collect();
+            let points = motion.draw(&room::of(data, &pair, motion));
+            let simulated = arrangement.played(motion, &points)?;
+            let runs: Vec<Run<'_, N>> = simulated.iter().map(Run::of_residual).collect();
             let expected = expected_evidence(&runs, &pair, &others, &noise)?;
             Some((motion, points, expected))
         })
@@ -102,7 +102,7 @@ pub(crate) fn next_experiment<const N: usize>(
     };
     Some(NextExperiment {
         motion: motion.name(),
-        instruction: instruction::of(motion, &pair, &points, expected, &scene.nominal.arm.joint_names),
+        instruction: instruction::of(motion, &pair, &points, expected, &data.nominal.arm.joint_names),
         separates: [pair.found, pair.rival],
         expected_evidence: expected,
         evidence_of_this_log,

@@ -4,7 +4,7 @@ use tribo_sim::Effect;
 
 use crate::confusable::same_torque;
 use crate::diagnosis::{CauseLabel, Finding, Location};
-use crate::scene::Scene;
+use crate::regression_data::RegressionData;
 
 /// A finding taken for true, and its rival.
 #[derive(Clone, Debug, PartialEq)]
@@ -25,7 +25,7 @@ const OTHER_WAY: f64 = 0.02;
 impl Pair {
     /// The rivals of least difference in evidence; those that differ by physics first, then joints that moved one way
     /// only, then those that no torque can tell apart.
-    pub fn closest<const N: usize>(scene: &Scene<N>, findings: &[Finding]) -> Option<Self> {
+    pub fn closest<const N: usize>(data: &RegressionData<N>, findings: &[Finding]) -> Option<Self> {
         let mut doubted: Vec<(f64, Self)> = findings
             .iter()
             .filter_map(|finding| Some((finding, finding.effect.clone()?)))
@@ -40,13 +40,13 @@ impl Pair {
             .collect();
         doubted.sort_by(|a, b| a.0.total_cmp(&b.0));
         let (physics, closest): (Vec<_>, Vec<_>) =
-            doubted.into_iter().map(|(_, pair)| pair).partition(|pair: &Self| pair.same_torque(scene));
-        closest.into_iter().next().or_else(|| Self::one_way(scene, findings)).or_else(|| physics.into_iter().next())
+            doubted.into_iter().map(|(_, pair)| pair).partition(|pair: &Self| pair.same_torque(data));
+        closest.into_iter().next().or_else(|| Self::one_way(data, findings)).or_else(|| physics.into_iter().next())
     }
 
     /// Coulomb friction against an offset on a joint that moves in one direction only: a found one, or else a small one.
-    fn one_way<const N: usize>(scene: &Scene<N>, findings: &[Finding]) -> Option<Self> {
-        let one_way: Vec<usize> = (0..N).filter(|joint| scene.moves(*joint) && moves_one_way(scene, *joint)).collect();
+    fn one_way<const N: usize>(data: &RegressionData<N>, findings: &[Finding]) -> Option<Self> {
+        let one_way: Vec<usize> = (0..N).filter(|joint| data.moves(*joint) && moves_one_way(data, *joint)).collect();
         let pair = |effect: Effect, joint: usize| {
             let (coulomb, offset) = (CauseLabel::Coulomb, CauseLabel::TorqueOffset);
             let found = CauseLabel::of(&effect);
@@ -64,13 +64,13 @@ impl Pair {
             }
         }
         let joint = *one_way.first()?;
-        let delta_coulomb_nm = (ASSUMED_ERROR * scene.nominal.dry_nm(joint)).max(scene.noise_floor_nm[joint]);
+        let delta_coulomb_nm = (ASSUMED_ERROR * data.nominal.dry_nm(joint)).max(data.noise_floor_nm[joint]);
         Some(pair(Effect::Coulomb { joint, delta_coulomb_nm }, joint))
     }
 
     /// Whether the two give the same torque whatever the motion.
-    pub fn same_torque<const N: usize>(&self, scene: &Scene<N>) -> bool {
-        same_torque(&scene.nominal, self.found, self.rival)
+    pub fn same_torque<const N: usize>(&self, data: &RegressionData<N>) -> bool {
+        same_torque(&data.nominal, self.found, self.rival)
     }
 
     /// Whether either is this cause.
@@ -89,7 +89,7 @@ impl Pair {
     }
 }
 
-fn moves_one_way<const N: usize>(scene: &Scene<N>, joint: usize) -> bool {
-    let count = |way: f64| scene.samples.iter().filter(|at| way * at.sign[joint] > 0.9).count();
-    (count(1.0).min(count(-1.0)) as f64) < OTHER_WAY * scene.samples.len() as f64
+fn moves_one_way<const N: usize>(data: &RegressionData<N>, joint: usize) -> bool {
+    let count = |way: f64| data.samples.iter().filter(|at| way * at.sign[joint] > 0.9).count();
+    (count(1.0).min(count(-1.0)) as f64) < OTHER_WAY * data.samples.len() as f64
 }

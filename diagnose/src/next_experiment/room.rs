@@ -5,7 +5,7 @@ use tribo_sim::excitation::Envelope;
 
 use super::motion::Motion;
 use super::pair::Pair;
-use crate::scene::Scene;
+use crate::regression_data::RegressionData;
 
 /// Part of the way from the posture to the nearer joint limit that is used [-].
 const ROOM_SHARE: f64 = 0.8;
@@ -27,11 +27,11 @@ const SMALL_RAD: f64 = 0.12;
 /// ```
 ///
 /// A joint that need not move has no room.
-pub(super) fn of<const N: usize>(scene: &Scene<N>, pair: &Pair, motion: Motion) -> Envelope<N> {
-    let arm = &scene.nominal.arm;
+pub(super) fn of<const N: usize>(data: &RegressionData<N>, pair: &Pair, motion: Motion) -> Envelope<N> {
+    let arm = &data.nominal.arm;
     let limits = &arm.limits;
-    let sum = scene.samples.iter().fold(SVector::<f64, N>::zeros(), |sum, at| sum + at.q);
-    let mean = sum / scene.samples.len().max(1) as f64;
+    let sum = data.samples.iter().fold(SVector::<f64, N>::zeros(), |sum, at| sum + at.q);
+    let mean = sum / data.samples.len().max(1) as f64;
     let centre_rad = SVector::from_fn(|j, _| {
         let (low, high) = (limits.q_min_rad[j], limits.q_max_rad[j]);
         let margin = MARGIN * (high - low);

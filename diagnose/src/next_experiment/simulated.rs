@@ -8,12 +8,12 @@ use tribo_sim::{Effect, Recorder, Recording, Session, Truth};
 use super::motion::Motion;
 use super::pair::Pair;
 use crate::Nominal;
-use crate::scene::Scene;
+use crate::regression_data::RegressionData;
 
 /// The log at hand, and what is taken for true.
 #[derive(Clone, Copy)]
 pub(super) struct Arrangement<'a, const N: usize> {
-    pub scene: &'a Scene<N>,
+    pub data: &'a RegressionData<N>,
     pub pair: &'a Pair,
     pub others: &'a [&'a Effect],
 }
@@ -44,21 +44,21 @@ pub(super) fn session_s(pair: &Pair) -> f64 {
 }
 
 impl<const N: usize> Arrangement<'_, N> {
-    /// One scene per log of the motion; without noise, at the band of the log at hand.
-    pub fn played(&self, motion: Motion, points: &ViaPoints<N>) -> Option<Vec<Scene<N>>> {
-        let nominal = &self.scene.nominal;
-        let plain = self.scene_of(nominal, motion, points)?;
+    /// One data per log of the motion; without noise, at the band of the log at hand.
+    pub fn played(&self, motion: Motion, points: &ViaPoints<N>) -> Option<Vec<RegressionData<N>>> {
+        let nominal = &self.data.nominal;
+        let plain = self.data_of(nominal, motion, points)?;
         if motion != Motion::KnownPayload {
             return Some(vec![plain]);
         }
         let body =
             Payload { mass_kg: KNOWN_KG, com_m: Vector3::new(0.0, 0.0, KNOWN_COM_M), inertia_kg_m2: Matrix3::zeros() };
         let loaded = Nominal { arm: nominal.arm.clone().with_payload(&body), ..nominal.clone() };
-        Some(vec![plain, self.scene_of(&loaded, motion, points)?])
+        Some(vec![plain, self.data_of(&loaded, motion, points)?])
     }
 
-    fn scene_of(&self, nominal: &Nominal<N>, motion: Motion, points: &ViaPoints<N>) -> Option<Scene<N>> {
-        let chain = self.scene.chains.first()?;
+    fn data_of(&self, nominal: &Nominal<N>, motion: Motion, points: &ViaPoints<N>) -> Option<RegressionData<N>> {
+        let chain = self.data.chains.first()?;
         let (band_hz, rate_hz) = match motion {
             Motion::WarmUpCycles => (chain.band_hz.min(SESSION_HZ[0]), chain.rate_hz.min(SESSION_HZ[1])),
             _ => (chain.band_hz, chain.rate_hz.min(RATE_OVER_BAND * chain.band_hz)),
@@ -68,7 +68,7 @@ impl<const N: usize> Arrangement<'_, N> {
         let lasting = self.others.iter().filter(|effect| !matches!(effect, Effect::ExternalContact { .. }));
         effects.extend(lasting.map(|effect| (*effect).clone()));
         let truth = Truth { effects, ..Truth::new(nominal.arm.clone(), nominal.friction) };
-        let dual_encoder = self.scene.deflection_rad.is_some();
+        let dual_encoder = self.data.deflection_rad.is_some();
         let recording = Recording { rate_hz, torque_side: nominal.torque_side, dual_encoder, ..Recording::default() };
         let recorder = Recorder {
             truth: &truth,
@@ -84,6 +84,6 @@ impl<const N: usize> Arrangement<'_, N> {
             }
             _ => recorder.record(&path, 0),
         };
-        Scene::of_logs(&[log.ok()?], nominal, Some(band_hz)).ok()
+        RegressionData::of_logs(&[log.ok()?], nominal, Some(band_hz)).ok()
     }
 }

@@ -25,8 +25,8 @@ fn log(motion: &dyn JointTrajectory<7>, effects: &[Effect]) -> RobotLog {
     record(&truth(effects), SMOOTHING_RAD_S, motion, &Recording::default(), 1).unwrap()
 }
 
-fn scene(log: RobotLog) -> Scene<7> {
-    Scene::of_logs(&[log], &nominal(), None).unwrap()
+fn data(log: RobotLog) -> RegressionData<7> {
+    RegressionData::of_logs(&[log], &nominal(), None).unwrap()
 }
 
 /// From the ready pose to one side, rest to rest, once.
@@ -72,8 +72,8 @@ fn proposed(
     at: Location,
     rival: (CauseLabel, Location),
 ) -> NextExperiment {
-    let scene = scene(log(motion, std::slice::from_ref(effect)));
-    let next = next_experiment(&scene, &[finding(effect, at, &[rival])], &[]).unwrap();
+    let data = data(log(motion, std::slice::from_ref(effect)));
+    let next = next_experiment(&data, &[finding(effect, at, &[rival])], &[]).unwrap();
     assert_eq!(next.separates, [(CauseLabel::of(effect), at), rival]);
     assert!(next.instruction.ends_with('.') && next.expected_evidence.is_finite());
     stays_safe(&next);
@@ -137,8 +137,8 @@ fn one_way_motion_asks_for_both_ways() {
 
 #[test]
 fn a_clean_one_way_log_asks_for_both_ways_too() {
-    let scene = scene(log(&one_way().path(), &[]));
-    let next = next_experiment(&scene, &[], &[]).unwrap();
+    let data = data(log(&one_way().path(), &[]));
+    let next = next_experiment(&data, &[], &[]).unwrap();
     assert_eq!(next.separates.map(|(label, _)| label), [CauseLabel::Coulomb, CauseLabel::TorqueOffset]);
     assert!(next.expected_evidence > 10.0 && turns_and_holds(&next, 0).0 > 5, "{next:?}");
 }
@@ -146,8 +146,8 @@ fn a_clean_one_way_log_asks_for_both_ways_too() {
 #[test]
 fn nothing_is_proposed_where_nothing_is_doubtful() {
     let effect = Effect::TorqueOffset { joint: 1, offset_nm: 0.3 };
-    let scene = scene(log(drawn(Excitation::Cruise, 20.0).as_ref(), std::slice::from_ref(&effect)));
-    assert_eq!(next_experiment(&scene, &[finding(&effect, Location::Joint(1), &[])], &[]), None);
+    let data = data(log(drawn(Excitation::Cruise, 20.0).as_ref(), std::slice::from_ref(&effect)));
+    assert_eq!(next_experiment(&data, &[finding(&effect, Location::Joint(1), &[])], &[]), None);
 }
 
 #[test]
@@ -178,8 +178,8 @@ fn thermal_rivals_ask_for_a_warm_up() {
     let recorder = Recorder { truth: &truth, smoothing_rad_s: SMOOTHING_RAD_S, recording, extra: None };
     // Two cycles a minute apart.
     let log = recorder.record_session(motion.as_ref(), &Session { every_s: 60.0, duration_s: 60.0 }, 1).unwrap();
-    let scene = scene(log);
-    let next = next_experiment(&scene, &[finding(&effect, joint, &[(CauseLabel::Viscous, joint)])], &[]).unwrap();
+    let data = data(log);
+    let next = next_experiment(&data, &[finding(&effect, joint, &[(CauseLabel::Viscous, joint)])], &[]).unwrap();
     assert_eq!(next.motion, "warm_up_cycles");
     assert!(next.expected_evidence > 10.0 * next.evidence_of_this_log.max(1.0), "{next:?}");
     stays_safe(&next);
@@ -242,9 +242,9 @@ fn every_confusable_pair_gets_a_sentence() {
 /// Statistics: of noise alone a column explains one unit, so the units are those of twice the log likelihood.
 #[test]
 fn the_noise_is_the_unit() {
-    let scene = scene(log(drawn(Excitation::Cruise, 20.0).as_ref(), &[]));
-    let noise = SensorNoise::of(&scene, &[]).unwrap();
-    let run = [Run::of_residual(&scene)];
+    let data = data(log(drawn(Excitation::Cruise, 20.0).as_ref(), &[]));
+    let noise = SensorNoise::of(&data, &[]).unwrap();
+    let run = [Run::of_residual(&data)];
     let explained: Vec<f64> = (0..7)
         .flat_map(|joint| {
             [
@@ -262,7 +262,7 @@ fn the_noise_is_the_unit() {
 /// Every motion of the library, of one joint and of all, keeps the limits, and stays the same.
 #[test]
 fn the_whole_library_is_safe() {
-    let scene = scene(log(&one_way().path(), &[]));
+    let data = data(log(&one_way().path(), &[]));
     let pair = |joint, rival| Pair {
         found: (CauseLabel::Coulomb, Location::Joint(joint)),
         rival: (rival, Location::Joint(joint)),
@@ -271,8 +271,8 @@ fn the_whole_library_is_safe() {
     for motion in Motion::ALL {
         for pair in [pair(1, CauseLabel::TorqueOffset), pair(6, CauseLabel::Viscous), pair(0, CauseLabel::LoadFriction)]
         {
-            let points = motion.draw(&room::of(&scene, &pair, motion));
-            assert_eq!(points, motion.draw(&room::of(&scene, &pair, motion)));
+            let points = motion.draw(&room::of(&data, &pair, motion));
+            assert_eq!(points, motion.draw(&room::of(&data, &pair, motion)));
             assert!(points.time_s.last().is_some_and(|end_s| (10.0..40.0).contains(end_s)), "{motion:?}");
             let via_points =
                 points.time_s.iter().zip(&points.q_rad).map(|(t, q)| (*t, q.as_slice().to_vec())).collect();

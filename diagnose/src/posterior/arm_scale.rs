@@ -4,15 +4,15 @@ use nalgebra::SVector;
 use tribo_sim::{SoftFriction, TorqueSide};
 
 use super::prior::{ArmScale, MOST_WAVES};
-use crate::scene::Scene;
+use crate::regression_data::RegressionData;
 
 impl ArmScale {
-    /// What a scene says of an arm: torque and speed limits, where they are no fantasy, and its own weight.
-    pub fn of<const N: usize>(scene: &Scene<N>) -> Self {
-        let limits = &scene.nominal.arm.limits;
-        let own_kg: f64 = scene.nominal.arm.links.iter().map(|link| link.mass_kg.max(0.2)).sum();
+    /// What data say of an arm: torque and speed limits, where they are no fantasy, and its own weight.
+    pub fn of<const N: usize>(data: &RegressionData<N>) -> Self {
+        let limits = &data.nominal.arm.limits;
+        let own_kg: f64 = data.nominal.arm.links.iter().map(|link| link.mass_kg.max(0.2)).sum();
         let largest = |of: &[f64]| of.iter().fold(0.0, |largest: f64, x| largest.max(x.abs()));
-        let seen = (0..N).map(|j| largest(&scene.measured_nm[j])).fold(0.0, f64::max);
+        let seen = (0..N).map(|j| largest(&data.measured_nm[j])).fold(0.0, f64::max);
         // No arm has the same motor in every joint: such limits stand for nothing.
         let same = limits.tau_max_nm.max() <= 1.01 * limits.tau_max_nm.min();
         let torque_nm = (0..N)
@@ -21,29 +21,29 @@ impl ArmScale {
             .collect();
         let speed_rad_s: Vec<f64> =
             (0..N).map(|j| if limits.qd_max_rad_s[j] <= 20.0 { limits.qd_max_rad_s[j] } else { 3.0 }).collect();
-        let shown = |j: usize| largest(&scene.qd[j]).max(LEAST_SHOWN * speed_rad_s[j]);
+        let shown = |j: usize| largest(&data.qd[j]).max(LEAST_SHOWN * speed_rad_s[j]);
         let range_rad = |q: &[f64]| {
             q.iter().fold(f64::NEG_INFINITY, |a: f64, x| a.max(*x))
                 - q.iter().fold(f64::INFINITY, |a: f64, x| a.min(*x))
         };
-        let slowest = |j: usize| (1..=MOST_WAVES).find(|waves| *waves as f64 * range_rad(&scene.q[j]) >= TURN_RAD);
+        let slowest = |j: usize| (1..=MOST_WAVES).find(|waves| *waves as f64 * range_rad(&data.q[j]) >= TURN_RAD);
         Self {
             torque_nm,
-            soft_damping_nm_s: soft_damping(scene),
+            soft_damping_nm_s: soft_damping(data),
             slowest_ripple: (0..N).map(slowest).collect(),
             shown_speed_rad_s: (0..N).map(shown).collect(),
             speed_rad_s,
             rated_payload_kg: 0.3 * own_kg,
-            link_side: scene.nominal.torque_side == TorqueSide::Link,
+            link_side: data.nominal.torque_side == TorqueSide::Link,
         }
     }
 }
 
 /// Torque per speed of [`SoftFriction`] in the middle of the log [Nm s/rad].
-fn soft_damping<const N: usize>(scene: &Scene<N>) -> Vec<f64> {
-    let middle = SVector::<f64, N>::from_fn(|j, _| scene.q[j].get(scene.q[j].len() / 2).copied().unwrap_or(0.0));
+fn soft_damping<const N: usize>(data: &RegressionData<N>) -> Vec<f64> {
+    let middle = SVector::<f64, N>::from_fn(|j, _| data.q[j].get(data.q[j].len() / 2).copied().unwrap_or(0.0));
     let without_limit = SVector::repeat(f64::INFINITY);
-    let soft = SoftFriction::of(&scene.nominal.arm, &middle, without_limit);
+    let soft = SoftFriction::of(&data.nominal.arm, &middle, without_limit);
     let damping = soft.map(|soft| soft.torque(&SVector::repeat(1.0), &SVector::zeros()));
     damping.map_or_else(|| vec![1.0; N], |damping| damping.iter().map(|damping| damping.max(1e-3)).collect())
 }

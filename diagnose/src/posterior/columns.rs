@@ -16,7 +16,7 @@ use super::standstill;
 use crate::cause::{base_tilt_columns, bristle};
 use crate::contact_window::PushWindow;
 use crate::filter::central_difference;
-use crate::scene::Scene;
+use crate::regression_data::RegressionData;
 
 /// Parts that each log is cut into; a third of them is a third of the log.
 pub(crate) const PARTS: usize = 12;
@@ -56,27 +56,27 @@ pub(crate) struct Columns {
 type Sums = BTreeMap<Vec<usize>, Arc<Vec<DMatrix<f64>>>>;
 
 impl Columns {
-    /// Evaluates and filters all columns of a scene; each log is cut into as many parts.
-    pub fn of<const N: usize>(scene: &Scene<N>, scale: &ArmScale, parts_per_log: usize) -> Self {
-        Self::around(scene, scale, parts_per_log, &[])
+    /// Evaluates and filters all columns of regression data; each log is cut into as many parts.
+    pub fn of<const N: usize>(data: &RegressionData<N>, scale: &ArmScale, parts_per_log: usize) -> Self {
+        Self::around(data, scale, parts_per_log, &[])
     }
 
     /// The same, where pushes are known that the model does not have.
     pub fn around<const N: usize>(
-        scene: &Scene<N>,
+        data: &RegressionData<N>,
         scale: &ArmScale,
         parts_per_log: usize,
         pushes: &[PushWindow],
     ) -> Self {
-        let parts = parts_of(scene, parts_per_log);
-        let tilt = if scene.transmission { Vec::new() } else { scene.filter_all(&base_tilt_columns(scene)) };
-        let links = if scene.transmission { 0 } else { N };
+        let parts = parts_of(data, parts_per_log);
+        let tilt = if data.transmission { Vec::new() } else { data.filter_all(&base_tilt_columns(data)) };
+        let links = if data.transmission { 0 } else { N };
         let mut joints: Vec<JointColumns> = (0..N)
             .into_par_iter()
             .map(|j| {
-                let own = own_columns(scene, j, scale);
+                let own = own_columns(data, j, scale);
                 let (first_link, links) = (j.min(links), links.saturating_sub(j));
-                let mut matrix = DMatrix::zeros(scene.time_s.len(), LINKS + 10 * links + 2);
+                let mut matrix = DMatrix::zeros(data.time_s.len(), LINKS + 10 * links + 2);
                 for (c, values) in own.iter().enumerate() {
                     matrix.column_mut(c).copy_from_slice(values);
                 }
@@ -85,15 +85,15 @@ impl Columns {
                         matrix.column_mut(TILT + c).copy_from_slice(values);
                     }
                 }
-                matrix.column_mut(DELAY).copy_from_slice(&lateness(scene, j));
+                matrix.column_mut(DELAY).copy_from_slice(&lateness(data, j));
                 let mut columns = JointColumns { matrix, links, first_link };
                 let (nominal, measured) = (columns.nominal(), columns.measured());
-                columns.matrix.column_mut(nominal).copy_from_slice(&scene.model_nm[j]);
-                columns.matrix.column_mut(measured).copy_from_slice(&scene.measured_nm[j]);
+                columns.matrix.column_mut(nominal).copy_from_slice(&data.model_nm[j]);
+                columns.matrix.column_mut(measured).copy_from_slice(&data.measured_nm[j]);
                 columns
             })
             .collect();
-        let regressors = if links > 0 { scene.link_regressors() } else { &[] };
+        let regressors = if links > 0 { data.link_regressors() } else { &[] };
         for (link, regressor) in regressors.iter().enumerate() {
             for (i, column) in regressor.iter().enumerate() {
                 for (j, values) in column.rows.iter().enumerate().take(link + 1) {
@@ -104,12 +104,12 @@ impl Columns {
             }
         }
         // Where a joint turns back the noise of its velocity is torque noise too; where it stands, so is its dry friction.
-        let pushed = push_weights(scene, pushes);
+        let pushed = push_weights(data, pushes);
         let weights: Vec<Vec<f64>> = (0..N)
             .into_par_iter()
             .map(|j| {
-                let standing = standstill::weights(scene, j, &joints[j]);
-                let own = scene.noise_weights(j).iter().zip(standing);
+                let standing = standstill::weights(data, j, &joints[j]);
+                let own = data.noise_weights(j).iter().zip(standing);
                 own.zip(&pushed).map(|((noise, standing), pushed)| noise * standing * pushed).collect()
             })
             .collect();
@@ -202,18 +202,18 @@ fn grams_of(joints: &[JointColumns], parts: &[Part]) -> Vec<Vec<DMatrix<f64>>> {
 }
 
 /// Weight of each output sample by the pushes that the model has and by others: what happens during a push tells of the push, and hardly of the arm.
-pub(crate) fn push_weights<const N: usize>(scene: &Scene<N>, others: &[PushWindow]) -> Vec<f64> {
-    let mut weights = vec![1.0; scene.time_s.len()];
-    let own = scene.nominal.effects.iter().filter_map(|effect| match effect {
+pub(crate) fn push_weights<const N: usize>(data: &RegressionData<N>, others: &[PushWindow]) -> Vec<f64> {
+    let mut weights = vec![1.0; data.time_s.len()];
+    let own = data.nominal.effects.iter().filter_map(|effect| match effect {
         Effect::ExternalContact { start_s, end_s, .. } => Some((None, *start_s, *end_s)),
         _ => None,
     });
     let others = others.iter().map(|push| (Some(push.log), push.start_s, push.end_s));
     for (log, start_s, end_s) in own.chain(others) {
-        for burst in scene.bursts.iter().filter(|burst| log.is_none_or(|log| log == burst.log)) {
-            let memory_s = scene.chains[burst.log].memory_s();
+        for burst in data.bursts.iter().filter(|burst| log.is_none_or(|log| log == burst.log)) {
+            let memory_s = data.chains[burst.log].memory_s();
             let during = |time_s: f64| time_s > start_s - memory_s && time_s < end_s + memory_s;
-            burst.out.clone().filter(|k| during(scene.time_s[*k])).for_each(|k| weights[k] = PUSHED);
+            burst.out.clone().filter(|k| during(data.time_s[*k])).for_each(|k| weights[k] = PUSHED);
         }
     }
     weights
@@ -223,12 +223,12 @@ pub(crate) fn push_weights<const N: usize>(scene: &Scene<N>, others: &[PushWindo
 const PUSHED: f64 = 1e-2;
 
 /// Each log in as many contiguous parts.
-fn parts_of<const N: usize>(scene: &Scene<N>, parts_per_log: usize) -> Vec<Part> {
-    let logs = scene.chains.len();
+fn parts_of<const N: usize>(data: &RegressionData<N>, parts_per_log: usize) -> Vec<Part> {
+    let logs = data.chains.len();
     (0..logs)
         .flat_map(|log| {
             let of_log: Vec<&Range<usize>> =
-                scene.bursts.iter().filter(|burst| burst.log == log).map(|burst| &burst.out).collect();
+                data.bursts.iter().filter(|burst| burst.log == log).map(|burst| &burst.out).collect();
             let start = of_log.first().map_or(0, |range| range.start);
             let end = of_log.last().map_or(start, |range| range.end);
             let edge = move |k: usize| start + k * (end - start) / parts_per_log;
@@ -238,9 +238,11 @@ fn parts_of<const N: usize>(scene: &Scene<N>, parts_per_log: usize) -> Vec<Part>
 }
 
 /// The columns of [`JointTerm::ALL`], filtered.
-fn own_columns<const N: usize>(scene: &Scene<N>, j: usize, scale: &ArmScale) -> Vec<Vec<f64>> {
+fn own_columns<const N: usize>(data: &RegressionData<N>, j: usize, scale: &ArmScale) -> Vec<Vec<f64>> {
     let waves = |k: usize| scale.waves_per_rev(j, k);
-    let of = |value: &dyn Fn(&crate::scene::Sample<N>) -> f64| scene.samples.iter().map(value).collect::<Vec<f64>>();
+    let of = |value: &dyn Fn(&crate::regression_data::Sample<N>) -> f64| {
+        data.samples.iter().map(value).collect::<Vec<f64>>()
+    };
     let fine: Vec<Vec<f64>> = JointTerm::ALL
         .into_iter()
         .map(|term| match term {
@@ -251,8 +253,8 @@ fn own_columns<const N: usize>(scene: &Scene<N>, j: usize, scale: &ArmScale) -> 
             JointTerm::Load => of(&|at| at.link_nm[j].abs() * at.sign[j]),
             JointTerm::Rotor => of(&|at| at.qdd[j]),
             JointTerm::Presliding(k) => {
-                let z = bristle(scene, j, PRESLIDING_RAD[k]);
-                z.iter().zip(&scene.samples).map(|(z, at)| z - at.sign[j]).collect()
+                let z = bristle(data, j, PRESLIDING_RAD[k]);
+                z.iter().zip(&data.samples).map(|(z, at)| z - at.sign[j]).collect()
             }
             JointTerm::Lead(k) => {
                 let width_rad_s = scale.lead_width_rad_s(j, k);
@@ -263,15 +265,15 @@ fn own_columns<const N: usize>(scene: &Scene<N>, j: usize, scale: &ArmScale) -> 
             JointTerm::Spring => of(&|at| at.q[j]),
         })
         .collect();
-    scene.filter_own_all(j, &fine)
+    data.filter_own_all(j, &fine)
 }
 
 /// −dy/dt of the measured torque in the band: torque per second of lateness.
-fn lateness<const N: usize>(scene: &Scene<N>, j: usize) -> Vec<f64> {
-    let mut rates = Vec::with_capacity(scene.time_s.len());
-    for burst in &scene.bursts {
-        let dt_s = scene.chains[burst.log].output_rate_hz().recip();
-        rates.extend(central_difference(&scene.measured_nm[j][burst.out.clone()], dt_s).iter().map(|rate| -rate));
+fn lateness<const N: usize>(data: &RegressionData<N>, j: usize) -> Vec<f64> {
+    let mut rates = Vec::with_capacity(data.time_s.len());
+    for burst in &data.bursts {
+        let dt_s = data.chains[burst.log].output_rate_hz().recip();
+        rates.extend(central_difference(&data.measured_nm[j][burst.out.clone()], dt_s).iter().map(|rate| -rate));
     }
     rates
 }

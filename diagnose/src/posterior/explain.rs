@@ -30,8 +30,8 @@ use crate::held_out::gain_of_pairs;
 use crate::next_experiment::NextExperiment;
 use crate::noise_level::rms;
 use crate::plots;
+use crate::regression_data::RegressionData;
 use crate::remarks::{misfits_of_squares, note_on_baseline, notes_of};
-use crate::scene::Scene;
 use crate::stamps::take_stamps;
 use crate::{DiagnoseError, DiagnoseSettings, Nominal};
 
@@ -48,7 +48,7 @@ const BAND_HZ: f64 = 10.0;
 const WIDEST_BAND: f64 = 0.2;
 /// Most times that causes beyond the families are looked for.
 const FURTHER_ROUNDS: usize = 3;
-/// Most findings.
+/// Most findings, causes beyond the families and what two encoders show among them.
 const MOST_FINDINGS: usize = 8;
 /// Relative standard deviation of a payload's mass beyond which the log does not determine it to a tenth.
 const UNSURE_PAYLOAD: f64 = 0.05;
@@ -128,29 +128,30 @@ pub(crate) fn explain<const N: usize>(
     let band_hz = settings.band_hz.unwrap_or_else(|| BAND_HZ.min(WIDEST_BAND * slowest_hz));
     let all_logs: Vec<RobotLog> = given.logs.iter().chain(given.unloaded).cloned().collect();
     let unloaded: Vec<bool> = (0..all_logs.len()).map(|k| k >= given.logs.len()).collect();
-    let in_band = |logs: &[RobotLog], model: &Nominal<N>| Scene::of_logs(logs, model, Some(band_hz));
-    let fitted_around =
-        |further: &[Finding], before: Option<&Scene<N>>| -> Result<(Scene<N>, Problem, Fitted), DiagnoseError> {
-            step("columns", 0.15)?;
-            let around = with(nominal, &effects_of(further), true);
-            let mut scene = in_band(&all_logs, &around)?;
-            before.into_iter().for_each(|before| scene.borrow_regressors(before));
-            let scale = ArmScale::of(&scene);
-            let columns = Columns::of(&scene, &scale, PARTS);
-            let problem = Problem::of(&scene, columns, scale, unloaded.clone());
-            let fitted = fitted(&problem, settings.seed, step)?;
-            Ok((scene, problem, fitted))
-        };
+    let in_band = |logs: &[RobotLog], model: &Nominal<N>| RegressionData::of_logs(logs, model, Some(band_hz));
+    let fitted_around = |further: &[Finding],
+                         before: Option<&RegressionData<N>>|
+     -> Result<(RegressionData<N>, Problem, Fitted), DiagnoseError> {
+        step("columns", 0.15)?;
+        let around = with(nominal, &effects_of(further), true);
+        let mut data = in_band(&all_logs, &around)?;
+        before.into_iter().for_each(|before| data.borrow_regressors(before));
+        let scale = ArmScale::of(&data);
+        let columns = Columns::of(&data, &scale, PARTS);
+        let problem = Problem::of(&data, columns, scale, unloaded.clone());
+        let fitted = fitted(&problem, settings.seed, step)?;
+        Ok((data, problem, fitted))
+    };
     // Families first; what they leave shows causes that no family has, around which the families are fitted again.
     let mut further: Vec<Finding> = Vec::new();
-    let (mut scene, mut problem, mut found) = fitted_around(&further, None)?;
+    let (mut data, mut problem, mut found) = fitted_around(&further, None)?;
     // What any user reaches, before anything is known of further causes.
     let baselines = Baselines::of(&problem, &problem.all_parts());
     let mut untouched: Option<Unseen> = None;
     // As they are without any push in the model.
     let weights: Vec<Vec<f64>> = (0..N).map(|j| problem.columns.row_weights(j).to_vec()).collect();
     for _ in 0..FURTHER_ROUNDS {
-        let model = with(nominal, &written::effects(&scene, &problem, &found.all.state), true);
+        let model = with(nominal, &written::effects(&data, &problem, &found.all.state), true);
         let next = further_causes(given.logs, &model, &weights, band_hz, settings, step)?;
         let places =
             |of: &[Finding]| of.iter().map(|finding| (finding.label, finding.location)).collect::<BTreeSet<_>>();
@@ -159,9 +160,9 @@ pub(crate) fn explain<const N: usize>(
             break;
         }
         further = next;
-        let around = fitted_around(&further, Some(&scene))?;
+        let around = fitted_around(&further, Some(&data))?;
         let before = std::mem::replace(&mut found, around.2);
-        (scene, problem) = (around.0, around.1);
+        (data, problem) = (around.0, around.1);
         untouched.get_or_insert(before.unseen);
         if known {
             break;
@@ -175,7 +176,7 @@ pub(crate) fn explain<const N: usize>(
     // The file, and what it leaves of the logs when it is read back.
     step("extended model", 0.85)?;
     let mut extension = effects_of(&further);
-    extension.extend(written::effects(&scene, &problem, &all.state));
+    extension.extend(written::effects(&data, &problem, &all.state));
     let own_width = asked.smoothing_rad_s == nominal.smoothing_rad_s && asked.sticks == nominal.sticks;
     let fitted_to_the_same = further.is_empty() && given.unloaded.is_empty() && own_width;
     let before = if fitted_to_the_same { None } else { Some(in_band(given.logs, asked)?) };
@@ -185,21 +186,21 @@ pub(crate) fn explain<const N: usize>(
         let squares = |part: &usize| (0..N).map(|j| square(&problem.columns.parts[*part].samples, j)).collect();
         unseen.nominal = unseen.parts.iter().map(squares).collect();
     }
-    let before_scene = before.as_ref().unwrap_or(&scene);
+    let data_before = before.as_ref().unwrap_or(&data);
     // Two encoders show springs and gaps without any torque model.
-    let seen: Vec<Finding> = deflections(before_scene)
+    let seen: Vec<Finding> = deflections(data_before)
         .iter()
-        .map(|found| deflection_finding(found, &before_scene.nominal.arm.joint_names, settings.seed))
+        .map(|found| deflection_finding(found, &data_before.nominal.arm.joint_names, settings.seed))
         .collect();
     extension.extend(seen.iter().filter_map(|finding| finding.effect.clone()));
     let extended = with(nominal, &extension, true);
     let without_payload = with(nominal, &extension, false);
     let left_nm: [Vec<f64>; N] = in_band(given.logs, &extended)?.residual_nm;
-    let bare_scene = if given.unloaded.is_empty() { None } else { Some(in_band(given.unloaded, &without_payload)?) };
+    let bare_data = if given.unloaded.is_empty() { None } else { Some(in_band(given.unloaded, &without_payload)?) };
 
     let unsure = all.with_usual_gains(&problem);
     let answer = Answer {
-        scene: &scene,
+        data: &data,
         problem: &problem,
         fit: &all,
         unsure: &unsure,
@@ -216,9 +217,10 @@ pub(crate) fn explain<const N: usize>(
         .flat_map(|family| answer.findings(*family))
         .filter(|finding| finding.held_out_gain_ci95[1] >= 0.0)
         .collect();
-    let late = take_stamps(&scene, &mut findings);
-    let cut = findings.len().saturating_sub(MOST_FINDINGS);
-    findings.truncate(MOST_FINDINGS);
+    let late = take_stamps(&data, &mut findings);
+    let room = MOST_FINDINGS.saturating_sub(further.len() + seen.len());
+    let cut = findings.len().saturating_sub(room);
+    findings.truncate(room);
     findings.extend(further);
     findings.extend(seen);
     findings.sort_by(|a, b| b.evidence.total_cmp(&a.evidence));
@@ -233,14 +235,14 @@ pub(crate) fn explain<const N: usize>(
         full_nm: rms_of(&unseen.full),
     };
     let held_out = [report.nominal_nm.clone(), report.extended_nm.clone()];
-    let joints = misfits_of_squares(before_scene, &before_scene.residual_nm, &left_nm, &held_out);
+    let joints = misfits_of_squares(data_before, &data_before.residual_nm, &left_nm, &held_out);
     let sum = |row: &[f64]| row.iter().sum::<f64>();
     let pairs: Vec<[f64; 2]> =
         unseen.nominal.iter().zip(&unseen.ours).map(|(before, after)| [sum(before), sum(after)]).collect();
     let (gain_heldout, gain_heldout_ci95) = gain_of_pairs(&pairs, settings.seed);
 
     step("validation", 0.95)?;
-    let rates_hz: Vec<f64> = scene.chains.iter().map(|chain| chain.output_rate_hz()).collect();
+    let rates_hz: Vec<f64> = data.chains.iter().map(|chain| chain.output_rate_hz()).collect();
     let space = MotionSpace::of(&problem);
     let in_turn = HeldOut { deviations: unseen.deviations, distance: space.in_turn(&problem) };
     let bands = Bands::of(&in_turn, &extremes(&problem, &all, &space, &rates_hz));
@@ -248,7 +250,7 @@ pub(crate) fn explain<const N: usize>(
     let not_lasting = |effect: &Effect| matches!(effect, Effect::ExternalContact { .. });
     let mut extended = extended;
     extended.effects.retain(|effect| !not_lasting(effect));
-    let mut lasting = scene.nominal.clone();
+    let mut lasting = data.nominal.clone();
     lasting.effects.retain(|effect| !not_lasting(effect));
     let validation = given
         .validate
@@ -289,9 +291,9 @@ pub(crate) fn explain<const N: usize>(
             band.sd_nm(j, &at)
         })
         .collect();
-    let mut notes = notes_of(&scene);
+    let mut notes = notes_of(&data);
     notes.extend(late);
-    notes.extend(notes_on(&problem, &all, &report, cut, bare_scene.as_ref(), &scene.nominal.arm.joint_names));
+    notes.extend(notes_on(&problem, &all, &report, cut, bare_data.as_ref(), &data.nominal.arm.joint_names));
     // Where plain least squares predicts better, the torque is not what any of the causes makes of it.
     let verdict = match () {
         () if report.baseline_is_preferable() => Verdict::Unknown,
@@ -303,9 +305,9 @@ pub(crate) fn explain<const N: usize>(
         verdict,
         next_experiment: next_experiment(&findings, payload_unsure),
         findings,
-        joint_names: scene.nominal.arm.joint_names.clone(),
+        joint_names: data.nominal.arm.joint_names.clone(),
         joints,
-        pattern: plots::cross_joint_pattern(before_scene, &before_scene.residual_nm),
+        pattern: plots::cross_joint_pattern(data_before, &data_before.residual_nm),
         gain_heldout,
         gain_heldout_ci95,
         validation,
@@ -315,13 +317,13 @@ pub(crate) fn explain<const N: usize>(
         sticks: false,
         unseen: Some(report),
         predictive_sd_nm,
-        assumptions: assumptions(&scene, &all),
+        assumptions: assumptions(&data, &all),
         notes,
-        overview: plots::overview(before_scene, &before_scene.residual_nm),
-        band_hz: scene.chains.first().map_or(0.0, |chain| chain.band_hz),
-        rate_hz: scene.chains.first().map_or(0.0, |chain| chain.output_rate_hz()),
-        samples: before_scene.time_s.len(),
-        bursts: before_scene.bursts.len(),
+        overview: plots::overview(data_before, &data_before.residual_nm),
+        band_hz: data.chains.first().map_or(0.0, |chain| chain.band_hz),
+        rate_hz: data.chains.first().map_or(0.0, |chain| chain.output_rate_hz()),
+        samples: data_before.time_s.len(),
+        bursts: data_before.bursts.len(),
     })
 }
 
@@ -404,10 +406,10 @@ fn validated<const N: usize>(
     band_hz: f64,
 ) -> Result<Validation, DiagnoseError> {
     let one = std::slice::from_ref(log);
-    let in_band = |model: &Nominal<N>| Scene::of_logs(one, model, Some(band_hz));
+    let in_band = |model: &Nominal<N>| RegressionData::of_logs(one, model, Some(band_hz));
     let (before, bare, after) = (in_band(asked)?, in_band(around)?, in_band(extended)?);
-    let regression = |scene: &Scene<N>| {
-        Problem::of(scene, Columns::of(scene, &problem.scale, PARTS), problem.scale.clone(), vec![false])
+    let regression = |data: &RegressionData<N>| {
+        Problem::of(data, Columns::of(data, &problem.scale, PARTS), problem.scale.clone(), vec![false])
     };
     let here = regression(&bare);
     let untouched = match around.effects.len() > nominal.effects.len() {
@@ -426,10 +428,10 @@ fn validated<const N: usize>(
     let band = bands.at(away);
     let inside: usize =
         (0..N).map(|j| deviations(&here, all, &motion, j, &parts).iter().filter(|at| band.holds(j, at)).count()).sum();
-    let rms_of = |scene: &Scene<N>| scene.residual_nm.iter().map(|column| rms(column)).collect::<Vec<f64>>();
-    let block = |scene: &Scene<N>, part: &usize| -> f64 {
+    let rms_of = |data: &RegressionData<N>| data.residual_nm.iter().map(|column| rms(column)).collect::<Vec<f64>>();
+    let block = |data: &RegressionData<N>, part: &usize| -> f64 {
         let samples = here.columns.parts[*part].samples.clone();
-        scene.residual_nm.iter().flat_map(|column| &column[samples.clone()]).map(|r| r * r).sum()
+        data.residual_nm.iter().flat_map(|column| &column[samples.clone()]).map(|r| r * r).sum()
     };
     let pairs: Vec<[f64; 2]> = parts.iter().map(|part| [block(&before, part), block(&after, part)]).collect();
     let (gain, gain_ci95) = gain_of_pairs(&pairs, settings.seed);
@@ -450,7 +452,7 @@ fn notes_on<const N: usize>(
     all: &Fit,
     report: &diagnosis::Unseen,
     cut: usize,
-    bare: Option<&Scene<N>>,
+    bare: Option<&RegressionData<N>>,
     names: &JointNames,
 ) -> Vec<String> {
     let mut notes: Vec<String> = note_on_baseline(report).into_iter().collect();
@@ -497,8 +499,8 @@ fn notes_on<const N: usize>(
     notes
 }
 
-fn assumptions<const N: usize>(scene: &Scene<N>, all: &Fit) -> Vec<String> {
-    let mut assumptions: Vec<String> = scene.chains.iter().map(ToString::to_string).collect();
+fn assumptions<const N: usize>(data: &RegressionData<N>, all: &Fit) -> Vec<String> {
+    let mut assumptions: Vec<String> = data.chains.iter().map(ToString::to_string).collect();
     assumptions.dedup();
     let kappa: Vec<String> = all.kappa.iter().map(|kappa| format!("{kappa:.0}")).collect();
     assumptions.push(

@@ -17,7 +17,7 @@ use crate::confusable::why;
 use crate::diagnosis::{Alternative, CauseLabel, Finding, Location, Parameter, Plot, Series};
 use crate::held_out::gain_of_pairs;
 use crate::parameters::parameters_of;
-use crate::scene::Scene;
+use crate::regression_data::RegressionData;
 
 /// Standard deviations that a joint's torque of a family must be above zero.
 const SURE: f64 = 2.0;
@@ -32,7 +32,7 @@ const HALF_WIDTH: f64 = 1.96;
 
 /// Everything that findings are made of.
 pub(crate) struct Answer<'a, const N: usize> {
-    pub scene: &'a Scene<N>,
+    pub data: &'a RegressionData<N>,
     pub problem: &'a Problem,
     pub fit: &'a Fit,
     /// The same with gains of which nothing is known, which what loads the whole arm is told with.
@@ -246,7 +246,7 @@ impl<const N: usize> Answer<'_, N> {
         let value =
             |j: usize| self.problem.index(Place::Gain(j)).map_or((0.0, 0.0), |i| (self.fit.state[i], self.fit.sd(i)));
         let rms = |x: &[f64]| crate::noise_level::rms(x);
-        let size = |j: usize| value(j).0.abs() * rms(&self.scene.measured_nm[j]);
+        let size = |j: usize| value(j).0.abs() * rms(&self.data.measured_nm[j]);
         let shows = |j: &usize| value(*j).0.abs() > SURE * value(*j).1 && size(*j) > NOTABLE * self.left_nm(*j);
         let joints: Vec<usize> = (0..N).filter(shows).collect();
         let explained = joints.iter().map(|j| size(*j)).fold(0.0, f64::max);
@@ -279,8 +279,8 @@ impl<const N: usize> Answer<'_, N> {
             Family::Delay => vec![Self::table("delay_s", vec![at(Place::Delay)])],
             Family::Tilt => {
                 let (x, y) = (at(Place::Tilt(0)), at(Place::Tilt(1)));
-                let gravity = self.scene.nominal.arm.gravity_m_s2.norm();
-                let effect = tilt_of(self.scene, [x.0 * gravity, y.0 * gravity])?;
+                let gravity = self.data.nominal.arm.gravity_m_s2.norm();
+                let effect = tilt_of(self.data, [x.0 * gravity, y.0 * gravity])?;
                 let sd = x.1.max(y.1);
                 let spread = [sd, (sd / x.0.hypot(y.0).max(1e-9)).min(1.0)];
                 parameters_of(&effect)
@@ -330,7 +330,7 @@ impl<const N: usize> Answer<'_, N> {
         const POINTS: usize = 60;
         let series = (0..N)
             .map(|j| {
-                let fastest = self.scene.qd[j].iter().fold(0.0, |f: f64, v| f.max(v.abs()));
+                let fastest = self.data.qd[j].iter().fold(0.0, |f: f64, v| f.max(v.abs()));
                 let x: Vec<f64> = (0..=POINTS).map(|k| fastest * k as f64 / POINTS as f64).collect();
                 let torque = |qd: f64| {
                     let smooth = |width: f64| tribo_friction::law::smooth_sign(qd, width);
@@ -338,12 +338,12 @@ impl<const N: usize> Answer<'_, N> {
                         let width = self.problem.scale.curve_width_rad_s(j, k);
                         self.own(j, JointTerm::Curve(k)).0 * smooth(width)
                     };
-                    self.own(j, JointTerm::Coulomb).0 * smooth(self.scene.nominal.smoothing_rad_s)
+                    self.own(j, JointTerm::Coulomb).0 * smooth(self.data.nominal.smoothing_rad_s)
                         + self.own(j, JointTerm::Viscous).0 * qd
                         + (0..CURVE_WIDTHS.len()).map(curve).sum::<f64>()
                 };
                 let y = x.iter().map(|qd| torque(*qd)).collect();
-                Series { name: self.scene.nominal.arm.joint_names.of(j).to_string(), x, y, joined: true }
+                Series { name: self.data.nominal.arm.joint_names.of(j).to_string(), x, y, joined: true }
             })
             .collect();
         Plot {

@@ -13,7 +13,7 @@ use nalgebra::{DMatrix, DVector, SVector};
 
 use super::body::log_det;
 use super::prior::{Family, LINK_SCALE};
-use super::problem::{NormalEquations, Place, Problem, State};
+use super::problem::{LARGEST_GAIN, NormalEquations, Place, Problem, State};
 use super::spd;
 use super::tempering::kappa;
 
@@ -443,8 +443,8 @@ const PINNINGS: usize = 8;
 
 /// The posterior of some families over some parts, bilinear in the gains, every link a body, signs as physics has them.
 ///
-/// A payload of negative mass, a spring that pushes, friction that falls with the load, viscous friction below zero and a rotor of negative inertia do not
-/// exist: such a family or parameter is left out and everything fitted anew. Returns the state that the last equations were
+/// A payload of negative mass, a spring that pushes, friction that falls with the load, viscous friction below zero, a rotor of negative inertia and a torque
+/// signal that is off by more than half do not exist: such a family or parameter is left out or held at its bound and everything fitted anew. Returns the state that the last equations were
 /// linear about too.
 pub(crate) fn posterior(problem: &Problem, parts: &[usize], start: &Start) -> Option<(Fit, State)> {
     let mut start = start.clone();
@@ -481,6 +481,8 @@ pub(crate) fn posterior(problem: &Problem, parts: &[usize], start: &Start) -> Op
                     Place::Own(j, JointTerm::Rotor) if problem.rotor_kg_m2[j] + value < 0.0 => {
                         Some((*i, -problem.rotor_kg_m2[j]))
                     }
+                    // Beyond what the linearisation follows, a gain is no longer what predicts.
+                    Place::Gain(_) if value.abs() > LARGEST_GAIN => Some((*i, LARGEST_GAIN.copysign(value))),
                     _ => None,
                 }
             })

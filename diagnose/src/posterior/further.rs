@@ -14,7 +14,7 @@ use super::tempering::kappa;
 use crate::cause_by_cause::{Question, cause_by_cause};
 use crate::diagnosis::{CauseLabel, Finding};
 use crate::noise_level::rms;
-use crate::scene::{Scene, subtracted};
+use crate::regression_data::{RegressionData, subtracted};
 use crate::{DiagnoseError, DiagnoseSettings, Nominal};
 
 /// Labels that are looked for beyond the families.
@@ -39,31 +39,31 @@ pub(crate) fn further_causes<const N: usize>(
     step: &dyn Fn(&str, f64) -> Result<(), DiagnoseError>,
 ) -> Result<Vec<Finding>, DiagnoseError> {
     let looked_for = |label: CauseLabel| BEYOND.contains(&label) || BESIDE.contains(&label);
-    let mut scene = Scene::of_logs(logs, model, Some(band_hz))?;
-    let residual_nm = scene.residual_nm.clone();
+    let mut data = RegressionData::of_logs(logs, model, Some(band_hz))?;
+    let residual_nm = data.residual_nm.clone();
     let question =
         Question { looked_for: &looked_for, most_kinds: None, plain_fits: None, validate: &[], before: None };
-    let Some(found) = cause_by_cause(&question, logs, &mut scene, settings, step)? else {
+    let Some(found) = cause_by_cause(&question, logs, &mut data, settings, step)? else {
         return Ok(Vec::new());
     };
-    scene.residual_nm = residual_nm;
+    data.residual_nm = residual_nm;
     // A second encoder shows springs better than torques do: see `deflection`.
     let news = |finding: &Finding| {
-        let by_encoders = finding.label == CauseLabel::JointElasticity && scene.deflection_rad.is_some();
+        let by_encoders = finding.label == CauseLabel::JointElasticity && data.deflection_rad.is_some();
         BEYOND.contains(&finding.label) && !by_encoders
     };
     let (mut candidates, known): (Vec<Finding>, Vec<Finding>) = found.findings.into_iter().partition(news);
     let mut beside: Vec<Finding> = known.into_iter().filter(|finding| BESIDE.contains(&finding.label)).collect();
-    let mut left = scene.residual_nm.clone();
+    let mut left = data.residual_nm.clone();
     let mut kept = Vec::new();
     loop {
         // Warm friction is less than that of the families, cold friction more: what they take back at its joint is part of the cause, as
         // far as it is worth nothing by itself.
         let worth = |finding: &Finding| {
             let mut taken_back = beside.iter().filter(|other| other.location == finding.location);
-            let unfitted = taken_back.try_fold(left.clone(), |left, other| without(&scene, &left, other))?;
+            let unfitted = taken_back.try_fold(left.clone(), |left, other| without(&data, &left, other))?;
             let by_itself = evidence(weights, &left, &unfitted, 0).max(0.0);
-            let after = without(&scene, &unfitted, finding)?;
+            let after = without(&data, &unfitted, finding)?;
             Some((evidence(weights, &left, &after, parameters(finding.label)) - by_itself, after))
         };
         let best = candidates.iter().enumerate().filter_map(|(i, finding)| Some((i, worth(finding)?)));
@@ -78,9 +78,9 @@ pub(crate) fn further_causes<const N: usize>(
 }
 
 /// What is left without the torque of a finding (Nm), or `None` where it has none.
-fn without<const N: usize>(scene: &Scene<N>, left: &[Vec<f64>; N], finding: &Finding) -> Option<[Vec<f64>; N]> {
-    let torque = scene.effect_torque(finding.effect.as_ref()?)?;
-    Some(subtracted(left, &[scene.filter(&torque)], &[1.0]))
+fn without<const N: usize>(data: &RegressionData<N>, left: &[Vec<f64>; N], finding: &Finding) -> Option<[Vec<f64>; N]> {
+    let torque = data.effect_torque(finding.effect.as_ref()?)?;
+    Some(subtracted(left, &[data.filter(&torque)], &[1.0]))
 }
 
 /// By how much the log is likelier (nat), every row with the weight that it has in the fit.

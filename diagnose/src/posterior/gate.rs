@@ -10,7 +10,7 @@ use super::prior::{ArmScale, Family};
 use super::problem::{Place, Problem, State};
 use crate::contact_window::{PushWindow, dominant_window};
 use crate::noise_level::{rms, robust_sd};
-use crate::scene::Scene;
+use crate::regression_data::RegressionData;
 
 /// μᵀ S⁻¹ μ of a joint's own friction and offset from which on they are surely others than the model's. Stiction of held joints
 /// reaches some hundreds, a fifth of a joint's friction thousands.
@@ -54,15 +54,15 @@ pub(crate) struct Wrongness {
 ///
 /// A push is in all joints too, and no property of the arm: where one explains much of what every family together leaves, the rest of the log is asked.
 ///
-/// `whole` is the regression of the scene.
-pub(crate) fn wrongness<const N: usize>(scene: &Scene<N>, whole: &Problem) -> Wrongness {
-    let (wrong, mut left) = wrongness_around(scene, whole, &[]);
+/// `whole` is the regression of the data.
+pub(crate) fn wrongness<const N: usize>(data: &RegressionData<N>, whole: &Problem) -> Wrongness {
+    let (wrong, mut left) = wrongness_around(data, whole, &[]);
     let mut pushes = Vec::new();
     while let Some(Left { left_nm, weights }) = left.filter(|_| pushes.len() < MOST_PUSHES) {
         let weights: Vec<&[f64]> = weights.iter().map(Vec::as_slice).collect();
-        let Some(push) = dominant_window(scene, &left_nm, &weights, PUSHED_SHARE) else { break };
+        let Some(push) = dominant_window(data, &left_nm, &weights, PUSHED_SHARE) else { break };
         pushes.push(push);
-        let (rest, left_beside) = wrongness_around(scene, &regression(scene, &pushes), &pushes);
+        let (rest, left_beside) = wrongness_around(data, &regression(data, &pushes), &pushes);
         if !rest.everywhere {
             // What any user reaches, who knows of no push.
             return Wrongness { plain_fits: PlainFits::of(whole), ..rest };
@@ -72,11 +72,11 @@ pub(crate) fn wrongness<const N: usize>(scene: &Scene<N>, whole: &Problem) -> Wr
     wrong
 }
 
-/// The regression of a scene on all families, around pushes that the model does not have.
-pub(crate) fn regression<const N: usize>(scene: &Scene<N>, pushes: &[PushWindow]) -> Problem {
-    let scale = ArmScale::of(scene);
-    let columns = Columns::around(scene, &scale, PARTS, pushes);
-    Problem::of(scene, columns, scale, vec![false; scene.chains.len()])
+/// The regression of data on all families, around pushes that the model does not have.
+pub(crate) fn regression<const N: usize>(data: &RegressionData<N>, pushes: &[PushWindow]) -> Problem {
+    let scale = ArmScale::of(data);
+    let columns = Columns::around(data, &scale, PARTS, pushes);
+    Problem::of(data, columns, scale, vec![false; data.chains.len()])
 }
 
 /// Pushes that are looked for.
@@ -92,7 +92,7 @@ struct Left {
 
 /// [`wrongness`] of what is beside these pushes.
 fn wrongness_around<const N: usize>(
-    scene: &Scene<N>,
+    data: &RegressionData<N>,
     problem: &Problem,
     pushes: &[PushWindow],
 ) -> (Wrongness, Option<Left>) {
@@ -108,8 +108,8 @@ fn wrongness_around<const N: usize>(
     };
     let samples = problem.columns.samples(&parts).max(1) as f64;
     // A simulated log has no sensors' noise, but interpolation.
-    let noise_nm = |j: usize| scene.noise_floor_nm[j].max(LEAST_RELATIVE * rms(&scene.measured_nm[j]));
-    let beside: Vec<bool> = push_weights(scene, pushes).iter().map(|weight| *weight == 1.0).collect();
+    let noise_nm = |j: usize| data.noise_floor_nm[j].max(LEAST_RELATIVE * rms(&data.measured_nm[j]));
+    let beside: Vec<bool> = push_weights(data, pushes).iter().map(|weight| *weight == 1.0).collect();
     let rms_nm = |state: &State, j: usize| {
         let weighted = problem.residual_along(state, j, &parts);
         let unweighted = weighted.iter().zip(problem.columns.row_weights(j)).map(|(r, weight)| r / weight);
@@ -137,12 +137,12 @@ fn wrongness_around<const N: usize>(
     let left = |j: usize| {
         // Robust, in motion: a push that lasts seconds is no property of the arm, nor is what holds a joint that stands.
         let residual = problem.residual_along(&all.state, j, &parts);
-        let moving = residual.into_iter().zip(scene.standing(j)).filter(|(_, share)| **share < MOVING);
+        let moving = residual.into_iter().zip(data.standing(j)).filter(|(_, share)| **share < MOVING);
         let left = robust_sd(moving.map(|(r, _)| r));
         left > MUCH_LEFT * noise_nm(j)
     };
     // What holds a joint that stands is anything within its dry friction, so that its rests weigh little; one that hardly moves is not asked.
-    let moves = |j: &usize| scene.standing(*j).iter().filter(|share| **share < MOVING).count() >= LEAST_MOVING;
+    let moves = |j: &usize| data.standing(*j).iter().filter(|share| **share < MOVING).count() >= LEAST_MOVING;
     let differing = (0..N).filter(moves).filter(|j| differs(*j)).count();
     let leaving = (0..N).filter(moves).filter(|j| left(*j)).count();
     // Friction and offsets alone are few causes of a joint, however many joints have them: a search names each by its law.

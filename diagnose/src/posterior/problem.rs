@@ -15,7 +15,7 @@ use super::joint_columns::{DELAY, LINKS, TILT};
 use super::joint_term::JointTerm;
 use super::prior::{ArmScale, Family, PAYLOAD_RADIUS_M};
 use crate::cause::link_from_flange;
-use crate::scene::Scene;
+use crate::regression_data::RegressionData;
 
 /// What a parameter stands for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -108,12 +108,17 @@ pub(crate) struct NormalEquations {
 }
 
 /// Largest error of a torque's scale that the linearisation follows.
-const LARGEST_GAIN: f64 = 0.5;
+pub(crate) const LARGEST_GAIN: f64 = 0.5;
 
 impl Problem {
-    /// The problem of a scene; `unloaded` says of each log whether the flange was bare.
-    pub fn of<const N: usize>(scene: &Scene<N>, columns: Columns, scale: ArmScale, unloaded: Vec<bool>) -> Self {
-        let arm = &scene.nominal.arm;
+    /// The problem of regression data; `unloaded` says of each log whether the flange was bare.
+    pub fn of<const N: usize>(
+        data: &RegressionData<N>,
+        columns: Columns,
+        scale: ArmScale,
+        unloaded: Vec<bool>,
+    ) -> Self {
+        let arm = &data.nominal.arm;
         let ripples = |j: usize| scale.slowest_ripple[j].is_some();
         let terms = |j: usize| {
             let all = JointTerm::ALL.into_iter();
@@ -122,7 +127,7 @@ impl Problem {
         let mut places: Vec<Place> = (0..N).flat_map(|j| terms(j).map(move |term| Place::Own(j, term))).collect();
         places.extend((0..N).map(Place::Gain));
         places.push(Place::Delay);
-        if !scene.transmission {
+        if !data.transmission {
             places.extend((0..2).map(Place::Tilt));
             places.extend((0..4).map(Place::Payload));
             places.extend((0..N).flat_map(|link| (0..10).map(move |i| Place::Link(link, i))));
@@ -154,7 +159,7 @@ impl Problem {
             precision,
             links: arm.links.iter().map(body::of_link).collect(),
             typical,
-            viscous_nm_s_per_rad: (0..N).map(|j| scene.nominal.viscous_nm_s(j)).collect(),
+            viscous_nm_s_per_rad: (0..N).map(|j| data.nominal.viscous_nm_s(j)).collect(),
             rotor_kg_m2: arm.rotor_inertia_kg_m2.iter().copied().collect(),
             scale,
             unloaded,

@@ -16,7 +16,7 @@ use super::problem::{Place, Problem};
 use super::selection::LEAST_NATS;
 use super::tempering::{correlation_time, spectral_peak};
 use crate::Nominal;
-use crate::scene::Scene;
+use crate::regression_data::RegressionData;
 
 /// Each width over the one before.
 const STEP: f64 = 0.5;
@@ -27,13 +27,13 @@ const LEAST_OVER_NOISE: f64 = 3.0;
 
 /// The model with the width of the smooth sign, sharper than its own and common to all joints, that makes the log likeliest; `None` where none
 /// makes it likelier by 10 nat, nor that of most joints that say anything.
-pub(crate) fn sharper_sign<const N: usize>(scene: &Scene<N>, problem: &Problem) -> Option<Nominal<N>> {
+pub(crate) fn sharper_sign<const N: usize>(data: &RegressionData<N>, problem: &Problem) -> Option<Nominal<N>> {
     let parts = problem.all_parts();
     // Presliding over a short distance is nearly a sharper sign: it would take what is asked for.
     let without = |family: &Family| *family != Family::Presliding;
     let families: Vec<Family> = Family::of_gears(problem.scale.link_side).filter(without).collect();
-    let least_rad_s = LEAST_OVER_NOISE * scene.velocity_sd_in_band_rad_s.max();
-    let own_rad_s = scene.nominal.smoothing_rad_s;
+    let least_rad_s = LEAST_OVER_NOISE * data.velocity_sd_in_band_rad_s.max();
+    let own_rad_s = data.nominal.smoothing_rad_s;
     let widths: Vec<f64> = std::iter::successors(Some(STEP * own_rad_s), |width| Some(STEP * width))
         .take(WIDTHS)
         .take_while(|width| *width > least_rad_s)
@@ -44,29 +44,29 @@ pub(crate) fn sharper_sign<const N: usize>(scene: &Scene<N>, problem: &Problem) 
     let (all, _) = posterior(problem, &parts, &Start::of(&families))?;
     let nats: Vec<Vec<f64>> = (0..N)
         .map(|j| {
-            let friction = scene.nominal.sliding_friction(j);
+            let friction = data.nominal.sliding_friction(j);
             let more_nm = more_coulomb_nm(problem, &all, j);
             let torque = |width: f64| -> Vec<f64> {
                 let friction = friction.with_sign(width, more_nm);
-                scene.samples.iter().map(|at| friction.torque_nm(at.qd[j])).collect()
+                data.samples.iter().map(|at| friction.torque_nm(at.qd[j])).collect()
             };
             let own = torque(own_rad_s);
             let beyond_own = |width: &f64| {
                 let sharper = torque(*width).into_iter().zip(&own).map(|(sharper, own)| sharper - own);
                 let mut beyond: Vec<f64> = sharper.collect();
                 // A joint that sticks has no velocity that a sign could be of.
-                let stops = scene.short_rests[j].iter().filter(|_| scene.nominal.sticks);
+                let stops = data.short_rests[j].iter().filter(|_| data.nominal.sticks);
                 stops.for_each(|rest| beyond[rest.clone()].fill(0.0));
                 beyond
             };
             let fine: Vec<Vec<f64>> = widths.iter().map(beyond_own).collect();
-            likelier(scene, problem, &all, j, &fine)
+            likelier(data, problem, &all, j, &fine)
         })
         .collect();
     let sum = |k: usize| nats.iter().map(|joint| joint[k]).sum::<f64>();
     let best = (0..widths.len()).max_by(|a, b| sum(*a).total_cmp(&sum(*b)))?;
     let of_best: Vec<f64> = nats.iter().map(|joint| joint[best]).collect();
-    is_shown(&of_best).then(|| scene.nominal.with_sign(widths[best]))
+    is_shown(&of_best).then(|| data.nominal.with_sign(widths[best]))
 }
 
 /// Coulomb friction (Nm) that a joint has beyond the model's.
@@ -76,7 +76,7 @@ pub(super) fn more_coulomb_nm(problem: &Problem, all: &Fit, joint: usize) -> f64
 
 /// By how much the log of a joint becomes likelier (nat) with each of some changes of its torque (Nm, fine grid).
 pub(super) fn likelier<const N: usize>(
-    scene: &Scene<N>,
+    data: &RegressionData<N>,
     problem: &Problem,
     all: &Fit,
     joint: usize,
@@ -92,7 +92,7 @@ pub(super) fn likelier<const N: usize>(
         let without: f64 = left.iter().zip(weighted).map(|(r, x)| (r - x).powi(2)).sum();
         0.5 * count * (square.max(f64::MIN_POSITIVE) / without.max(f64::MIN_POSITIVE)).ln()
     };
-    scene.filter_own_all(joint, changes).into_iter().map(nats).collect()
+    data.filter_own_all(joint, changes).into_iter().map(nats).collect()
 }
 
 /// Whether a change makes the log likelier by 10 nat in all, and most of the joints that say anything.

@@ -14,7 +14,7 @@ use super::joint_columns::JointColumns;
 use super::joint_term::JointTerm;
 use super::prior::PRESLIDING_RAD;
 use crate::noise_level::robust_sd;
-use crate::scene::Scene;
+use crate::regression_data::RegressionData;
 
 /// Half of the time in which a standing joint has not moved (s).
 const HALF_WINDOW_S: f64 = 0.25;
@@ -22,8 +22,8 @@ const HALF_WINDOW_S: f64 = 0.25;
 const LEAST_SAMPLES: usize = 30;
 
 /// Weight of each output sample of a joint, 1 in motion; `columns` before any weights.
-pub(crate) fn weights<const N: usize>(scene: &Scene<N>, joint: usize, columns: &JointColumns) -> Vec<f64> {
-    let stands = standing(scene, joint);
+pub(crate) fn weights<const N: usize>(data: &RegressionData<N>, joint: usize, columns: &JointColumns) -> Vec<f64> {
+    let stands = standing(data, joint);
     let moving: Vec<usize> = (0..stands.len()).filter(|k| !stands[*k]).collect();
     if moving.len() < LEAST_SAMPLES || moving.len() == stands.len() {
         return vec![1.0; stands.len()];
@@ -36,19 +36,19 @@ pub(crate) fn weights<const N: usize>(scene: &Scene<N>, joint: usize, columns: &
     let score = moving.iter().fold(Vector3::zeros(), |sum, k| sum + row(*k) * target(*k));
     let Some(cholesky) = gram.cholesky() else { return vec![1.0; stands.len()] };
     let plain = cholesky.solve(&score);
-    let sigma = robust_sd(moving.iter().map(|k| target(*k) - row(*k).dot(&plain))).max(scene.noise_floor_nm[joint]);
-    let dry = scene.nominal.dry_nm(joint) + plain[1];
+    let sigma = robust_sd(moving.iter().map(|k| target(*k) - row(*k).dot(&plain))).max(data.noise_floor_nm[joint]);
+    let dry = data.nominal.dry_nm(joint) + plain[1];
     let weight = (1.0 + (dry / sigma.max(f64::MIN_POSITIVE)).powi(2)).sqrt().recip();
     stands.into_iter().map(|stands| if stands { weight } else { 1.0 }).collect()
 }
 
 /// Whether a joint stands at each output sample.
-fn standing<const N: usize>(scene: &Scene<N>, joint: usize) -> Vec<bool> {
+fn standing<const N: usize>(data: &RegressionData<N>, joint: usize) -> Vec<bool> {
     let longest_rad = PRESLIDING_RAD.into_iter().fold(0.0, f64::max);
-    let mut stands = Vec::with_capacity(scene.time_s.len());
-    for burst in &scene.bursts {
-        let q = &scene.q[joint][burst.out.clone()];
-        let half = ((HALF_WINDOW_S * scene.chains[burst.log].output_rate_hz()).round() as usize).max(1);
+    let mut stands = Vec::with_capacity(data.time_s.len());
+    for burst in &data.bursts {
+        let q = &data.q[joint][burst.out.clone()];
+        let half = ((HALF_WINDOW_S * data.chains[burst.log].output_rate_hz()).round() as usize).max(1);
         stands.extend((0..q.len()).map(|k| {
             let window = &q[k.saturating_sub(half)..(k + half + 1).min(q.len())];
             let most = window.iter().copied().fold(f64::NEG_INFINITY, f64::max);
@@ -105,8 +105,8 @@ mod tests {
             effects: Vec::new(),
             torque_side: TorqueSide::Link,
         };
-        let scene = Scene::of_logs(&[log], &nominal, Some(10.0)).unwrap();
-        let columns = Columns::of(&scene, &ArmScale::of(&scene), 1);
+        let data = RegressionData::of_logs(&[log], &nominal, Some(10.0)).unwrap();
+        let columns = Columns::of(&data, &ArmScale::of(&data), 1);
         // The weighted constant is the weight.
         let weights = |joint: usize| {
             let offset = DVector::from_fn(columns.joints[joint].matrix.ncols(), |c, _| {
@@ -114,7 +114,7 @@ mod tests {
             });
             columns.combined(joint, &offset, &[0])
         };
-        let at = |t: f64| scene.time_s.iter().position(|time| *time > t).unwrap();
+        let at = |t: f64| data.time_s.iter().position(|time| *time > t).unwrap();
         let swinging = weights(JOINT);
         assert!(swinging[at(3.0)] > 0.9, "{}", swinging[at(3.0)]);
         let turns = std::f64::consts::FRAC_PI_2;

@@ -13,12 +13,12 @@ use super::prior::Family;
 use super::problem::Problem;
 use super::sign_width::{is_shown, likelier, more_coulomb_nm};
 use crate::Nominal;
-use crate::scene::Scene;
+use crate::regression_data::RegressionData;
 use crate::short_rests::bridge;
 
 /// The model with joints that stick, where that makes the log likelier by 10 nat, and that of most joints that say anything.
-pub(crate) fn sticking<const N: usize>(scene: &Scene<N>, problem: &Problem) -> Option<Nominal<N>> {
-    if scene.nominal.sticks || scene.transmission || scene.short_rests.iter().all(Vec::is_empty) {
+pub(crate) fn sticking<const N: usize>(data: &RegressionData<N>, problem: &Problem) -> Option<Nominal<N>> {
+    if data.nominal.sticks || data.transmission || data.short_rests.iter().all(Vec::is_empty) {
         return None;
     }
     // These would take what is asked for.
@@ -26,16 +26,16 @@ pub(crate) fn sticking<const N: usize>(scene: &Scene<N>, problem: &Problem) -> O
     let families: Vec<Family> = Family::of_gears(problem.scale.link_side).filter(without).collect();
     let (all, _) = posterior(problem, &problem.all_parts(), &Start::of(&families))?;
     let nats: Vec<f64> = (0..N)
-        .filter(|j| !scene.short_rests[*j].is_empty())
+        .filter(|j| !data.short_rests[*j].is_empty())
         .flat_map(|j| {
             let more_nm = more_coulomb_nm(problem, &all, j);
-            let friction = scene.nominal.sliding_friction(j).with_sign(scene.nominal.smoothing_rad_s, more_nm);
-            let slides: Vec<f64> = scene.samples.iter().map(|at| friction.torque_nm(at.qd[j])).collect();
+            let friction = data.nominal.sliding_friction(j).with_sign(data.nominal.smoothing_rad_s, more_nm);
+            let slides: Vec<f64> = data.samples.iter().map(|at| friction.torque_nm(at.qd[j])).collect();
             let mut change = slides.clone();
-            bridge(&mut change, &scene.short_rests[j]);
+            bridge(&mut change, &data.short_rests[j]);
             change.iter_mut().zip(slides).for_each(|(sticks, slides)| *sticks -= slides);
-            likelier(scene, problem, &all, j, &[change])
+            likelier(data, problem, &all, j, &[change])
         })
         .collect();
-    is_shown(&nats).then(|| scene.nominal.with_sticking())
+    is_shown(&nats).then(|| data.nominal.with_sticking())
 }

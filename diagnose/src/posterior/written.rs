@@ -6,10 +6,10 @@ use super::joint_term::{JointTerm, RIPPLES};
 use super::prior::{PAYLOAD_RADIUS_M, PRESLIDING_RAD};
 use super::problem::{Place, Problem, State};
 use crate::cause::tilt_of;
-use crate::scene::Scene;
+use crate::regression_data::RegressionData;
 
 /// The effects that make the nominal model predict `(1 + g)(τ0 + A θ)`, one per parameter that is not zero, one per link.
-pub(crate) fn effects<const N: usize>(scene: &Scene<N>, problem: &Problem, state: &State) -> Vec<Effect> {
+pub(crate) fn effects<const N: usize>(data: &RegressionData<N>, problem: &Problem, state: &State) -> Vec<Effect> {
     let at = |place: Place| problem.index(place).map_or(0.0, |i| state[i]);
     let mut effects = Vec::new();
     for joint in 0..N {
@@ -21,8 +21,8 @@ pub(crate) fn effects<const N: usize>(scene: &Scene<N>, problem: &Problem, state
         }
         effects.extend((0..RIPPLES).filter_map(|k| ripple(problem, state, joint, k)));
     }
-    let tilt = [at(Place::Tilt(0)), at(Place::Tilt(1))].map(|angle| angle * scene.nominal.arm.gravity_m_s2.norm());
-    effects.extend(tilt_of(scene, tilt).filter(|_| tilt != [0.0; 2]));
+    let tilt = [at(Place::Tilt(0)), at(Place::Tilt(1))].map(|angle| angle * data.nominal.arm.gravity_m_s2.norm());
+    effects.extend(tilt_of(data, tilt).filter(|_| tilt != [0.0; 2]));
     let mass_kg = at(Place::Payload(0));
     if mass_kg > 0.0 {
         let com = problem.payload_com_m(state);

@@ -171,14 +171,14 @@ pub(super) fn fit<const N: usize>(
         }
     }
     let penalty = 0.5 * theta.iter().zip(&prior).map(|(value, sd)| (value / sd).powi(2)).sum::<f64>();
-    let mut data = 0.0;
+    let mut misfit = 0.0;
     for (k, variance) in variance.iter().enumerate() {
         for j in 0..N {
             let square = (tau[k][j] - explained[k][j]).powi(2) / variance[j];
-            data += 0.5 * (variance[j].ln() + square.min(FAR_SQUARE)) - hypothesis.torque[j].1.abs().ln();
+            misfit += 0.5 * (variance[j].ln() + square.min(FAR_SQUARE)) - hypothesis.torque[j].1.abs().ln();
         }
     }
-    let nats = independent * data / count as f64 + penalty;
+    let nats = independent * misfit / count as f64 + penalty;
     let mut left = [0.0; N];
     let mut unexplained = [0.0; N];
     for j in 0..N {

@@ -10,7 +10,7 @@ use tribo_sim::{Truth, WrenchPulses};
 use super::ExperimentError;
 use tribo_campaign::scenario::{ModelError, POSES};
 use tribo_campaign::{
-    AnyEstimator, Calibration, ContactPrior, EstimatorName, LogWrench, Phases, Trial, TuneConfig, believed_band,
+    AnyEstimator, Calibration, ContactPrior, EstimatorName, LogWrench, Phases, Trial, TuneConfig, band_of_model,
     noise_seed, run_trial_observed,
 };
 use tribo_model::FieldError;
@@ -201,7 +201,7 @@ impl Stretch {
     ) -> Result<LogWrench, ExperimentError> {
         let known = truth_of(self.case).friction;
         let compensated = if self.case.compensated { known } else { FrictionModel::none() };
-        let band = believed_band(&known);
+        let band = band_of_model(&known);
         let settings = WrenchEkfSettings::default();
         let estimator = AnyEstimator::with_confidence(estimator, settings, &trial.model, &known, &band, noise_factor)?
             .told_the_compensation();

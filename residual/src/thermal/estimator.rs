@@ -17,7 +17,7 @@ const SETTLE: f64 = 5.0;
 
 /// Friction as the residual sees it: 1/K late.
 #[derive(Clone, Copy, Debug)]
-struct Belief<const N: usize> {
+struct FrictionPrediction<const N: usize> {
     /// At the sample (Nm).
     now: SVector<f64, N>,
     /// Late (Nm).
@@ -30,7 +30,7 @@ struct Belief<const N: usize> {
     rest: [JointRest; N],
 }
 
-impl<const N: usize> Belief<N> {
+impl<const N: usize> FrictionPrediction<N> {
     fn none() -> Self {
         let zero = SVector::zeros();
         Self { now: zero, lagged: zero, slope: zero, variance: zero, rest: [JointRest::default(); N] }
@@ -75,7 +75,7 @@ pub struct ThermalEstimator<const N: usize> {
     momentum: MomentumObserver<N>,
     observers: [TemperatureObserver; N],
     gate: ContactGate,
-    belief: Belief<N>,
+    prediction: FrictionPrediction<N>,
     /// Time each joint has been sliding (s).
     sliding_s: SVector<f64, N>,
     /// Friction energy since the last observation (J), and its time (s).
@@ -103,7 +103,7 @@ impl<const N: usize> ThermalEstimator<N> {
             momentum: MomentumObserver::new(settings.gain_rad_s),
             observers,
             gate: ContactGate::new(settings.contact)?,
-            belief: Belief::none(),
+            prediction: FrictionPrediction::none(),
             sliding_s: zero,
             energy_j: zero,
             since_s: 0.0,
@@ -147,16 +147,22 @@ impl<const N: usize> ThermalEstimator<N> {
         compensation: &SVector<f64, N>,
         dt_s: f64,
     ) -> Option<SMatrix<f64, 6, N>> {
-        let belief = self.believe(qd, compensation, dt_s, 1.0);
-        let r = self.residual_covariance(&self.noise_covariance(terms, dt_s), &belief);
+        let prediction = self.predict(qd, compensation, dt_s, 1.0);
+        let r = self.residual_covariance(&self.noise_covariance(terms, dt_s), &prediction);
         let damping = [self.settings.moment_damping_nm, self.settings.force_damping_n];
         weighted_inverse(&terms.jacobian, &r, damping).map(|(inverse, _)| inverse)
     }
 
     /// Friction at this sample, low-passed like the residual; the mean of both ends of the period, like its bias.
     #[inline(never)]
-    fn believe(&self, qd: &SVector<f64, N>, compensation: &SVector<f64, N>, dt_s: f64, share: f64) -> Belief<N> {
-        let mut belief = self.belief;
+    fn predict(
+        &self,
+        qd: &SVector<f64, N>,
+        compensation: &SVector<f64, N>,
+        dt_s: f64,
+        share: f64,
+    ) -> FrictionPrediction<N> {
+        let mut prediction = self.prediction;
         for j in 0..N {
             let (law, t) = (self.settings.joints[j].law(), self.observers[j].temperature_c());
             let sliding = law.torque_nm(qd[j], t);
@@ -166,19 +172,19 @@ impl<const N: usize> ThermalEstimator<N> {
             let (middle, half_width) = (0.5 * (ends[0] + ends[1]), 0.5 * (ends[0] - ends[1]));
             // What a compensator that fades at rest withdraws, the friction takes over: the memory is of the rest.
             let compensated = compensation[j];
-            belief.rest[j].note(doubt, sliding - compensated, dt_s);
+            prediction.rest[j].note(doubt, sliding - compensated, dt_s);
             let [left, spread] =
-                belief.rest[j].remaining(doubt, sliding - compensated, middle - compensated, half_width);
+                prediction.rest[j].remaining(doubt, sliding - compensated, middle - compensated, half_width);
             let now = left + compensated;
             let s = &self.settings.observer;
             let noise = (s.model_error * now).powi(2) + s.friction_sd_nm.powi(2);
-            belief.variance[j] += (spread + noise - belief.variance[j]) * share;
-            let mean = 0.5 * (belief.now[j] + now);
-            belief.lagged[j] += share * (mean - belief.lagged[j]);
-            belief.slope[j] += share * (law.slope_nm_per_k(qd[j], t) - belief.slope[j]);
-            belief.now[j] = now;
+            prediction.variance[j] += (spread + noise - prediction.variance[j]) * share;
+            let mean = 0.5 * (prediction.now[j] + now);
+            prediction.lagged[j] += share * (mean - prediction.lagged[j]);
+            prediction.slope[j] += share * (law.slope_nm_per_k(qd[j], t) - prediction.slope[j]);
+            prediction.now[j] = now;
         }
-        belief
+        prediction
     }
 
     /// What the noise of torque and velocity makes of the residual (Nm²).
@@ -190,9 +196,13 @@ impl<const N: usize> ThermalEstimator<N> {
 
     /// R: noise, what is not known of the friction, and of the temperatures (Nm²).
     #[inline]
-    fn residual_covariance(&self, noise: &SMatrix<f64, N, N>, belief: &Belief<N>) -> SMatrix<f64, N, N> {
-        let by_temperature = |j: usize| belief.slope[j].powi(2) * self.observers[j].variance_k2();
-        noise + SMatrix::from_diagonal(&SVector::from_fn(|j, _| belief.variance[j] + by_temperature(j)))
+    fn residual_covariance(
+        &self,
+        noise: &SMatrix<f64, N, N>,
+        prediction: &FrictionPrediction<N>,
+    ) -> SMatrix<f64, N, N> {
+        let by_temperature = |j: usize| prediction.slope[j].powi(2) * self.observers[j].variance_k2();
+        noise + SMatrix::from_diagonal(&SVector::from_fn(|j, _| prediction.variance[j] + by_temperature(j)))
     }
 
     /// Gate, heat and observers, after the estimate of this tick is accepted.
@@ -209,7 +219,7 @@ impl<const N: usize> ThermalEstimator<N> {
         let settle_s = SETTLE / s.gain_rad_s;
         for j in 0..N {
             let qd = input.frame.qd[j];
-            self.energy_j[j] += (self.belief.now[j] * qd).max(0.0) * input.dt_s;
+            self.energy_j[j] += (self.prediction.now[j] * qd).max(0.0) * input.dt_s;
             self.sliding_s[j] = if qd.abs() > s.sliding_rad_s { self.sliding_s[j] + input.dt_s } else { 0.0 };
         }
         self.since_s += input.dt_s;
@@ -228,12 +238,12 @@ impl<const N: usize> ThermalEstimator<N> {
                 observer.forget_window();
             }
             if free && self.sliding_s[j] >= settle_s {
-                let believed_nm = self.belief.lagged[j];
-                let slope_nm_per_k = self.belief.slope[j];
-                let measured_nm = believed_nm + unexplained[j];
+                let predicted_nm = self.prediction.lagged[j];
+                let slope_nm_per_k = self.prediction.slope[j];
+                let measured_nm = predicted_nm + unexplained[j];
                 let noise_variance_nm2 = noise[(j, j)];
                 observer.correct(
-                    &FrictionSample { measured_nm, believed_nm, slope_nm_per_k, noise_variance_nm2 },
+                    &FrictionSample { measured_nm, predicted_nm, slope_nm_per_k, noise_variance_nm2 },
                     self.since_s,
                 );
             }
@@ -251,10 +261,10 @@ impl<const N: usize> WrenchEstimator<N> for ThermalEstimator<N> {
             observer.restart(start_c);
         }
         let zero = SVector::zeros();
-        self.belief = Belief::none();
-        self.belief = self.believe(&frame.qd, &zero, 0.0, 1.0);
+        self.prediction = FrictionPrediction::none();
+        self.prediction = self.predict(&frame.qd, &zero, 0.0, 1.0);
         // The residual starts at zero whatever the friction: so does the friction it is compared with.
-        (self.belief.lagged, self.belief.slope) = (zero, zero);
+        (self.prediction.lagged, self.prediction.slope) = (zero, zero);
         (self.sliding_s, self.energy_j, self.since_s) = (zero, zero, 0.0);
         self.estimate = WrenchEstimate::none_yet();
     }
@@ -267,15 +277,15 @@ impl<const N: usize> WrenchEstimator<N> for ThermalEstimator<N> {
         let mut momentum = self.momentum;
         momentum.step(input.frame, input.terms, input.tau_motor, input.dt_s);
         let share = momentum.share(input.dt_s);
-        let belief = self.believe(&input.frame.qd, input.tau_friction, input.dt_s, share);
-        let unexplained = momentum.residual_nm() - belief.lagged;
+        let prediction = self.predict(&input.frame.qd, input.tau_friction, input.dt_s, share);
+        let unexplained = momentum.residual_nm() - prediction.lagged;
         let noise = self.noise_covariance(input.terms, input.dt_s);
-        let r = self.residual_covariance(&noise, &belief);
+        let r = self.residual_covariance(&noise, &prediction);
         let damping = [self.settings.moment_damping_nm, self.settings.force_damping_n];
         let Some((h, covariance)) = damped_wrench(momentum.lagged_jacobian(), &r, &unexplained, damping) else {
             return self.estimate.held(EstimateFault::NotPositiveDefinite);
         };
-        (self.momentum, self.belief) = (momentum, belief);
+        (self.momentum, self.prediction) = (momentum, prediction);
         let wrench_base = Wrench::from_vector(&h);
         self.estimate = WrenchEstimate { wrench_base, covariance, limits95: None, nis: None, fault: None };
         self.observe(input, &unexplained, [&noise, &r], &h, &covariance);

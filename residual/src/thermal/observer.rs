@@ -6,7 +6,7 @@ use super::ThermalSettingsError;
 
 /// Longest window N, in samples.
 pub const MAX_WINDOW: usize = 64;
-/// Temperatures that are believed (°C): no gearbox works outside.
+/// Temperatures that are accepted (°C): no gearbox works outside.
 const RANGE_C: [f64; 2] = [-60.0, 180.0];
 /// The rise above the room (K) of which the uncertain heat is a part is at least this.
 const LEAST_RISE_K: f64 = 5.0;
@@ -75,13 +75,13 @@ impl ObserverSettings {
     }
 }
 
-/// Friction of one moment, measured and believed.
+/// Friction of one moment, measured and predicted.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct FrictionSample {
     /// Measured friction (Nm): torque less what the rigid model explains.
     pub measured_nm: f64,
-    /// Believed friction (Nm) at the present temperature.
-    pub believed_nm: f64,
+    /// Predicted friction (Nm) at the present temperature.
+    pub predicted_nm: f64,
     /// Its derivative by the temperature [Nm/K].
     pub slope_nm_per_k: f64,
     /// Variance of the noise of the measured one (Nm²); it makes an RMS value too large and is taken off.
@@ -122,7 +122,7 @@ pub struct TemperatureObserver {
     temperature_c: f64,
     variance_k2: f64,
     measured: [f64; MAX_WINDOW],
-    /// Believed friction less slope times temperature, slope, and variance of the noise.
+    /// Predicted friction less slope times temperature, slope, and variance of the noise.
     offset: [f64; MAX_WINDOW],
     slope: [f64; MAX_WINDOW],
     noise: [f64; MAX_WINDOW],
@@ -212,13 +212,13 @@ impl TemperatureObserver {
     /// None while the window fills, where warmth does not change friction, and for numbers that are not finite.
     #[inline]
     pub fn correct(&mut self, sample: &FrictionSample, dt_s: f64) -> Option<Innovation> {
-        let FrictionSample { measured_nm, believed_nm, slope_nm_per_k, noise_variance_nm2 } = *sample;
-        if ![measured_nm, believed_nm, slope_nm_per_k, noise_variance_nm2].iter().all(|x| x.is_finite()) {
+        let FrictionSample { measured_nm, predicted_nm, slope_nm_per_k, noise_variance_nm2 } = *sample;
+        if ![measured_nm, predicted_nm, slope_nm_per_k, noise_variance_nm2].iter().all(|x| x.is_finite()) {
             return None;
         }
         let (s, at) = (&self.settings, self.next);
         self.measured[at] = measured_nm;
-        self.offset[at] = believed_nm - slope_nm_per_k * self.temperature_c;
+        self.offset[at] = predicted_nm - slope_nm_per_k * self.temperature_c;
         self.slope[at] = slope_nm_per_k;
         self.noise[at] = noise_variance_nm2;
         self.next = (at + 1) % s.window;
@@ -226,30 +226,30 @@ impl TemperatureObserver {
         if self.filled < s.window {
             return None;
         }
-        let (mut measured, mut believed, mut product, mut noise) = (0.0, 0.0, 0.0, 0.0);
+        let (mut measured, mut predicted, mut product, mut noise) = (0.0, 0.0, 0.0, 0.0);
         for k in 0..s.window {
             let tau = self.offset[k] + self.slope[k] * self.temperature_c;
             measured += self.measured[k] * self.measured[k];
-            believed += tau * tau;
+            predicted += tau * tau;
             product += tau * self.slope[k];
             noise += self.noise[k];
         }
         let count = s.window as f64;
         let noise = noise / count;
         let measured_rms = (measured / count - noise).max(0.0).sqrt();
-        let believed_rms = (believed / count).sqrt();
-        let h = product / count / believed_rms;
+        let predicted_rms = (predicted / count).sqrt();
+        let h = product / count / predicted_rms;
         if !(h.is_finite() && h != 0.0) {
             return None;
         }
-        let error = (s.model_error * believed_rms).powi(2) + s.friction_sd_nm.powi(2);
+        let error = (s.model_error * predicted_rms).powi(2) + s.friction_sd_nm.powi(2);
         // Errors last for many samples: each is worth the less.
         let r = error * (s.error_memory_s / dt_s).max(1.0) + noise;
         let gain = match s.gain {
             ObserverGain::Fixed(eta) => eta * dt_s * h.signum(),
             ObserverGain::Kalman => self.variance_k2 * h / (h * h * self.variance_k2 + r),
         };
-        let innovation_nm = measured_rms - believed_rms;
+        let innovation_nm = measured_rms - predicted_rms;
         let step_k = gain * innovation_nm;
         let variance = (1.0 - gain * h).powi(2) * self.variance_k2 + gain * gain * r;
         if !(step_k.is_finite() && variance.is_finite()) {
@@ -288,7 +288,7 @@ mod tests {
                 observer.correct(
                     &FrictionSample {
                         measured_nm: law.torque_nm(qd, true_c),
-                        believed_nm: law.torque_nm(qd, t),
+                        predicted_nm: law.torque_nm(qd, t),
                         slope_nm_per_k: law.slope_nm_per_k(qd, t),
                         noise_variance_nm2: 0.0,
                     },
@@ -320,8 +320,8 @@ mod tests {
         let mut observer = TemperatureObserver::new(joint(-0.00937), settings, 22.0).unwrap();
         let errors = run(&mut observer, 32.0, 4.0);
         let h = 0.00937 * 128.0;
-        let believed: f64 = 128.0 * (1.0 - 0.00937 * 10.0);
-        let r = ((0.03 * believed).powi(2) + 0.05_f64.powi(2)) * 100.0;
+        let predicted: f64 = 128.0 * (1.0 - 0.00937 * 10.0);
+        let r = ((0.03 * predicted).powi(2) + 0.05_f64.powi(2)) * 100.0;
         let n = errors.len() as f64;
         let expected = 1.0 / (1.0 / 100.0 + n * h * h / r);
         assert!((observer.variance_k2() / expected - 1.0).abs() < 0.03, "{} {expected}", observer.variance_k2());
@@ -343,7 +343,7 @@ mod tests {
                 let (qd, t) = (0.8, observer.temperature_c());
                 let sample = FrictionSample {
                     measured_nm: law.torque_nm(qd, 32.0) + noise,
-                    believed_nm: law.torque_nm(qd, t),
+                    predicted_nm: law.torque_nm(qd, t),
                     slope_nm_per_k: law.slope_nm_per_k(qd, t),
                     noise_variance_nm2: noise_off,
                 };
@@ -373,7 +373,7 @@ mod tests {
     fn bad_numbers_change_nothing_and_bad_settings_are_named() {
         let mut observer = TemperatureObserver::new(joint(-0.00937), fixed(0.05, 2), 25.0).unwrap();
         let before = observer;
-        let bad = FrictionSample { measured_nm: f64::NAN, believed_nm: 1.0, ..FrictionSample::default() };
+        let bad = FrictionSample { measured_nm: f64::NAN, predicted_nm: 1.0, ..FrictionSample::default() };
         assert_eq!((observer.correct(&bad, 0.01), observer), (None, before));
         for (settings, field) in [
             (ObserverSettings { window: 0, ..fixed(1.0, 1) }, "observer.window"),

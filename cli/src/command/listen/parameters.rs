@@ -108,7 +108,7 @@ pub fn measured<const N: usize>(
     name: EstimatorName,
 ) -> Result<(MeasuredWrench<N, AnyEstimator<N>>, Vec<NotCancelled>), EstimatorError> {
     let estimator = LogEstimator::new(model);
-    Ok((estimator.measured(name)?, estimator.believed().not_cancelled.clone()))
+    Ok((estimator.measured(name)?, estimator.controller_model().not_cancelled.clone()))
 }
 
 /// Files that may change.

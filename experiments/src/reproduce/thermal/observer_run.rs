@@ -119,14 +119,14 @@ impl ObserverRun<'_> {
             let push = if (from..to).contains(&t) { push_nm } else { 0.0 };
             let measured_nm = self.truth.friction_nm(qd, warmth.gear_c) + push + noise;
             let temperature = observer.temperature_c();
-            let (believed_nm, slope_nm_per_k) = (law.torque_nm(qd, temperature), law.slope_nm_per_k(qd, temperature));
+            let (predicted_nm, slope_nm_per_k) = (law.torque_nm(qd, temperature), law.slope_nm_per_k(qd, temperature));
             // Joints that stick say nothing: simoni2019, after figure 15.
             let slides = qd.abs() > 0.03;
             if slides {
-                slow_nm += share * (measured_nm - believed_nm - slow_nm);
+                slow_nm += share * (measured_nm - predicted_nm - slow_nm);
                 slow_slope += share * (slope_nm_per_k - slow_slope);
             }
-            let error = (settings.model_error * believed_nm).powi(2) + settings.friction_sd_nm.powi(2);
+            let error = (settings.model_error * predicted_nm).powi(2) + settings.friction_sd_nm.powi(2);
             let white = self.noise_sd_nm.powi(2) * share / (2.0 - share);
             let variance = white + error + slow_slope * slow_slope * observer.variance_k2();
             let was_free = gate.is_free();
@@ -134,10 +134,10 @@ impl ObserverRun<'_> {
             if self.gated && was_free && !free {
                 observer.forget_window();
             }
-            observer.warm(believed_nm * qd, self.room_c, dt);
+            observer.warm(predicted_nm * qd, self.room_c, dt);
             if free && slides {
                 let noise_variance_nm2 = self.noise_sd_nm.powi(2);
-                observer.correct(&FrictionSample { measured_nm, believed_nm, slope_nm_per_k, noise_variance_nm2 }, dt);
+                observer.correct(&FrictionSample { measured_nm, predicted_nm, slope_nm_per_k, noise_variance_nm2 }, dt);
             }
             warmth = self.truth.warmed(warmth, qd, self.room_c, dt);
             trace.time_s.push(t);

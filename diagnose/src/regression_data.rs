@@ -91,7 +91,7 @@ pub(crate) struct Column<const N: usize> {
 
 /// Everything the candidates read.
 #[derive(Debug)]
-pub(crate) struct Scene<const N: usize> {
+pub(crate) struct RegressionData<const N: usize> {
     pub nominal: Nominal<N>,
     pub samples: Vec<Sample<N>>,
     pub bursts: Vec<Burst>,
@@ -156,7 +156,7 @@ const BAND_HZ: [f64; 2] = [6.0, 60.0];
 /// Highest band over the sample rate.
 const HIGHEST_BAND: f64 = 0.3;
 
-impl<const N: usize> Scene<N> {
+impl<const N: usize> RegressionData<N> {
     /// Filters the logs and evaluates the nominal model along them; `band_hz` `None` chooses the band from the noise.
     #[inline(never)]
     pub fn of_logs(logs: &[RobotLog], nominal: &Nominal<N>, band_hz: Option<f64>) -> Result<Self, DiagnoseError> {
@@ -193,7 +193,7 @@ impl<const N: usize> Scene<N> {
             logs.iter().map(|log| log.rows() as f64 * tribo_logs::median_period_s(&log.time_s).unwrap_or(0.0)).sum();
 
         let nominal = &nominal.with_rigid_effects_in_the_arm();
-        let mut scene = Self {
+        let mut data = Self {
             nominal: nominal.clone(),
             samples: Vec::new(),
             bursts: Vec::new(),
@@ -230,22 +230,22 @@ impl<const N: usize> Scene<N> {
             let average_samples = by_band.max(by_size).floor().max(1.0) as usize;
             let settings = ResidualSettings { band_hz, average_samples, ..ResidualSettings::default() };
             let rigid = TorqueResidual::without_model(log, &settings)?;
-            scene.append(index, &rigid)?;
+            data.append(index, &rigid)?;
             match (rigid.deflection_rad(), &mut deflection) {
                 (Some(bursts), Some(all)) => all.extend(bursts.iter().flatten().copied()),
                 _ => deflection = None,
             }
         }
-        scene.deflection_rad = deflection.filter(|all| !all.is_empty());
-        scene.find_short_rests();
-        if scene.nominal.sticks {
-            scene.bridge_short_rests();
+        data.deflection_rad = deflection.filter(|all| !all.is_empty());
+        data.find_short_rests();
+        if data.nominal.sticks {
+            data.bridge_short_rests();
         }
-        scene.believe_motor_encoders();
-        scene.add_nominal_effects();
-        scene.filter_model();
-        scene.set_noise_floor(&inertia);
-        Ok(scene)
+        data.believe_motor_encoders();
+        data.add_nominal_effects();
+        data.filter_model();
+        data.set_noise_floor(&inertia);
+        Ok(data)
     }
 
     /// The samples of one log.
@@ -414,7 +414,7 @@ impl<const N: usize> Scene<N> {
         self.link_regressors.get_or_init(|| Arc::new((0..N).map(|link| self.link_regressor(link)).collect()))
     }
 
-    /// Takes over the regressors of links of a scene of the same logs: they are a matter of motion, geometry and gravity alone.
+    /// Takes over the regressors of links from data of the same logs: they are a matter of motion, geometry and gravity alone.
     pub fn borrow_regressors(&mut self, other: &Self) {
         let (arm, others) = (&self.nominal.arm, &other.nominal.arm);
         let alike = arm.gravity_m_s2 == others.gravity_m_s2 && self.chains == other.chains;

@@ -1,6 +1,6 @@
 //! What the model believes after the trials so far.
 
-use crate::acquisition::{Criterion, OfFinished, OneOutput, Worth};
+use crate::acquisition::{AcquisitionFunction, Criterion, OfFinished, OneOutput};
 use crate::gp::{Contender, FEWEST_SAMPLES, Fit, Gp, fit_best};
 use crate::incumbent::{Incumbent, is_noisy};
 use crate::kernel::KernelShape;
@@ -10,9 +10,9 @@ use crate::{BayesoptError, Domain, Feasibility, History};
 
 /// The Gaussian process from which the next point is chosen, and what undoes its transform.
 ///
-/// [`suggest()`](crate::suggest()) maximises the acquisition on this very belief; [`Self::slice`] shows it.
+/// [`suggest()`](crate::suggest()) maximises the acquisition on this very surrogate model; [`Self::slice`] shows it.
 #[derive(Clone, Debug)]
-pub struct Belief {
+pub struct SurrogateModel {
     /// The process, on the unit cube and standardised targets.
     pub gp: Gp,
     /// What its kernel is made of.
@@ -38,7 +38,7 @@ pub struct Belief {
     incumbent_unit: Vec<f64>,
 }
 
-/// The belief along one coordinate through the incumbent, all others held.
+/// The surrogate model along one coordinate through the incumbent, all others held.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Slice {
     /// Values of the coordinate, real units.
@@ -58,8 +58,8 @@ const REPEAT_ABOVE: f64 = 1e-2;
 /// 97.5 % quantile of the standard normal.
 const Z95: f64 = 1.959_963_984_540_054;
 
-impl Belief {
-    /// The belief after `history`; none while there is too little to learn from.
+impl SurrogateModel {
+    /// The surrogate model after `history`; none while there is too little to learn from.
     ///
     /// # Errors
     /// A history that does not fit the domain, or a kernel matrix beyond repair.
@@ -120,7 +120,7 @@ impl Belief {
         Criterion { acquisition, best: self.best_target, sd_factor }
     }
 
-    /// The belief at `points` values of `coordinate`, evenly over its range, with the incumbent's own value among them.
+    /// The surrogate model at `points` values of `coordinate`, evenly over its range, with the incumbent's own value among them.
     ///
     /// # Errors
     /// `DimensionMismatch` of a coordinate that the domain does not have.
@@ -145,7 +145,7 @@ impl Belief {
         let criterion = self.criterion();
         let own = OneOutput { gp: &self.gp, criterion: &criterion };
         let acquisition = match &self.feasibility {
-            Some(feasibility) => OfFinished { worth: &own, feasibility }.values(&at),
+            Some(feasibility) => OfFinished { acquisition: &own, feasibility }.values(&at),
             None => own.values(&at),
         };
         Ok(Slice {
@@ -238,16 +238,16 @@ mod tests {
         (settings, domain, history)
     }
 
-    /// The belief that is shown is the one that chooses: same posterior at the suggested point.
+    /// The surrogate model that is shown is the one that chooses: same posterior at the suggested point.
     #[test]
     fn is_what_suggest_uses() {
         let (settings, domain, history) = tried();
         let evidence = suggest(&settings, &domain, &history, 3).unwrap();
-        let belief = Belief::of(settings.model.as_ref().unwrap(), &domain, &history, 3).unwrap().unwrap();
+        let surrogate = SurrogateModel::of(settings.model.as_ref().unwrap(), &domain, &history, 3).unwrap().unwrap();
         let at = domain.to_unit(&evidence.point).unwrap();
-        let posterior = &belief.gp.posterior_batch(&[at])[0];
+        let posterior = &surrogate.gp.posterior_batch(&[at])[0];
         let of_suggestion = evidence.evidence.unwrap();
-        assert_eq!(belief.fit, of_suggestion.fit);
+        assert_eq!(surrogate.fit, of_suggestion.fit);
         assert!((posterior.mean - of_suggestion.mean).abs() < 1e-9 && (posterior.sd - of_suggestion.sd).abs() < 1e-9);
     }
 
@@ -255,11 +255,11 @@ mod tests {
     #[test]
     fn slices_pass_through_the_incumbent() {
         let (settings, domain, history) = tried();
-        let belief = Belief::of(settings.model.as_ref().unwrap(), &domain, &history, 3).unwrap().unwrap();
+        let surrogate = SurrogateModel::of(settings.model.as_ref().unwrap(), &domain, &history, 3).unwrap().unwrap();
         let (trial, cost) = history.incumbent().unwrap();
-        assert_eq!(trial, belief.incumbent);
+        assert_eq!(trial, surrogate.incumbent);
         for coordinate in 0..2 {
-            let slice = belief.slice(coordinate, 41).unwrap();
+            let slice = surrogate.slice(coordinate, 41).unwrap();
             let own = history.trials[trial].point[coordinate];
             let k =
                 (0..slice.at.len()).min_by(|a, b| (slice.at[*a] - own).abs().total_cmp(&(slice.at[*b] - own).abs()));
@@ -272,6 +272,6 @@ mod tests {
                     .all(|k| slice.band95[k][0] <= slice.median[k] && slice.median[k] <= slice.band95[k][1])
             );
         }
-        assert!(belief.slice(2, 41).is_err());
+        assert!(surrogate.slice(2, 41).is_err());
     }
 }

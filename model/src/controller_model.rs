@@ -17,7 +17,7 @@ use crate::Model;
 /// friction_lead                                                                          → not cancelled, with the reason
 /// ```
 #[derive(Clone, Debug, PartialEq)]
-pub struct Believed<const N: usize> {
+pub struct ControllerModel<const N: usize> {
     /// The arm with all rigid-body effects.
     pub arm: Arm<N>,
     /// The friction law.
@@ -37,7 +37,7 @@ pub struct NotCancelled {
     pub why: &'static str,
 }
 
-impl<const N: usize> Believed<N> {
+impl<const N: usize> ControllerModel<N> {
     /// For a controller, which drives motors: a link-side model gets the robot's rotor inertia.
     pub fn by_controller(model: &Model<N>) -> Self {
         Self::of(model.to_truth())
@@ -218,17 +218,21 @@ mod tests {
     /// Every cause ends in exactly one of the three places.
     #[test]
     fn each_cause_has_its_place() {
-        let bare = Believed::by_controller(&Model::panda(TorqueSide::Motor));
+        let bare = ControllerModel::by_controller(&Model::panda(TorqueSide::Motor));
         let mut places = [Vec::new(), Vec::new(), Vec::new()];
         for effect in one_of_each() {
             let model = Model { effects: vec![effect.clone()], ..Model::panda(TorqueSide::Motor) };
-            let believed = Believed::by_controller(&model);
-            let at = [believed.arm != bare.arm, believed.effects != bare.effects, !believed.not_cancelled.is_empty()];
+            let controller_model = ControllerModel::by_controller(&model);
+            let at = [
+                controller_model.arm != bare.arm,
+                controller_model.effects != bare.effects,
+                !controller_model.not_cancelled.is_empty(),
+            ];
             assert_eq!(at.iter().filter(|&&here| here).count(), 1, "{effect:?}: {at:?}");
             for (place, here) in places.iter_mut().zip(at) {
                 place.extend(here.then(|| effect.cause()));
             }
-            for left in &believed.not_cancelled {
+            for left in &controller_model.not_cancelled {
                 let said = left.sentence(&JointNames::default());
                 assert!(said.starts_with(effect.cause()) && said.contains(": "), "{said}");
             }
@@ -287,18 +291,18 @@ mod tests {
             ..Model::panda(TorqueSide::Link)
         };
         let preset = presets::panda().rotor_inertia_kg_m2;
-        assert_eq!(Believed::by_controller(&model).arm.rotor_inertia_kg_m2[2], preset[2] + 0.1);
-        assert_eq!(Believed::by_controller(&model).arm.rotor_inertia_kg_m2[0], preset[0]);
-        assert_eq!(Believed::on_log(&model).arm.rotor_inertia_kg_m2[2], 0.1);
-        assert_eq!(Believed::on_log(&model).arm.rotor_inertia_kg_m2[0], 0.0);
+        assert_eq!(ControllerModel::by_controller(&model).arm.rotor_inertia_kg_m2[2], preset[2] + 0.1);
+        assert_eq!(ControllerModel::by_controller(&model).arm.rotor_inertia_kg_m2[0], preset[0]);
+        assert_eq!(ControllerModel::on_log(&model).arm.rotor_inertia_kg_m2[2], 0.1);
+        assert_eq!(ControllerModel::on_log(&model).arm.rotor_inertia_kg_m2[0], 0.0);
     }
 
     /// Springs that the model names are those of the two encoders; the others are what is assumed of the arm.
     #[test]
     fn the_gears_are_as_stiff_as_the_model_says() {
         let spring = Effect::JointElasticity { joint: 2, stiffness_nm_per_rad: 4321.0, damping_nm_s_per_rad: 1.0 };
-        let plain = Believed::of(Truth::panda_coulomb_viscous()).joint_stiffness_nm_per_rad();
-        let known = Believed::of(Truth { effects: vec![spring], ..Truth::panda_coulomb_viscous() });
+        let plain = ControllerModel::of(Truth::panda_coulomb_viscous()).joint_stiffness_nm_per_rad();
+        let known = ControllerModel::of(Truth { effects: vec![spring], ..Truth::panda_coulomb_viscous() });
         let stiffness = known.joint_stiffness_nm_per_rad();
         assert_eq!((stiffness[2], &stiffness[3..]), (4321.0, &plain[3..]));
         assert!(plain[2] != 4321.0);

@@ -1,12 +1,12 @@
-//! The effects that a model file adds to arm and friction, along the motion of a scene.
+//! The effects that a model file adds to arm and friction, along the motion of a log.
 
 use nalgebra::SVector;
 use tribo_sim::Effect;
 
 use crate::cause::{candidate_of_effect, interpolated};
-use crate::scene::{FineColumn, Scene};
+use crate::regression_data::{FineColumn, RegressionData};
 
-impl<const N: usize> Scene<N> {
+impl<const N: usize> RegressionData<N> {
     /// The effects that the model has already, rigid ones aside, which are in its arm:
     ///
     /// ```text
