@@ -122,6 +122,16 @@ impl Columns {
         Self { joints, parts, grams, weights, sums: Mutex::default() }
     }
 
+    /// Puts other values in the place of a term, one column per joint.
+    pub fn replace(&mut self, term: JointTerm, values: &[Vec<f64>]) {
+        for ((joint, weights), values) in self.joints.iter_mut().zip(&self.weights).zip(values) {
+            let mut column = joint.matrix.column_mut(term.place());
+            column.iter_mut().zip(values.iter().zip(weights)).for_each(|(x, (value, weight))| *x = value * weight);
+        }
+        self.grams = grams_of(&self.joints, &self.parts);
+        self.sums = Mutex::default();
+    }
+
     /// The same rows in another order, cut into other parts.
     pub fn rearranged(&self, parts: &[Rows]) -> Self {
         let rows: Vec<usize> = parts.iter().flat_map(|part| part.rows.iter().copied()).collect();

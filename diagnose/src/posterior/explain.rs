@@ -9,6 +9,7 @@ use tribo_sim::Effect;
 
 use super::band::{Bands, Deviation, HeldOut};
 use super::baseline::Baselines;
+use super::carried_load::set_load;
 use super::columns::{Columns, PARTS};
 use super::distance::{MotionSpace, distance};
 use super::extremes::extremes;
@@ -64,21 +65,38 @@ struct Fitted {
     unseen: Unseen,
 }
 
-/// Fits all families, drops those that harm on unseen data and fits anew, then asks which the log shows.
+/// Most times that friction which goes with the load is made linear about what the joints carry.
+const LOAD_ROUNDS: usize = 2;
+
+/// Fits all families, drops those that harm on unseen data and fits anew, then asks which the log shows; `set_load` gives friction that goes with the load
+/// what the joints carry by a fit.
 fn fitted(
-    problem: &Problem,
+    problem: &mut Problem,
+    set_load: &dyn Fn(&mut Problem, &Fit),
     seed: u64,
     step: &dyn Fn(&str, f64) -> Result<(), DiagnoseError>,
 ) -> Result<Fitted, DiagnoseError> {
     let parts = problem.all_parts();
-    let rules = |family: &Family| family.prior(problem.scale.link_side);
+    let link_side = problem.scale.link_side;
+    let rules = |family: &Family| family.prior(link_side);
     let mut families: Vec<Family> =
         Family::of_gears(problem.scale.link_side).filter(|family| problem.has(*family)).collect();
     let mut asked = false;
-    let too_short = || DiagnoseError::TooShort { got: problem.columns.samples(&parts), need: problem.places.len() };
+    let too_short = DiagnoseError::TooShort { got: problem.columns.samples(&parts), need: problem.places.len() };
     loop {
         step("posterior", 0.3)?;
-        let (all, about) = posterior(problem, &parts, &Start::of(&families)).ok_or_else(too_short)?;
+        let Some((mut all, mut about)) = posterior(problem, &parts, &Start::of(&families)) else {
+            return Err(too_short);
+        };
+        for _ in 0..LOAD_ROUNDS {
+            if problem.of_family(Family::Load).all(|i| all.state[i] == 0.0) {
+                break;
+            }
+            set_load(problem, &all);
+            let Some(next) = posterior(problem, &parts, &Start::of(&families)) else { break };
+            (all, about) = next;
+        }
+        let problem = &*problem;
         let equations = problem.normal_equations(&about, &parts);
         if !std::mem::replace(&mut asked, true) && soft_friction(problem, &equations, &parts, &all) {
             families.push(Family::Lead);
@@ -138,8 +156,14 @@ pub(crate) fn explain<const N: usize>(
         before.into_iter().for_each(|before| data.borrow_regressors(before));
         let scale = ArmScale::of(&data);
         let columns = Columns::of(&data, &scale, PARTS);
-        let problem = Problem::of(&data, columns, scale, unloaded.clone());
-        let fitted = fitted(&problem, settings.seed, step)?;
+        let mut problem = Problem::of(&data, columns, scale, unloaded.clone());
+        let carried = |problem: &mut Problem, fit: &Fit| {
+            let effects = written::effects(&data, problem, &fit.state);
+            let [bare, loaded] =
+                [false, true].map(|payload| with(&data.nominal, &effects, payload).with_rigid_effects_in_the_arm().arm);
+            set_load(&mut problem.columns, &data, [&bare, &loaded], &unloaded);
+        };
+        let fitted = fitted(&mut problem, &carried, settings.seed, step)?;
         Ok((data, problem, fitted))
     };
     // Families first; what they leave shows causes that no family has, around which the families are fitted again.
@@ -218,12 +242,16 @@ pub(crate) fn explain<const N: usize>(
         .filter(|finding| finding.held_out_gain_ci95[1] >= 0.0)
         .collect();
     let late = take_stamps(&data, &mut findings);
-    let room = MOST_FINDINGS.saturating_sub(further.len() + seen.len());
-    let cut = findings.len().saturating_sub(room);
-    findings.truncate(room);
     findings.extend(further);
     findings.extend(seen);
     findings.sort_by(|a, b| b.evidence.total_cmp(&a.evidence));
+    let cut = findings.len().saturating_sub(MOST_FINDINGS);
+    for _ in 0..cut {
+        // A body or a push is what somebody asks about, however little torque it is.
+        let asked = |finding: &Finding| matches!(finding.label, CauseLabel::Payload | CauseLabel::ExternalContact);
+        let weakest = findings.iter().rposition(|finding| !asked(finding)).unwrap_or(findings.len() - 1);
+        findings.remove(weakest);
+    }
     let payload_unsure = doubt_payload(&problem, [&all, &unsure], &mut findings, given.unloaded.is_empty());
 
     let rms_of = |squares: &[Vec<f64>]| unseen.rms_nm(&problem, squares);
@@ -411,7 +439,9 @@ fn validated<const N: usize>(
     let regression = |data: &RegressionData<N>| {
         Problem::of(data, Columns::of(data, &problem.scale, PARTS), problem.scale.clone(), vec![false])
     };
-    let here = regression(&bare);
+    let mut here = regression(&bare);
+    let carrying = extended.with_rigid_effects_in_the_arm().arm;
+    set_load(&mut here.columns, &bare, [&carrying; 2], &[false]);
     let untouched = match around.effects.len() > nominal.effects.len() {
         true => Some(regression(&in_band(nominal)?)),
         false => None,

@@ -444,7 +444,7 @@ const PINNINGS: usize = 8;
 /// The posterior of some families over some parts, bilinear in the gains, every link a body, signs as physics has them.
 ///
 /// A payload of negative mass, a spring that pushes, friction that falls with the load, viscous friction below zero, a rotor of negative inertia and a torque
-/// signal that is off by more than half do not exist: such a family or parameter is left out or held at its bound and everything fitted anew. Returns the state that the last equations were
+/// signal that is off by more than half do not exist: such a family or parameter is left out and everything fitted anew. Returns the state that the last equations were
 /// linear about too.
 pub(crate) fn posterior(problem: &Problem, parts: &[usize], start: &Start) -> Option<(Fit, State)> {
     let mut start = start.clone();
@@ -481,12 +481,16 @@ pub(crate) fn posterior(problem: &Problem, parts: &[usize], start: &Start) -> Op
                     Place::Own(j, JointTerm::Rotor) if problem.rotor_kg_m2[j] + value < 0.0 => {
                         Some((*i, -problem.rotor_kg_m2[j]))
                     }
-                    // Beyond what the linearisation follows, a gain is no longer what predicts.
-                    Place::Gain(_) if value.abs() > LARGEST_GAIN => Some((*i, LARGEST_GAIN.copysign(value))),
                     _ => None,
                 }
             })
             .collect();
+        // Friction and gains are told apart by gravity alone: where a joint feels none, a gain may run away.
+        let runaway = found
+            .active
+            .iter()
+            .filter(|i| matches!(problem.places[**i], Place::Gain(_)) && found.state[**i].abs() > LARGEST_GAIN);
+        let pins: Vec<(usize, f64)> = if pins.is_empty() { runaway.map(|i| (*i, 0.0)).collect() } else { pins };
         if pins.is_empty() {
             return Some((found, about));
         }

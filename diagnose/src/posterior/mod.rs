@@ -4,6 +4,7 @@ mod arm_scale;
 pub(crate) mod band;
 pub(crate) mod baseline;
 pub(crate) mod body;
+mod carried_load;
 pub(crate) mod columns;
 mod distance;
 pub(crate) mod explain;
