@@ -4,6 +4,7 @@
 
 mod closed_form;
 mod creeping_arm;
+mod loaded_arm;
 mod next_experiment;
 mod noisy_arm;
 mod panda_gaz2019;
