@@ -6,7 +6,7 @@ use tribo_sim::Effect;
 
 use super::{Candidate, RIGID_UNASKED};
 use crate::diagnosis::{CauseLabel, Location};
-use crate::regression_data::{FineColumn, RegressionData};
+use crate::regression_data::{Burst, FineColumn, RegressionData};
 
 /// Gravity of another direction: columns are the gravity torque per m/s² of its change.
 ///
@@ -83,9 +83,17 @@ impl<const N: usize> Candidate<N> for BaseTilt {
     }
 }
 
-/// Gravity torque per m/s² of the two directions across gravity.
-pub(crate) fn base_tilt_columns<const N: usize>(data: &RegressionData<N>) -> Vec<FineColumn<N>> {
-    BaseTilt { large: false }.columns(data, &[])
+/// Gravity torque per m/s² of the two directions across gravity, of one arm per log.
+pub(crate) fn base_tilt_columns<const N: usize>(data: &RegressionData<N>, arms: &[Arm<N>]) -> Vec<FineColumn<N>> {
+    let directions = BaseTilt::directions(&data.nominal.arm.gravity_m_s2);
+    let column = |direction: &Vector3<f64>| {
+        let of_burst = |burst: &Burst| {
+            let arm = Arm { gravity_m_s2: *direction, ..arms[burst.log].clone() };
+            data.samples[burst.fine.clone()].iter().map(|at| gravity_torque(&arm, &at.q)).collect::<Vec<_>>()
+        };
+        FineColumn::Arm(data.bursts.iter().flat_map(of_burst).collect())
+    };
+    directions[..2].iter().map(column).collect()
 }
 
 /// The tilt whose gravity differs by these components across the nominal one (m/s²).

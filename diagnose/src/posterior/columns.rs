@@ -69,7 +69,11 @@ impl Columns {
         pushes: &[PushWindow],
     ) -> Self {
         let parts = parts_of(data, parts_per_log);
-        let tilt = if data.transmission { Vec::new() } else { data.filter_all(&base_tilt_columns(data)) };
+        let tilt = if data.transmission {
+            Vec::new()
+        } else {
+            data.filter_all(&base_tilt_columns(data, &vec![data.nominal.arm.clone(); data.chains.len()]))
+        };
         let links = if data.transmission { 0 } else { N };
         let mut joints: Vec<JointColumns> = (0..N)
             .into_par_iter()
@@ -122,14 +126,24 @@ impl Columns {
         Self { joints, parts, grams, weights, sums: Mutex::default() }
     }
 
-    /// Puts other values in the place of a term, one column per joint.
-    pub fn replace(&mut self, term: JointTerm, values: &[Vec<f64>]) {
-        for ((joint, weights), values) in self.joints.iter_mut().zip(&self.weights).zip(values) {
-            let mut column = joint.matrix.column_mut(term.place());
-            column.iter_mut().zip(values.iter().zip(weights)).for_each(|(x, (value, weight))| *x = value * weight);
+    /// Puts other values in some columns, one list per joint; returns the RMS of what changes, weighted, `[column][joint]`.
+    pub fn replace(&mut self, columns: &[(usize, Vec<Vec<f64>>)]) -> Vec<Vec<f64>> {
+        let mut changes = Vec::with_capacity(columns.len());
+        for (place, values) in columns {
+            let joints = self.joints.iter_mut().zip(&self.weights).zip(values);
+            let change = joints.map(|((joint, weights), values)| {
+                let mut square = 0.0;
+                for (x, (value, weight)) in joint.matrix.column_mut(*place).iter_mut().zip(values.iter().zip(weights)) {
+                    square += (value * weight - *x).powi(2);
+                    *x = value * weight;
+                }
+                (square / values.len().max(1) as f64).sqrt()
+            });
+            changes.push(change.collect());
         }
         self.grams = grams_of(&self.joints, &self.parts);
         self.sums = Mutex::default();
+        changes
     }
 
     /// The same rows in another order, cut into other parts.

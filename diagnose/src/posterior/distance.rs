@@ -79,9 +79,9 @@ mod tests {
     fn a_path_that_comes_again_is_near_and_others_are_far() {
         let path = |shift: f64| -> Points { (0..50).map(|k| vec![f64::from(k) * 0.1 + shift, 0.0]).collect() };
         assert_eq!(distance(&path(0.0), &path(0.0)), 0.0);
-        // Half of the samples lie beyond the end of the path, by up to 2.5 in the first of two terms.
+        // 25 of 50 samples lie beyond the end of the path, by 0.1 k in the first of two terms: Σ k² = 25·26·51/6.
         let beyond = distance(&path(2.5), &path(0.0));
-        assert!((beyond - (0.5 * 2.5f64.powi(2) / 3.0 / 2.0).sqrt()).abs() < 0.02, "{beyond}");
+        assert!((beyond - (0.01 * 5525.0 / 50.0 / 2.0f64).sqrt()).abs() < 1e-9, "{beyond}");
         assert_eq!(distance(&path(0.0), &Vec::new()), f64::INFINITY);
     }
 }

@@ -9,12 +9,12 @@ use tribo_sim::Effect;
 
 use super::band::{Bands, Deviation, HeldOut};
 use super::baseline::Baselines;
-use super::carried_load::set_load;
 use super::columns::{Columns, PARTS};
 use super::distance::{MotionSpace, distance};
 use super::extremes::extremes;
 use super::family_finding::Answer;
 use super::fit::{Fit, Start, posterior};
+use super::found_arm::{set_arm, torque_of_changes};
 use super::further::further_causes;
 use super::motion::Motion;
 use super::prior::{ArmScale, Family};
@@ -65,14 +65,16 @@ struct Fitted {
     unseen: Unseen,
 }
 
-/// Most times that friction which goes with the load is made linear about what the joints carry.
-const LOAD_ROUNDS: usize = 2;
+/// Most times that load friction and tilt are made linear about what the joints carry.
+const ARM_ROUNDS: usize = 3;
+/// Change of a joint's torque by that, over what is left of it, which is no change.
+const NO_CHANGE: f64 = 0.1;
 
-/// Fits all families, drops those that harm on unseen data and fits anew, then asks which the log shows; `set_load` gives friction that goes with the load
-/// what the joints carry by a fit.
+/// Fits all families, drops those that harm on unseen data and fits anew, then asks which the log shows; `set_arm` gives the columns what the joints
+/// carry by a fit, and returns by how much that changes each joint's torque (RMS, Nm).
 fn fitted(
     problem: &mut Problem,
-    set_load: &dyn Fn(&mut Problem, &Fit),
+    set_arm: &dyn Fn(&mut Problem, &Fit) -> Vec<f64>,
     seed: u64,
     step: &dyn Fn(&str, f64) -> Result<(), DiagnoseError>,
 ) -> Result<Fitted, DiagnoseError> {
@@ -88,11 +90,11 @@ fn fitted(
         let Some((mut all, mut about)) = posterior(problem, &parts, &Start::of(&families)) else {
             return Err(too_short);
         };
-        for _ in 0..LOAD_ROUNDS {
-            if problem.of_family(Family::Load).all(|i| all.state[i] == 0.0) {
+        for _ in 0..ARM_ROUNDS {
+            let changes = set_arm(problem, &all);
+            if changes.iter().zip(&all.variances).all(|(change, own)| *change < NO_CHANGE * own.sqrt()) {
                 break;
             }
-            set_load(problem, &all);
             let Some(next) = posterior(problem, &parts, &Start::of(&families)) else { break };
             (all, about) = next;
         }
@@ -161,7 +163,8 @@ pub(crate) fn explain<const N: usize>(
             let effects = written::effects(&data, problem, &fit.state);
             let [bare, loaded] =
                 [false, true].map(|payload| with(&data.nominal, &effects, payload).with_rigid_effects_in_the_arm().arm);
-            set_load(&mut problem.columns, &data, [&bare, &loaded], &unloaded);
+            let changes = set_arm(&mut problem.columns, &data, [&bare, &loaded], &unloaded);
+            torque_of_changes(problem, &fit.state, &changes)
         };
         let fitted = fitted(&mut problem, &carried, settings.seed, step)?;
         Ok((data, problem, fitted))
@@ -441,7 +444,7 @@ fn validated<const N: usize>(
     };
     let mut here = regression(&bare);
     let carrying = extended.with_rigid_effects_in_the_arm().arm;
-    set_load(&mut here.columns, &bare, [&carrying; 2], &[false]);
+    set_arm(&mut here.columns, &bare, [&carrying; 2], &[false]);
     let untouched = match around.effects.len() > nominal.effects.len() {
         true => Some(regression(&in_band(nominal)?)),
         false => None,

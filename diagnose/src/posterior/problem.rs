@@ -185,6 +185,11 @@ impl Problem {
         }
     }
 
+    /// Length of gravity (m/s²).
+    pub fn gravity_m_s2(&self) -> f64 {
+        self.gravity_m_s2
+    }
+
     /// Number of joints.
     pub fn joints(&self) -> usize {
         self.columns.joints.len()

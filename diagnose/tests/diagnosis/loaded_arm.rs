@@ -1,5 +1,5 @@
-//! Friction goes with what an arm carries, which its model does not know: the fit took the load of the model, the written file that of the payload, and
-//! the dry friction of the file was too large by the difference.
+//! Friction and the torque of a tilted base go with what an arm carries, which its model does not know: the fit took the load of the model, the written file that of the
+//! payload, and dry friction and tilt of the file were too large by the difference.
 
 use tribo_diagnose::{CauseLabel, DiagnoseSettings, Nominal, diagnose};
 use tribo_friction::FrictionModel;
@@ -9,10 +9,11 @@ use tribo_sim::{Effect, Recording, Truth, record};
 
 const MASS_KG: f64 = 3.0;
 const LOAD_COEFFICIENT: f64 = 0.15;
+const TILT_RAD: f64 = 0.02;
 
-/// Dry and load friction of every joint that carries the payload are found as they are.
+/// Tilt, and dry and load friction of every joint that carries the payload, are found as they are.
 #[test]
-fn friction_goes_with_the_load_of_the_payload() {
+fn friction_and_tilt_go_with_the_load_of_the_payload() {
     let preset = presets::find("ur10e").unwrap();
     let preset = preset.with_joints::<6>().unwrap();
     let arm = preset.arm.clone();
@@ -27,8 +28,10 @@ fn friction_goes_with_the_load_of_the_payload() {
     });
     let payload =
         Effect::Payload { mass_kg: MASS_KG, com_m: [0.0, 0.0, 0.08], inertia_kg_m2: [0.01, 0.0, 0.0, 0.01, 0.0, 0.01] };
-    let truth =
-        Truth { effects: friction.chain([payload]).collect(), ..Truth::new(arm.clone(), FrictionModel::none()) };
+    let truth = Truth {
+        effects: friction.chain([payload, Effect::BaseTilt { angle_rad: TILT_RAD, axis: [1.0, 0.0, 0.0] }]).collect(),
+        ..Truth::new(arm.clone(), FrictionModel::none())
+    };
     let motion = Excitation::Multisine.draw(&Envelope::around(&arm, preset.poses_rad[0]), 40.0, 4);
     let recording = Recording { rate_hz: 500.0, torque_sd_nm: 0.05, ..Recording::default() };
     let log = record(&truth, 0.005, motion.as_ref(), &recording, 3).unwrap();
@@ -44,6 +47,12 @@ fn friction_goes_with_the_load_of_the_payload() {
     let labels: Vec<CauseLabel> = found.findings.iter().map(|finding| finding.label).collect();
     assert!(labels.contains(&CauseLabel::Payload) && labels.contains(&CauseLabel::LoadFriction), "{labels:?}");
     let effects = found.effects();
+    let tilt = effects.iter().find_map(|effect| match *effect {
+        Effect::BaseTilt { angle_rad, .. } => Some(angle_rad),
+        _ => None,
+    });
+    println!("tilt {tilt:?}");
+    assert!((tilt.unwrap() / TILT_RAD - 1.0).abs() < 0.05, "{tilt:?}");
     let of_joint = |joint: usize| {
         effects.iter().fold([0.0; 2], |[dry, load], effect| match *effect {
             Effect::Coulomb { joint: at, delta_coulomb_nm } if at == joint => [dry + delta_coulomb_nm, load],
