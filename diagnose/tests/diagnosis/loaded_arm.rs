@@ -52,7 +52,7 @@ fn friction_and_tilt_go_with_the_load_of_the_payload() {
         _ => None,
     });
     println!("tilt {tilt:?}");
-    assert!((tilt.unwrap() / TILT_RAD - 1.0).abs() < 0.05, "{tilt:?}");
+    assert!((tilt.unwrap() / TILT_RAD - 1.0).abs() < 0.02, "{tilt:?}");
     let of_joint = |joint: usize| {
         effects.iter().fold([0.0; 2], |[dry, load], effect| match *effect {
             Effect::Coulomb { joint: at, delta_coulomb_nm } if at == joint => [dry + delta_coulomb_nm, load],
