@@ -10,6 +10,8 @@ use crate::regression_data::{RegressionData, Sample};
 /// Period of the control loop of an arm (s), in which a torque is held and measured.
 const CONTROL_PERIOD_S: f64 = 1e-3;
 
+/// Periods that the far end of the interval of a delay that is surely shorter than one may reach: a delay of one is seen at 0.99.
+const SHORTER_PERIODS: f64 = 0.95;
 /// Periods that the near end of the interval of a delay that gains nothing may reach.
 const SURELY_PERIODS: f64 = 1.25;
 /// Periods that its far end may reach.
@@ -75,7 +77,7 @@ fn lateness_of_stamps(findings: &mut Vec<Finding>) -> Option<String> {
         let (least_s, most_s) = (ends().fold(f64::INFINITY, f64::min), ends().fold(0.0, f64::max));
         let hardly_longer = least_s < SURELY_PERIODS * CONTROL_PERIOD_S && most_s < POSSIBLY_PERIODS * CONTROL_PERIOD_S;
         let gains_nothing = finding.held_out_gain < LEAST_GAIN && hardly_longer;
-        delay.value.first().copied().filter(|_| most_s < CONTROL_PERIOD_S || gains_nothing)
+        delay.value.first().copied().filter(|_| most_s < SHORTER_PERIODS * CONTROL_PERIOD_S || gains_nothing)
     };
     let (place, delay_s) = findings.iter().enumerate().find_map(|(place, finding)| Some((place, delay_s(finding)?)))?;
     findings.remove(place);
@@ -142,6 +144,7 @@ mod tests {
         assert!(!kept(delay, [-0.9, -0.8, -0.7], 0.3), "surely shorter, and early");
         assert!(!kept(delay, [0.97, 1.0, 1.03], 0.001), "gains nothing");
         assert!(kept(delay, [0.97, 1.0, 1.03], 0.05), "gains something");
+        assert!(kept(delay, [0.985, 0.99, 0.995], 0.5), "a period, and gains much");
         assert!(kept(delay, [2.8, 3.0, 3.2], 0.001), "three periods");
         assert!(kept(CauseLabel::Coulomb, [0.1, 0.2, 0.3], 0.001), "no delay");
     }
