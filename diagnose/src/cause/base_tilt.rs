@@ -35,6 +35,19 @@ impl BaseTilt {
         [across, down.cross(&across), down]
     }
 
+    /// The columns with one arm per log; its own gravity does not matter, directions are about that of the model.
+    fn columns_of<const N: usize>(&self, data: &RegressionData<N>, arms: &[Arm<N>]) -> Vec<FineColumn<N>> {
+        let directions = Self::directions(&data.nominal.arm.gravity_m_s2);
+        let column = |direction: &Vector3<f64>| {
+            let of_burst = |burst: &Burst| {
+                let arm = Arm { gravity_m_s2: *direction, ..arms[burst.log].clone() };
+                data.samples[burst.fine.clone()].iter().map(|at| gravity_torque(&arm, &at.q)).collect::<Vec<_>>()
+            };
+            FineColumn::Arm(data.bursts.iter().flat_map(of_burst).collect())
+        };
+        directions[..if self.large { 3 } else { 2 }].iter().map(column).collect()
+    }
+
     fn turned<const N: usize>(&self, arm: &Arm<N>, coefficients: &[f64]) -> Vector3<f64> {
         let directions = Self::directions(&arm.gravity_m_s2);
         directions.iter().zip(coefficients).fold(arm.gravity_m_s2, |g, (direction, c)| g + direction * *c)
@@ -55,15 +68,7 @@ impl<const N: usize> Candidate<N> for BaseTilt {
     }
 
     fn columns(&self, data: &RegressionData<N>, _shape: &[f64]) -> Vec<FineColumn<N>> {
-        let directions = Self::directions(&data.nominal.arm.gravity_m_s2);
-        let count = if self.large { 3 } else { 2 };
-        directions[..count]
-            .iter()
-            .map(|direction| {
-                let arm = Arm { gravity_m_s2: *direction, ..data.nominal.arm.clone() };
-                data.arm_column(|at| gravity_torque(&arm, &at.q))
-            })
-            .collect()
+        self.columns_of(data, &vec![data.nominal.arm.clone(); data.chains.len()])
     }
 
     fn admissible(&self, data: &RegressionData<N>, _shape: &[f64], coefficients: &[f64]) -> bool {
@@ -85,15 +90,7 @@ impl<const N: usize> Candidate<N> for BaseTilt {
 
 /// Gravity torque per m/s² of the two directions across gravity, of one arm per log.
 pub(crate) fn base_tilt_columns<const N: usize>(data: &RegressionData<N>, arms: &[Arm<N>]) -> Vec<FineColumn<N>> {
-    let directions = BaseTilt::directions(&data.nominal.arm.gravity_m_s2);
-    let column = |direction: &Vector3<f64>| {
-        let of_burst = |burst: &Burst| {
-            let arm = Arm { gravity_m_s2: *direction, ..arms[burst.log].clone() };
-            data.samples[burst.fine.clone()].iter().map(|at| gravity_torque(&arm, &at.q)).collect::<Vec<_>>()
-        };
-        FineColumn::Arm(data.bursts.iter().flat_map(of_burst).collect())
-    };
-    directions[..2].iter().map(column).collect()
+    BaseTilt { large: false }.columns_of(data, arms)
 }
 
 /// The tilt whose gravity differs by these components across the nominal one (m/s²).

@@ -30,21 +30,14 @@ pub(super) fn set_arm<const N: usize>(
     if data.transmission {
         return [(); 3].map(|()| vec![0.0; N]);
     }
-    // Gravity is that of the model: its change is what a tilt's coefficient says.
-    let arms: Vec<Arm<N>> = unloaded
-        .iter()
-        .map(|unloaded| Arm {
-            gravity_m_s2: data.nominal.arm.gravity_m_s2,
-            ..if *unloaded { bare } else { loaded }.clone().link_side()
-        })
-        .collect();
+    let arms: Vec<Arm<N>> =
+        unloaded.iter().map(|unloaded| if *unloaded { bare } else { loaded }.clone().link_side()).collect();
     let link_nm: Vec<SVector<f64, N>> = data
         .bursts
         .iter()
         .flat_map(|burst| {
-            let arm = if unloaded[burst.log] { bare } else { loaded }.clone().link_side();
-            let samples = &data.samples[burst.fine.clone()];
-            samples.par_iter().map(|at| rnea(&arm, &at.q, &at.qd, &at.qdd)).collect::<Vec<_>>()
+            let (arm, samples) = (&arms[burst.log], &data.samples[burst.fine.clone()]);
+            samples.par_iter().map(|at| rnea(arm, &at.q, &at.qd, &at.qdd)).collect::<Vec<_>>()
         })
         .collect();
     let load = |j: usize| {
