@@ -12,6 +12,7 @@ use crate::deflection::deflections;
 use crate::diagnosis::{CauseLabel, Diagnosis};
 use crate::evaluated::{Before, Evaluated};
 use crate::evidence::joint_fit;
+use crate::judged::judge;
 use crate::noise_level::rms;
 use crate::posterior::baseline::PlainFits;
 use crate::regression_data::{Column, RegressionData, subtracted};
@@ -51,17 +52,23 @@ pub(crate) fn cause_by_cause<const N: usize>(
     step("ripple", 0.08)?;
     let mut lines = ripples(data, &[]);
     subtract_ripples(data, &original, &lines);
-    step("candidates", 0.12)?;
-    let evaluated_columns = EvaluatedColumns::of(data, &causes);
     let mut round = 0;
     loop {
         let at = |fraction: f64| 0.2 + 0.33 * (f64::from(round) + fraction);
+        step("candidates", at(-0.2))?;
+        let mut evaluated_columns = EvaluatedColumns::of(data, &causes);
         // The colour of the noise: first of what everything together leaves, then of what the selection leaves.
         let mut left = evaluated_columns.saturated_residual(data);
         let mut colours = 0;
         let (mut system, selected, inflation, chance) = loop {
             step("selection", at(0.3 + 0.3 * f64::from(colours)))?;
-            let mut system = System::new(data, &evaluated_columns, &left);
+            // The last system takes the columns: beside their whitened copies they would be a third of the memory.
+            let groups = evaluated_columns.groups.clone();
+            let mut system = if colours == 0 {
+                System::new(data, groups, &evaluated_columns.columns, &left)
+            } else {
+                System::new(data, groups, std::mem::take(&mut evaluated_columns.columns), &left)
+            };
             let go_on = || step("selection", at(0.3 + 0.3 * f64::from(colours))).is_ok();
             let mut search = Search::new(&mut system, 1.0);
             (search.thorough, search.most_kinds) = (colours > 0, question.most_kinds);
@@ -121,7 +128,10 @@ pub(crate) fn cause_by_cause<const N: usize>(
             logs,
             seed: settings.seed,
         };
-        return conclude(&mut search, &evaluated, question.validate, step).map(Some);
+        let judged = judge(&mut search, &evaluated, step)?;
+        // The written model is read back where the columns stood.
+        drop(system);
+        return conclude(data, judged, &evaluated, question.validate, step).map(Some);
     }
 }
 
@@ -164,10 +174,11 @@ fn explained_torque<const N: usize>(search: &Search<'_, '_, N>) -> Vec<SVector<f
     let data = search.system.data;
     let mut sum = vec![SVector::<f64, N>::zeros(); data.samples.len()];
     let coefficients = joint_fit(search.system, &search.system.columns_of(&search.selected)).coefficients;
-    let groups = search.selected.iter().map(|group| &search.system.groups[*group]);
-    let columns = groups.flat_map(|group| group.candidate.columns(data, &group.shape));
-    for (column, coefficient) in columns.zip(coefficients) {
-        column.add_to(&mut sum, coefficient);
+    let mut rest = &coefficients[..];
+    for group in search.selected.iter().map(|group| &search.system.groups[*group]) {
+        let (own, others) = rest.split_at(group.columns.len());
+        rest = others;
+        group.candidate.add_to(data, &group.shape, own, &mut sum);
     }
     sum
 }

@@ -75,7 +75,7 @@ fn joint_deflection<const N: usize>(
     joint: usize,
 ) -> Vec<DeflectionFinding> {
     let predicted = nominal_deflection(data, joint);
-    let own = |values: Vec<f64>| data.filter_own(joint, values);
+    let own = |values: Vec<f64>| data.filter_own(&values);
     let sample = |value: &dyn Fn(usize) -> f64| own((0..data.samples.len()).map(value).collect());
     let target = sample(&|k| deflection[k][joint] - predicted(data.samples[k].link_nm[joint]));
     let mut rates = Vec::with_capacity(data.samples.len());

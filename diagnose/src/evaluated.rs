@@ -5,6 +5,7 @@ use tribo_logs::RobotLog;
 use crate::Nominal;
 use crate::deflection::DeflectionFinding;
 use crate::posterior::baseline::PlainFits;
+use crate::regression_data::RegressionData;
 use crate::ripple::RippleLine;
 use crate::significance::Chance;
 
@@ -28,4 +29,11 @@ pub(crate) struct Evaluated<'e, const N: usize> {
     pub logs: &'e [RobotLog],
     pub chance: &'e Chance,
     pub seed: u64,
+}
+
+impl<const N: usize> Evaluated<'_, N> {
+    /// The model that figures before the findings are of, with what it leaves.
+    pub fn asked<'a>(&'a self, data: &'a RegressionData<N>) -> Before<'a, N> {
+        self.before.unwrap_or(Before { model: &data.nominal, residual_nm: self.original })
+    }
 }

@@ -233,7 +233,7 @@ mod tests {
         let causes: Vec<_> = candidates::<7>().into_iter().map(Arc::from).collect();
         let evaluated = EvaluatedColumns::of(&data, &causes);
         let left = evaluated.saturated_residual(&data);
-        let system = System::new(&data, &evaluated, &left);
+        let system = System::new(&data, evaluated.groups.clone(), &evaluated.columns, &left);
 
         let members: Vec<usize> = (0..system.groups.len()).step_by(system.groups.len() / 6).collect();
         let columns = system.columns_of(&members);

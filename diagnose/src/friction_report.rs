@@ -167,9 +167,8 @@ impl FrictionReport {
             Ok::<_, DiagnoseError>(ModelResidual::of(one, &whole, Some(band_hz))?.residual_nm)
         };
         let with_model = friction.map(with).transpose()?;
-        let fine = |value: &dyn Fn(f64) -> f64, j: usize| data.samples.iter().map(|at| value(at.qd[j])).collect();
-        let sign: Vec<Vec<f64>> =
-            (0..N).map(|j| data.filter_own(j, fine(&|qd| smooth_sign(qd, settings.smoothing_rad_s), j))).collect();
+        let fine = |j: usize| data.samples.iter().map(move |at| smooth_sign(at.qd[j], settings.smoothing_rad_s));
+        let sign: Vec<Vec<f64>> = (0..N).map(|j| data.filter_own(&fine(j).collect::<Vec<f64>>())).collect();
         let columns: Vec<[&[f64]; 2]> = (0..N).map(|j| [&sign[j][..], &data.qd[j][..]]).collect();
         let bursts: Vec<Range<usize>> = data.bursts.iter().map(|burst| burst.out.clone()).collect();
         let chain = data.chains.first().cloned().ok_or(DiagnoseError::NoLog)?;

@@ -47,6 +47,7 @@ mod finding;
 mod friction_report;
 mod golden_section;
 mod held_out;
+mod judged;
 mod least_squares;
 mod model_residual;
 mod next_experiment;

@@ -305,7 +305,7 @@ impl<const N: usize> RegressionData<N> {
     /// what velocity noise adds where the joint turns back.
     pub fn noise_weights(&self, joint: usize) -> &[f64] {
         self.noise_weights[joint].get_or_init(|| {
-            let variance = self.filter_own(joint, self.sign_noise_squares(joint));
+            let variance = self.filter_own(&self.sign_noise_squares(joint));
             let mean = variance.iter().sum::<f64>() / variance.len().max(1) as f64;
             let elsewhere = (self.noise_floor_nm[joint].powi(2) - mean).max(1e-12);
             variance.iter().map(|v| (elsewhere / (elsewhere + v.max(0.0))).sqrt()).collect()
@@ -318,7 +318,7 @@ impl<const N: usize> RegressionData<N> {
             let threshold =
                 (STANDING_SD * self.velocity_sd_rad_s[joint]).max(STANDING_WIDTHS * self.nominal.smoothing_rad_s);
             let stands = |at: &Sample<N>| f64::from(u8::from(at.qd[joint].abs() < threshold));
-            self.filter_own(joint, self.samples.iter().map(stands).collect())
+            self.filter_own(&self.samples.iter().map(stands).collect::<Vec<f64>>())
         })
     }
 
@@ -344,7 +344,7 @@ impl<const N: usize> RegressionData<N> {
                 }
             }
             let left = |samples: &[Sample<N>]| {
-                let model = self.filter_own(j, samples.iter().map(|at| at.model_nm[j]).collect());
+                let model = self.filter_own(&samples.iter().map(|at| at.model_nm[j]).collect::<Vec<f64>>());
                 self.measured_nm[j].iter().zip(model).map(|(measured, model)| (measured - model).powi(2)).sum::<f64>()
             };
             if left(&corrected) < MOTOR_SIDE_GAIN * left(&self.samples) {
@@ -398,15 +398,27 @@ impl<const N: usize> RegressionData<N> {
     }
 
     /// A signal of one joint (any unit) on the fine grid, after band filter and averaging.
-    pub fn filter_own(&self, joint: usize, values: Vec<f64>) -> Vec<f64> {
-        self.filter(&FineColumn::Joint(joint, values)).rows[joint].take().unwrap_or_default()
+    pub fn filter_own(&self, values: &[f64]) -> Vec<f64> {
+        self.filter_own_all([values]).pop().unwrap_or_default()
     }
 
-    /// The same of several signals of one joint.
-    pub fn filter_own_all(&self, joint: usize, signals: &[Vec<f64>]) -> Vec<Vec<f64>> {
-        let columns: Vec<FineColumn<N>> = signals.iter().map(|x| FineColumn::Joint(joint, x.clone())).collect();
-        let filtered = self.filter_all(&columns).into_iter();
-        filtered.map(|mut column| column.rows[joint].take().unwrap_or_default()).collect()
+    /// The same of several signals, of which no more are asked for at a time than the filter takes.
+    pub fn filter_own_all<S: AsRef<[f64]>>(&self, signals: impl IntoIterator<Item = S>) -> Vec<Vec<f64>> {
+        let (mut signals, mut filtered) = (signals.into_iter(), Vec::new());
+        loop {
+            let few: Vec<S> = signals.by_ref().take(LANES).collect();
+            let first = filtered.len();
+            filtered.extend(few.iter().map(|_| Vec::with_capacity(self.time_s.len())));
+            if few.is_empty() {
+                return filtered;
+            }
+            for burst in &self.bursts {
+                let tracks: Vec<&[f64]> = few.iter().map(|x| &x.as_ref()[burst.fine.clone()]).collect();
+                for (column, values) in filtered[first..].iter_mut().zip(self.chains[burst.log].finish_all(&tracks)) {
+                    column.extend(values);
+                }
+            }
+        }
     }
 
     /// Regressors of every link in its ten inertial parameters, in the band.

@@ -128,7 +128,7 @@ fn slow_part_removed<const N: usize>(
         base(&|at| at.q[j].cos()),
     ];
     bases.push(y);
-    let mut in_band = data.filter_own_all(j, &bases);
+    let mut in_band = data.filter_own_all(&bases);
     let (target, y) = (in_band.pop().unwrap_or_default(), bases.pop().unwrap_or_default());
     let fit = fit_rows(&in_band, &target, 1e-8);
     let slow = |row: usize| -> f64 { bases.iter().zip(&fit.coefficients).map(|(base, c)| c * base[row]).sum() };

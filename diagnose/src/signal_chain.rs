@@ -155,7 +155,7 @@ impl SignalChain {
     }
 
     /// B x for several settled x of one burst, ends trimmed, averaged.
-    pub(crate) fn finish_all(&self, signals: &[Vec<f64>]) -> Vec<Vec<f64>> {
+    pub(crate) fn finish_all<S: AsRef<[f64]>>(&self, signals: &[S]) -> Vec<Vec<f64>> {
         self.band.filter_all(signals).iter().map(|x| self.trim_and_average(x)).collect()
     }
 

@@ -1,5 +1,6 @@
 //! All candidate columns, whitened, and their Gram matrix: every question of the search is small dense algebra on it.
 
+use std::borrow::Borrow;
 use std::collections::BTreeMap;
 use std::ops::Range;
 use std::sync::{Arc, Mutex, OnceLock};
@@ -110,8 +111,13 @@ const LEAST_MOVING: usize = 40;
 const STANDING_SHARE: f64 = 0.003;
 
 impl<'a, const N: usize> System<'a, N> {
-    /// Whitens and multiplies all columns; the colour is that of `left`, the residual (Nm) of a fit.
-    pub fn new(data: &'a RegressionData<N>, evaluated: &EvaluatedColumns<N>, left: &[Vec<f64>; N]) -> Self {
+    /// Whitens and multiplies the columns of all groups, lent or given away; the colour is that of `left`, the residual (Nm) of a fit.
+    pub fn new<C: Borrow<Column<N>>>(
+        data: &'a RegressionData<N>,
+        groups: Vec<Group<N>>,
+        columns: impl IntoParallelIterator<Iter: IndexedParallelIterator, Item = C>,
+        left: &[Vec<f64>; N],
+    ) -> Self {
         let colour: Vec<(Vec<Whitening>, Vec<f64>, bool)> = (0..N)
             .into_par_iter()
             .map(|j| {
@@ -143,7 +149,7 @@ impl<'a, const N: usize> System<'a, N> {
         }
         let mut system = Self {
             data,
-            groups: evaluated.groups.clone(),
+            groups,
             columns: Vec::new(),
             target: Column { rows: std::array::from_fn(|_| None) },
             gram: DMatrix::zeros(0, 0),
@@ -159,7 +165,7 @@ impl<'a, const N: usize> System<'a, N> {
             row_samples,
             row_bursts,
         };
-        system.columns = evaluated.columns.par_iter().map(|column| system.whiten(column)).collect();
+        system.columns = columns.into_par_iter().map(|column| system.whiten(column.borrow())).collect();
         for group in &system.groups {
             drop_rounding(&mut system.columns[group.columns.clone()]);
         }

@@ -99,19 +99,13 @@ impl<const N: usize> TorqueResidual<N> {
         };
         let grids = resample(log, &resampling)?;
         let count = grids.bursts.len() + grids.skipped_bursts;
-        let long = |burst: &&RobotLog| burst.duration_s() >= chain.shortest_burst_s();
-        let kept: Vec<&RobotLog> = grids.bursts.iter().filter(long).collect();
+        let longest_burst_s = grids.bursts.iter().map(|burst| burst.duration_s()).fold(0.0, f64::max);
+        let long = |burst: &RobotLog| burst.duration_s() >= chain.shortest_burst_s();
+        let kept: Vec<RobotLog> = grids.bursts.into_iter().filter(long).collect();
         if kept.is_empty() {
-            let longest_burst_s = grids.bursts.iter().map(|burst| burst.duration_s()).fold(0.0, f64::max);
             let (need_s, band_hz) = (chain.shortest_burst_s(), chain.band_hz);
             return Err(ResidualError::TooShort { longest_burst_s, need_s, bursts: count, band_hz });
         }
-
-        // Motion from positions; measured torque through the same smoother.
-        let motion: Vec<_> = kept.iter().map(|burst| motion_of(burst, &chain)).collect();
-        let raw_torque_nm = kept.iter().map(|burst| rows(&burst.tau_j_nm, &chain)).collect();
-        let link_torque_nm = kept.iter().map(|burst| smoothed(burst.tau_link_nm.as_ref(), &chain)).collect();
-        let deflection_rad = kept.iter().map(|burst| deflection_of(burst, &chain)).collect();
         let mut residual = Self {
             time_s: Vec::new(),
             qd_rad_s: std::array::from_fn(|_| Vec::new()),
@@ -121,23 +115,38 @@ impl<const N: usize> TorqueResidual<N> {
             bursts: Vec::new(),
             skipped_bursts: count - kept.len(),
             chain,
-            motion,
-            raw_torque_nm,
-            link_torque_nm,
-            deflection_rad,
+            motion: Vec::new(),
+            raw_torque_nm: Vec::new(),
+            link_torque_nm: log.tau_link_nm.is_some().then(Vec::new),
+            deflection_rad: log.theta_rad.is_some().then(Vec::new),
         };
         for burst in kept {
-            let start = residual.time_s.len();
-            residual.time_s.extend(residual.chain.trim_and_average(residual.chain.settled(&burst.time_s)));
-            residual.bursts.push(start..residual.time_s.len());
-            let smoothed = residual.chain.smooth_all(&burst.tau_j_nm);
-            let settled: Vec<Vec<f64>> = smoothed.iter().map(|x| residual.chain.settled(x).to_vec()).collect();
-            for (measured, finished) in residual.measured_nm.iter_mut().zip(residual.chain.finish_all(&settled)) {
-                measured.extend(finished);
-            }
+            residual.append(&burst);
         }
         residual.qd_rad_s = residual.joint_columns(|at| at.qd);
         Ok(residual)
+    }
+
+    /// The samples of one burst on its grid: measured torque through the same smoother and band as the motion, which is that of positions.
+    fn append(&mut self, burst: &RobotLog) {
+        let start = self.time_s.len();
+        self.time_s.extend(self.chain.trim_and_average(self.chain.settled(&burst.time_s)));
+        self.bursts.push(start..self.time_s.len());
+        let smoothed_nm = self.chain.smooth_all(&burst.tau_j_nm);
+        let settled: Vec<Vec<f64>> = smoothed_nm.iter().map(|x| self.chain.settled(x).to_vec()).collect();
+        drop(smoothed_nm);
+        for (measured, finished) in self.measured_nm.iter_mut().zip(self.chain.finish_all(&settled)) {
+            measured.extend(finished);
+        }
+        drop(settled);
+        self.raw_torque_nm.push(rows(&burst.tau_j_nm, &self.chain));
+        if let Some(all) = &mut self.link_torque_nm {
+            all.extend(smoothed(burst.tau_link_nm.as_ref(), &self.chain));
+        }
+        if let Some(all) = &mut self.deflection_rad {
+            all.extend(deflection_of(burst, &self.chain));
+        }
+        self.motion.push(motion_of(burst, &self.chain));
     }
 
     /// Number of samples of every column.

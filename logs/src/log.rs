@@ -202,6 +202,25 @@ impl RobotLog {
         self.0
     }
 
+    /// The log without some quantities, whose memory is given back; those that every log has stay.
+    #[must_use]
+    pub fn without(mut self, quantities: &[Quantity]) -> Self {
+        for quantity in quantities {
+            match quantity {
+                Quantity::Time | Quantity::Position | Quantity::Velocity | Quantity::Torque => {}
+                Quantity::TorqueDesired => self.0.tau_j_d_nm = None,
+                Quantity::FrictionCompensation => self.0.tau_friction_nm = None,
+                Quantity::LinkTorque => self.0.tau_link_nm = None,
+                Quantity::MotorPosition => self.0.theta_rad = None,
+                Quantity::MotorVelocity => self.0.dtheta_rad_s = None,
+                Quantity::Temperature => self.0.temperature_c = None,
+                Quantity::TemperatureAmbient => self.0.temperature_ambient_c = None,
+                Quantity::ExternalWrench => self.0.o_f_ext = None,
+            }
+        }
+        self
+    }
+
     /// The rows of `range`, such as one of [`crate::bursts`].
     ///
     /// # Errors
@@ -286,6 +305,9 @@ mod tests {
         let log = two_rows().validate().unwrap();
         assert!(matches!(log.slice(1..2), Err(LogError::TooFewRows { got: 1, need: 2 })));
         assert_eq!(log.slice(0..9).unwrap(), log);
+        let warm = LogColumns { temperature_c: Some(vec![vec![30.0, 31.0]]), ..two_rows() }.validate().unwrap();
+        assert_eq!(warm.clone().without(&[Quantity::Temperature, Quantity::Position]), log);
+        assert_eq!(warm.clone().without(&[Quantity::LinkTorque]), warm);
         assert_eq!(row::<1>(&log.q_rad, 1), [2.0]);
     }
 }

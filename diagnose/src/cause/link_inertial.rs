@@ -1,7 +1,7 @@
 //! A link of another mass or first moment.
 
 use nalgebra::{Matrix3, SVector, Vector3};
-use tribo_robot::{LinkInertia, inverse_dynamics_regressor};
+use tribo_robot::{LinkInertia, link_regressor};
 use tribo_sim::Effect;
 
 use super::{Candidate, RIGID_UNASKED};
@@ -105,12 +105,21 @@ impl<const N: usize> Candidate<N> for LinkInertial {
 
     fn columns(&self, data: &RegressionData<N>, _shape: &[f64]) -> Vec<FineColumn<N>> {
         let directions = self.directions(data);
-        let mut columns = vec![Vec::with_capacity(data.samples.len()); directions.len()];
+        let mut columns: Vec<Vec<_>> = (0..directions.len()).map(|_| Vec::with_capacity(data.samples.len())).collect();
         for at in &data.samples {
-            let block = inverse_dynamics_regressor(&data.nominal.arm, &at.q, &at.qd, &at.qdd)[self.link];
+            let block = link_regressor(&data.nominal.arm, &at.q, &at.qd, &at.qdd, self.link);
             columns.iter_mut().zip(&directions).for_each(|(column, direction)| column.push(block * direction));
         }
         columns.into_iter().map(FineColumn::Arm).collect()
+    }
+
+    /// As the one column of the change that the coefficients make.
+    fn add_to(&self, data: &RegressionData<N>, _shape: &[f64], coefficients: &[f64], sum: &mut [SVector<f64, N>]) {
+        let change: SVector<f64, 10> =
+            self.directions(data).iter().zip(coefficients).map(|(direction, c)| direction * *c).sum();
+        for (sum, at) in sum.iter_mut().zip(&data.samples) {
+            *sum += link_regressor(&data.nominal.arm, &at.q, &at.qd, &at.qdd, self.link) * change;
+        }
     }
 
     fn filtered(&self, data: &RegressionData<N>, _shape: &[f64]) -> Vec<Column<N>> {
@@ -135,10 +144,7 @@ impl<const N: usize> Candidate<N> for LinkInertial {
     fn effect(&self, data: &RegressionData<N>, _shape: &[f64], coefficients: &[f64]) -> Option<Effect> {
         let link = &data.nominal.arm.links[self.link];
         let directions = self.directions(data);
-        let delta = directions
-            .iter()
-            .zip(coefficients)
-            .fold(SVector::<f64, 10>::zeros(), |sum, (direction, c)| sum + direction * *c);
+        let delta: SVector<f64, 10> = directions.iter().zip(coefficients).map(|(direction, c)| direction * *c).sum();
         let delta_inertia_kg_m2 = match self.extent {
             Extent::Scale => std::array::from_fn(|i| delta[4 + i]),
             Extent::FirstMoment | Extent::Mass | Extent::Body if is_body(link, &delta) => {

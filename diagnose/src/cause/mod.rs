@@ -81,7 +81,12 @@ pub(crate) trait Candidate<const N: usize>: Send + Sync {
     /// Torque per unit of each coefficient on the fine grid.
     fn columns(&self, data: &RegressionData<N>, shape: &[f64]) -> Vec<FineColumn<N>>;
 
-    /// The same in the band, which not every candidate needs to filter anew.
+    /// `sum += Σ coefficient · column` on the fine grid.
+    fn add_to(&self, data: &RegressionData<N>, shape: &[f64], coefficients: &[f64], sum: &mut [SVector<f64, N>]) {
+        self.columns(data, shape).iter().zip(coefficients).for_each(|(column, c)| column.add_to(sum, *c));
+    }
+
+    /// The columns in the band, which not every candidate needs to filter anew.
     fn filtered(&self, data: &RegressionData<N>, shape: &[f64]) -> Vec<Column<N>> {
         data.filter_all(&self.columns(data, shape))
     }

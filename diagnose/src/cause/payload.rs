@@ -1,7 +1,7 @@
 //! A body at the flange.
 
-use nalgebra::{Matrix3, SMatrix, SVector, Vector3};
-use tribo_robot::{Arm, inverse_dynamics_regressor};
+use nalgebra::{DVector, Matrix3, SMatrix, SVector, Vector3};
+use tribo_robot::{Arm, link_regressor};
 use tribo_sim::Effect;
 
 use super::{Candidate, RIGID_UNASKED};
@@ -47,12 +47,21 @@ impl<const N: usize> Candidate<N> for Payload {
         let arm = &data.nominal.arm;
         let link_from_flange = link_from_flange(arm);
         let count = if self.extent == Extent::Body { 10 } else { 4 };
-        let mut columns = vec![Vec::with_capacity(data.samples.len()); count];
+        let mut columns: Vec<Vec<_>> = (0..count).map(|_| Vec::with_capacity(data.samples.len())).collect();
         for at in &data.samples {
-            let block = inverse_dynamics_regressor(arm, &at.q, &at.qd, &at.qdd)[N - 1] * link_from_flange;
+            let block = link_regressor(arm, &at.q, &at.qd, &at.qdd, N - 1) * link_from_flange;
             columns.iter_mut().enumerate().for_each(|(i, column)| column.push(block.column(i).into_owned()));
         }
         columns.into_iter().map(FineColumn::Arm).collect()
+    }
+
+    /// As the one column of the body that the coefficients make.
+    fn add_to(&self, data: &RegressionData<N>, _shape: &[f64], coefficients: &[f64], sum: &mut [SVector<f64, N>]) {
+        let arm = &data.nominal.arm;
+        let body = link_from_flange(arm).columns(0, coefficients.len()) * DVector::from_column_slice(coefficients);
+        for (sum, at) in sum.iter_mut().zip(&data.samples) {
+            *sum += link_regressor(arm, &at.q, &at.qd, &at.qdd, N - 1) * &body;
+        }
     }
 
     fn filtered(&self, data: &RegressionData<N>, _shape: &[f64]) -> Vec<Column<N>> {

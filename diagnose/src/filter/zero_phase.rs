@@ -160,24 +160,24 @@ impl ZeroPhaseLowPass {
     ///
     /// # Panics
     /// Where a signal is shorter than the first.
-    pub fn filter_all(&self, signals: &[Vec<f64>]) -> Vec<Vec<f64>> {
+    pub fn filter_all<S: AsRef<[f64]>>(&self, signals: &[S]) -> Vec<Vec<f64>> {
         let mut filtered = Vec::with_capacity(signals.len());
         let mut chunks = signals.chunks_exact(LANES);
         for chunk in &mut chunks {
-            filtered.extend(self.filter_lanes::<LANES>(std::array::from_fn(|l| chunk[l].as_slice())));
+            filtered.extend(self.filter_lanes::<LANES>(std::array::from_fn(|l| chunk[l].as_ref())));
         }
         match chunks.remainder() {
             [] => {}
-            [one] => filtered.push(self.filter(one)),
-            some if some.len() <= FEW_LANES => filtered.extend(self.filter_some::<FEW_LANES>(some)),
-            some => filtered.extend(self.filter_some::<LANES>(some)),
+            [one] => filtered.push(self.filter(one.as_ref())),
+            some if some.len() <= FEW_LANES => filtered.extend(self.filter_some::<FEW_LANES, S>(some)),
+            some => filtered.extend(self.filter_some::<LANES, S>(some)),
         }
         filtered
     }
 
     /// Up to L signals; the last fills the lanes that are left.
-    fn filter_some<const L: usize>(&self, some: &[Vec<f64>]) -> impl Iterator<Item = Vec<f64>> + use<L> {
-        let lanes = self.filter_lanes::<L>(std::array::from_fn(|l| some[l.min(some.len() - 1)].as_slice()));
+    fn filter_some<const L: usize, S: AsRef<[f64]>>(&self, some: &[S]) -> impl Iterator<Item = Vec<f64>> + use<L, S> {
+        let lanes = self.filter_lanes::<L>(std::array::from_fn(|l| some[l.min(some.len() - 1)].as_ref()));
         lanes.into_iter().take(some.len())
     }
 

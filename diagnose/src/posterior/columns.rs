@@ -267,29 +267,26 @@ fn own_columns<const N: usize>(data: &RegressionData<N>, j: usize, scale: &ArmSc
     let of = |value: &dyn Fn(&crate::regression_data::Sample<N>) -> f64| {
         data.samples.iter().map(value).collect::<Vec<f64>>()
     };
-    let fine: Vec<Vec<f64>> = JointTerm::ALL
-        .into_iter()
-        .map(|term| match term {
-            JointTerm::Offset => of(&|_| 1.0),
-            JointTerm::Coulomb => of(&|at| at.sign[j]),
-            JointTerm::Viscous => of(&|at| at.qd[j]),
-            JointTerm::Curve(k) => of(&|at| smooth_sign(at.qd[j], scale.curve_width_rad_s(j, k))),
-            JointTerm::Load => of(&|at| at.link_nm[j].abs() * at.sign[j]),
-            JointTerm::Rotor => of(&|at| at.qdd[j]),
-            JointTerm::Presliding(k) => {
-                let z = bristle(data, j, PRESLIDING_RAD[k]);
-                z.iter().zip(&data.samples).map(|(z, at)| z - at.sign[j]).collect()
-            }
-            JointTerm::Lead(k) => {
-                let width_rad_s = scale.lead_width_rad_s(j, k);
-                of(&|at| leading_sign(at.qd[j], at.qdd[j], width_rad_s, SOFT_FRICTION_LEAD_S) - at.sign[j])
-            }
-            JointTerm::Sine(k) => of(&|at| waves(k).map_or(0.0, |n| (n * at.q[j]).sin())),
-            JointTerm::Cosine(k) => of(&|at| waves(k).map_or(0.0, |n| (n * at.q[j]).cos())),
-            JointTerm::Spring => of(&|at| at.q[j]),
-        })
-        .collect();
-    data.filter_own_all(j, &fine)
+    let fine = JointTerm::ALL.into_iter().map(|term| match term {
+        JointTerm::Offset => of(&|_| 1.0),
+        JointTerm::Coulomb => of(&|at| at.sign[j]),
+        JointTerm::Viscous => of(&|at| at.qd[j]),
+        JointTerm::Curve(k) => of(&|at| smooth_sign(at.qd[j], scale.curve_width_rad_s(j, k))),
+        JointTerm::Load => of(&|at| at.link_nm[j].abs() * at.sign[j]),
+        JointTerm::Rotor => of(&|at| at.qdd[j]),
+        JointTerm::Presliding(k) => {
+            let z = bristle(data, j, PRESLIDING_RAD[k]);
+            z.iter().zip(&data.samples).map(|(z, at)| z - at.sign[j]).collect()
+        }
+        JointTerm::Lead(k) => {
+            let width_rad_s = scale.lead_width_rad_s(j, k);
+            of(&|at| leading_sign(at.qd[j], at.qdd[j], width_rad_s, SOFT_FRICTION_LEAD_S) - at.sign[j])
+        }
+        JointTerm::Sine(k) => of(&|at| waves(k).map_or(0.0, |n| (n * at.q[j]).sin())),
+        JointTerm::Cosine(k) => of(&|at| waves(k).map_or(0.0, |n| (n * at.q[j]).cos())),
+        JointTerm::Spring => of(&|at| at.q[j]),
+    });
+    data.filter_own_all(fine)
 }
 
 /// −dy/dt of the measured torque in the band: torque per second of lateness.

@@ -44,7 +44,7 @@ impl MotionSpace {
     pub fn points(&self, problem: &Problem, parts: &[usize]) -> Points {
         let samples = problem.columns.samples(parts);
         let every = samples.div_ceil(MOST_POINTS).max(1);
-        let mut points = vec![Vec::with_capacity(self.axes.len()); samples.div_ceil(every)];
+        let mut points: Points = (0..samples.div_ceil(every)).map(|_| Vec::with_capacity(self.axes.len())).collect();
         for (joint, term, sd) in &self.axes {
             let values = problem.term_along(*joint, *term, parts);
             points.iter_mut().zip(values.iter().step_by(every)).for_each(|(point, x)| point.push(x / sd));

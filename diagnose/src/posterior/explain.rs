@@ -1,5 +1,6 @@
 //! The diagnosis of an arm whose model is wrong everywhere.
 
+use std::borrow::Cow;
 use std::collections::BTreeSet;
 use std::ops::Range;
 
@@ -146,7 +147,10 @@ pub(crate) fn explain<const N: usize>(
     let rates = given.logs.iter().filter_map(|log| median_period_s(&log.time_s)).map(f64::recip);
     let slowest_hz = rates.fold(f64::INFINITY, f64::min);
     let band_hz = settings.band_hz.unwrap_or_else(|| BAND_HZ.min(WIDEST_BAND * slowest_hz));
-    let all_logs: Vec<RobotLog> = given.logs.iter().chain(given.unloaded).cloned().collect();
+    let all_logs: Cow<'_, [RobotLog]> = match given.unloaded {
+        [] => Cow::Borrowed(given.logs),
+        unloaded => given.logs.iter().chain(unloaded).cloned().collect(),
+    };
     let unloaded: Vec<bool> = (0..all_logs.len()).map(|k| k >= given.logs.len()).collect();
     let in_band = |logs: &[RobotLog], model: &Nominal<N>| RegressionData::of_logs(logs, model, Some(band_hz));
     let fitted_around = |further: &[Finding],

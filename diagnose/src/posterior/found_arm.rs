@@ -42,7 +42,7 @@ pub(super) fn set_arm<const N: usize>(
         .collect();
     let load = |j: usize| {
         let friction = data.samples.iter().zip(&link_nm).map(|(at, link_nm)| link_nm[j].abs() * at.sign[j]);
-        data.filter_own(j, friction.collect())
+        data.filter_own(&friction.collect::<Vec<f64>>())
     };
     let tilts = data.filter_all(&base_tilt_columns(data, &arms));
     let rows = data.time_s.len();

@@ -59,8 +59,7 @@ pub(crate) fn sharper_sign<const N: usize>(data: &RegressionData<N>, problem: &P
                 stops.for_each(|rest| beyond[rest.clone()].fill(0.0));
                 beyond
             };
-            let fine: Vec<Vec<f64>> = widths.iter().map(beyond_own).collect();
-            likelier(data, problem, &all, j, &fine)
+            likelier(data, problem, &all, j, widths.iter().map(beyond_own))
         })
         .collect();
     let sum = |k: usize| nats.iter().map(|joint| joint[k]).sum::<f64>();
@@ -80,7 +79,7 @@ pub(super) fn likelier<const N: usize>(
     problem: &Problem,
     all: &Fit,
     joint: usize,
-    changes: &[Vec<f64>],
+    changes: impl IntoIterator<Item = Vec<f64>>,
 ) -> Vec<f64> {
     let left = problem.residual_along(&all.state, joint, &problem.all_parts());
     // What a wrong width leaves comes again in every cycle: that is what is asked for, and no other error of the model.
@@ -92,7 +91,7 @@ pub(super) fn likelier<const N: usize>(
         let without: f64 = left.iter().zip(weighted).map(|(r, x)| (r - x).powi(2)).sum();
         0.5 * count * (square.max(f64::MIN_POSITIVE) / without.max(f64::MIN_POSITIVE)).ln()
     };
-    data.filter_own_all(joint, changes).into_iter().map(nats).collect()
+    data.filter_own_all(changes).into_iter().map(nats).collect()
 }
 
 /// Whether a change makes the log likelier by 10 nat in all, and most of the joints that say anything.

@@ -34,7 +34,7 @@ pub(crate) fn sticking<const N: usize>(data: &RegressionData<N>, problem: &Probl
             let mut change = slides.clone();
             bridge(&mut change, &data.short_rests[j]);
             change.iter_mut().zip(slides).for_each(|(sticks, slides)| *sticks -= slides);
-            likelier(data, problem, &all, j, &[change])
+            likelier(data, problem, &all, j, [change])
         })
         .collect();
     is_shown(&nats).then(|| data.nominal.with_sticking())

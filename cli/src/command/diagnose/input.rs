@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use serde_json::{Value, json};
 use tribo_logs::recognise::{Remark, Use, recognise, said};
-use tribo_logs::{LogSummary, Mapping, ReadOptions, RobotLog};
+use tribo_logs::{LogSummary, Mapping, Quantity, ReadOptions, RobotLog};
 
 use super::super::believe::{Refused, believe};
 use super::super::read_log;
@@ -38,6 +38,15 @@ impl Readings {
     }
 }
 
+/// What no diagnosis asks for: a third of the memory of a log that has it.
+const UNASKED: [Quantity; 5] = [
+    Quantity::FrictionCompensation,
+    Quantity::MotorVelocity,
+    Quantity::Temperature,
+    Quantity::TemperatureAmbient,
+    Quantity::ExternalWrench,
+];
+
 /// The logs with their names; suspicions about them go to standard error at once, and into `readings`.
 pub fn logs(
     paths: &[PathBuf],
@@ -51,7 +60,7 @@ pub fn logs(
         let (log, summary) = log(path, options, common)?;
         readings.add(&name, &summary);
         readings.believe(&name, &recognise(&log), refused, common.quiet)?;
-        Ok((name, log))
+        Ok((name, log.without(&UNASKED)))
     };
     paths.iter().map(&mut one).collect()
 }
