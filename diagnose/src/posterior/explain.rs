@@ -122,7 +122,7 @@ fn fitted(
             continue;
         }
         step("families", 0.7)?;
-        let selection = select(problem, &equations, &parts, &all);
+        let selection = select(problem, &parts, &all);
         return Ok(Fitted { all, selection, unseen });
     }
 }

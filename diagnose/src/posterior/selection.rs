@@ -31,22 +31,47 @@ pub(crate) struct Selection {
     pub rivals: BTreeMap<Family, Vec<(Family, f64)>>,
 }
 
-/// Evidence of sets of families at the noise colour and the linearisation of the fit of all.
+/// Evidence of sets of families at the noise colour of the fit of all.
 struct Evidence<'p> {
     problem: &'p Problem,
-    equations: &'p NormalEquations,
+    /// Equations of sets without gains.
+    ungained: NormalEquations,
     parts: &'p [usize],
     all: &'p Fit,
 }
 
-impl Evidence<'_> {
+/// Times that a set with gains is made linear about what it found itself.
+const RELINEARISATIONS: usize = 3;
+
+impl<'p> Evidence<'p> {
+    fn new(problem: &'p Problem, parts: &'p [usize], all: &'p Fit) -> Self {
+        let ungained = problem.normal_equations(&problem.without(&all.state, |family| family == Family::Gain), parts);
+        Self { problem, ungained, parts, all }
+    }
+
     fn of(&self, set: &[Family]) -> f64 {
-        let start = self.all.lend(self.problem, set.to_vec());
-        let Some(found) = fit(self.problem, self.equations, self.parts, &start) else { return f64::NEG_INFINITY };
+        let Some(found) = self.fit(set) else { return f64::NEG_INFINITY };
         if set.contains(&Family::Payload) && !is_payload(self.problem, &found) {
             return f64::NEG_INFINITY;
         }
         found.log_evidence
+    }
+
+    /// The fit of a set, linear in the gains about itself: about the fit of all, the column of a gain is the torque of all families, and would bring
+    /// along those that the set lacks.
+    fn fit(&self, set: &[Family]) -> Option<Fit> {
+        let start = self.all.lend(self.problem, set.to_vec());
+        if !set.contains(&Family::Gain) {
+            return fit(self.problem, &self.ungained, self.parts, &start);
+        }
+        let mut about = self.problem.without(&self.all.state, |family| !set.contains(&family));
+        let mut found = None;
+        for _ in 0..RELINEARISATIONS {
+            let next = fit(self.problem, &self.problem.normal_equations(&about, self.parts), self.parts, &start)?;
+            about.clone_from(&next.state);
+            found = Some(next);
+        }
+        found
     }
 
     fn of_all(&self, sets: Vec<Vec<Family>>) -> Vec<f64> {
@@ -72,8 +97,8 @@ fn without(set: &[Family], family: Family) -> Vec<Family> {
 }
 
 /// Adds the likeliest family while that is worth it, drops what is not worth having; begins with what every arm has.
-pub(crate) fn select(problem: &Problem, equations: &NormalEquations, parts: &[usize], all: &Fit) -> Selection {
-    let evidence = Evidence { problem, equations, parts, all };
+pub(crate) fn select(problem: &Problem, parts: &[usize], all: &Fit) -> Selection {
+    let evidence = Evidence::new(problem, parts, all);
     let candidates: Vec<Family> = all.start.families.clone();
     let always = |family: &Family| family.prior(problem.scale.link_side).always;
     let mut set: Vec<Family> = candidates.iter().copied().filter(always).collect();
