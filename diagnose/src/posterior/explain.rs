@@ -229,7 +229,7 @@ pub(crate) fn explain<const N: usize>(
     let left_nm: [Vec<f64>; N] = in_band(given.logs, &extended)?.residual_nm;
     let bare_data = if given.unloaded.is_empty() { None } else { Some(in_band(given.unloaded, &without_payload)?) };
 
-    let unsure = all.with_usual_gains(&problem);
+    let unsure = all.with_doubts(&problem);
     let answer = Answer {
         data: &data,
         problem: &problem,

@@ -85,21 +85,32 @@ impl Fit {
 }
 
 impl Fit {
-    /// The same with the gains of the drives as unsure as they are before any log, however alike the log takes them to be:
+    /// The same with gains and links as unsure as whoever asks for a body's mass must take them to be:
     ///
     /// ```text
-    /// Λ' = Λ − Q_g/α_g² + Q_g/max(α_g, 1)²
+    /// Λ' = Λ − Q_g/α_g² + Q_g/max(α_g, 1)² − Q_l/α_l² + Q_l/d²,   d = 0.04
     /// ```
     ///
-    /// A scale by evidence that says "no gain here" makes a body's mass look surer than it is: gains that are all off by little, and
-    /// less or more mass, load the joints nearly alike.
-    pub fn with_usual_gains(&self, problem: &Problem) -> Self {
-        let Some(scale) = self.scale(Family::Gain) else { return self.clone() };
+    /// Gains as before any log: a scale by evidence that says "no gain here" makes a mass look surer than it is, for gains that are all off by
+    /// little, and less or more mass, load the joints nearly alike. Links that are more wrong than is usual: on 37 payloads of arms whose links were
+    /// off by 3 to 5 % the errors were 1.2 standard deviations, 1.3 of those that the answer was sure of.
+    pub fn with_doubts(&self, problem: &Problem) -> Self {
         let Some(information) = spd::inverse(&self.covariance) else { return self.clone() };
         let mut information = information.matrix;
-        for (k, &i) in self.active.iter().enumerate().filter(|(_, i)| problem.places[**i].family() == Family::Gain) {
-            let own = scale * self.factors[i];
+        let of_family = |family: Family| -> Vec<(usize, usize)> {
+            let own = |(_, i): &(usize, usize)| problem.places[*i].family() == family;
+            self.active.iter().copied().enumerate().filter(own).collect()
+        };
+        for (k, i) in of_family(Family::Gain) {
+            let own = self.scale(Family::Gain).unwrap_or(1.0) * self.factors[i];
             information[(k, k)] += problem.precision[(i, i)] * (own.max(1.0).powi(-2) - own.powi(-2));
+        }
+        let links = of_family(Family::Links);
+        for &(row, r) in &links {
+            for &(column, c) in &links {
+                information[(row, column)] +=
+                    problem.precision[(r, c)] * (DOUBTED_LINKS.powi(-2) - LINK_SCALE.powi(-2));
+            }
         }
         match spd::inverse(&information) {
             Some(inverse) => Self { covariance: inverse.matrix, ..self.clone() },
@@ -142,6 +153,9 @@ const LEAST_SCALE: f64 = 1e-4;
 const FIRST_KAPPA: f64 = 3.0;
 /// Least σ over the RMS of b: arithmetic is no better.
 const LEAST_SIGMA: f64 = 1e-5;
+
+/// Scale of the links where a body's mass is asked for.
+const DOUBTED_LINKS: f64 = 0.04;
 
 /// The usual scale of a family.
 fn usual(family: Family) -> f64 {

@@ -134,3 +134,73 @@ pub(crate) fn select(problem: &Problem, parts: &[usize], all: &Fit) -> Selection
     rivals.values_mut().for_each(|list| list.sort_by(|a, b| a.1.total_cmp(&b.1)));
     Selection { selected: set, worth, would_add, rivals }
 }
+
+#[cfg(test)]
+mod tests {
+    use tribo_friction::FrictionModel;
+    use tribo_robot::presets;
+    use tribo_sim::excitation::{Envelope, Excitation};
+    use tribo_sim::{Effect, Recording, Truth, record};
+
+    use super::super::columns::{Columns, PARTS};
+    use super::super::fit::{Start, posterior};
+    use super::super::prior::ArmScale;
+    use super::*;
+    use crate::Nominal;
+    use crate::regression_data::RegressionData;
+
+    /// An arm of sliding, bristly friction whose torque signals are right: gains are not worth having, also where the bristles are left out.
+    #[test]
+    fn a_gain_does_not_stand_for_the_families_that_a_set_lacks() {
+        let arm = presets::panda();
+        let friction = (0..7).flat_map(|joint| {
+            let dry_nm = 0.06 * arm.limits.tau_max_nm[joint];
+            [
+                Effect::Coulomb { joint, delta_coulomb_nm: dry_nm },
+                Effect::Viscous { joint, delta_viscous_nm_s_per_rad: dry_nm },
+                Effect::Presliding { joint, presliding_distance_rad: 5e-3, amplitude_nm: Some(dry_nm) },
+            ]
+        });
+        let truth = Truth { effects: friction.collect(), ..Truth::new(arm.clone(), FrictionModel::none()) };
+        let motion = Excitation::Multisine.draw(&Envelope::around(&arm, presets::panda_ready_pose()), 30.0, 2);
+        let recording = Recording { rate_hz: 250.0, torque_sd_nm: 0.05, ..Recording::default() };
+        let log = record(&truth, 0.005, motion.as_ref(), &recording, 3).unwrap();
+        let nominal = Nominal {
+            arm,
+            friction: FrictionModel::none(),
+            smoothing_rad_s: 0.005,
+            sticks: false,
+            effects: Vec::new(),
+            torque_side: recording.torque_side,
+        };
+        let data = RegressionData::of_logs(&[log], &nominal, Some(10.0)).unwrap();
+        let scale = ArmScale::of(&data);
+        let problem = Problem::of(&data, Columns::of(&data, &scale, PARTS), scale, vec![false]);
+        let parts = problem.all_parts();
+        let families: Vec<Family> =
+            Family::of_gears(problem.scale.link_side).filter(|family| problem.has(*family)).collect();
+        let (all, _) = posterior(&problem, &parts, &Start::of(&families)).unwrap();
+        let evidence = Evidence::new(&problem, &parts, &all);
+        let sliding = [Family::Offset, Family::CoulombViscous];
+        let gains = with(&sliding, Family::Gain);
+        let found = evidence.fit(&gains).unwrap();
+        // Linear about the fit of all, gains of 1 are the bristles that the set lacks.
+        let about_all = problem.normal_equations(&all.state, &parts);
+        let brought_along = fit(&problem, &about_all, &parts, &all.lend(&problem, gains)).unwrap();
+        let largest = |fit: &Fit| {
+            let of = |j: usize| problem.index(Place::Gain(j)).map_or(0.0, |i| fit.state[i].abs());
+            (0..7).map(of).fold(0.0, f64::max)
+        };
+        let nats = |fit: &Fit| fit.log_evidence - evidence.of(&sliding);
+        println!("{} {} {} {}", largest(&found), nats(&found), largest(&brought_along), nats(&brought_along));
+        assert!(
+            largest(&found) < 0.2 && largest(&brought_along) > 0.5,
+            "{} {}",
+            largest(&found),
+            largest(&brought_along)
+        );
+        let selection = select(&problem, &parts, &all);
+        assert!(selection.selected.contains(&Family::Presliding), "{:?}", selection.selected);
+        assert!(!selection.selected.contains(&Family::Gain), "{:?}", selection.selected);
+    }
+}
