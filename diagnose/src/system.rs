@@ -38,7 +38,7 @@ pub(crate) struct System<'a, const N: usize> {
     /// Whitening per joint and log.
     pub whitening: [Vec<Whitening>; N],
     /// Columns evaluated off the grid: the search comes back to the same shapes in other company.
-    evaluated: Mutex<BTreeMap<Place, Vec<Column<N>>>>,
+    evaluated: Mutex<Kept<N>>,
     /// Filtered columns of groups that were asked for.
     plain: Mutex<BTreeMap<usize, Vec<Column<N>>>>,
     /// Columns of a push that lasts the whole log, on first use.
@@ -55,8 +55,33 @@ pub(crate) struct System<'a, const N: usize> {
 
 /// A cause at a shape.
 type Place = (CauseLabel, Location, Vec<u64>);
-/// Evaluations kept.
-const MOST_KEPT: usize = 400;
+/// Numbers kept of evaluations: 32 MB.
+const MOST_KEPT: usize = 4_000_000;
+
+/// The last evaluations.
+struct Kept<const N: usize> {
+    columns: BTreeMap<Place, Vec<Column<N>>>,
+    numbers: usize,
+}
+
+impl<const N: usize> Default for Kept<N> {
+    fn default() -> Self {
+        Self { columns: BTreeMap::new(), numbers: 0 }
+    }
+}
+
+impl<const N: usize> Kept<N> {
+    /// Keeps one more, instead of all others where they would be too many.
+    fn insert(&mut self, place: Place, columns: &[Column<N>]) {
+        let numbers: usize = columns.iter().flat_map(|column| column.rows.iter().flatten()).map(Vec::len).sum();
+        if self.numbers + numbers > MOST_KEPT {
+            *self = Self::default();
+        }
+        if self.columns.insert(place, columns.to_vec()).is_none() {
+            self.numbers += numbers;
+        }
+    }
+}
 
 /// A candidate at a shape with its filtered columns.
 type Shaped<const N: usize> = (Arc<dyn Candidate<N>>, Vec<f64>, Vec<Column<N>>);
@@ -240,16 +265,14 @@ impl<'a, const N: usize> System<'a, N> {
     pub fn evaluate(&self, candidate: &dyn Candidate<N>, shape: &[f64]) -> Vec<Column<N>> {
         let key = (candidate.label(), candidate.location(), shape.iter().map(|x| x.to_bits()).collect::<Vec<u64>>());
         if let Ok(known) = self.evaluated.lock()
-            && let Some(columns) = known.get(&key)
+            && let Some(columns) = known.columns.get(&key)
         {
             return columns.clone();
         }
         let columns: Vec<Column<N>> =
             candidate.filtered(self.data, shape).iter().map(|column| self.whiten(column)).collect();
-        if let Ok(mut known) = self.evaluated.lock()
-            && known.len() < MOST_KEPT
-        {
-            known.insert(key, columns.clone());
+        if let Ok(mut known) = self.evaluated.lock() {
+            known.insert(key, &columns);
         }
         columns
     }
