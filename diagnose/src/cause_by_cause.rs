@@ -7,6 +7,7 @@ use tribo_logs::RobotLog;
 
 use crate::DiagnoseError;
 use crate::cause::{Candidate, candidates};
+use crate::column::{Column, subtracted};
 use crate::conclusion::conclude;
 use crate::deflection::deflections;
 use crate::diagnosis::{CauseLabel, Diagnosis};
@@ -15,7 +16,7 @@ use crate::evidence::joint_fit;
 use crate::judged::judge;
 use crate::noise_level::rms;
 use crate::posterior::baseline::PlainFits;
-use crate::regression_data::{Column, RegressionData, subtracted};
+use crate::regression_data::RegressionData;
 use crate::ripple::{RippleLine, ripples};
 use crate::search::Search;
 use crate::settings::DiagnoseSettings;

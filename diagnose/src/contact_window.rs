@@ -3,10 +3,11 @@
 use nalgebra::{Matrix6, Vector6};
 
 use crate::cause::{Candidate, ExternalContact};
+use crate::column::{Column, add_scaled};
 use crate::evidence::{free_gain, joint_fit};
 use crate::golden_section::golden_section;
 use crate::noise_level::robust_sd;
-use crate::regression_data::{Column, RegressionData, add_scaled};
+use crate::regression_data::RegressionData;
 use crate::system::System;
 
 /// Pieces that a log is cut into for the coarse scan.

@@ -11,11 +11,12 @@ use nalgebra::{DMatrix, SVector};
 use tribo_sim::Effect;
 
 use crate::cause::{Backlash, Candidate, transmitted_sign};
+use crate::column::add_scaled;
 use crate::diagnosis::CauseLabel;
 use crate::filter::central_difference;
 use crate::least_squares::{Gain, fit_rows, inner};
 use crate::noise_level::rms;
-use crate::regression_data::{RegressionData, add_scaled};
+use crate::regression_data::RegressionData;
 use crate::whitening::Whitening;
 
 /// What the deflection of one joint shows.

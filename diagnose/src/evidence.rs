@@ -4,8 +4,8 @@ use std::sync::Arc;
 
 use nalgebra::{DMatrix, DVector};
 
+use crate::column::Column;
 use crate::least_squares::{Gain, OWN_PART, solve_ridge, solve_truncated};
-use crate::regression_data::Column;
 use crate::system::{System, dot};
 
 /// The problem with the selected columns projected out.

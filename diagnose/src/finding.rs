@@ -5,6 +5,7 @@ use tribo_sim::Effect;
 
 use crate::DiagnoseError;
 use crate::cause::{Candidate, TorqueRipple};
+use crate::column::Column;
 use crate::deflection::DeflectionFinding;
 use crate::diagnosis::{Alternative, CauseLabel, Finding, Location, Parameter};
 use crate::evaluated::Evaluated;
@@ -15,7 +16,7 @@ use crate::held_out::{
 use crate::parameters::parameters_of;
 use crate::plots;
 use crate::pruning::{LARGEST_P, torque_rms};
-use crate::regression_data::{Column, RegressionData};
+use crate::regression_data::RegressionData;
 use crate::ripple::RippleLine;
 use crate::rivals::rivals;
 use crate::search::Search;

@@ -6,10 +6,10 @@ use nalgebra::{DMatrix, DVector};
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64;
 
+use crate::column::Column;
 use crate::diagnosis::CauseLabel;
 use crate::least_squares::{inner, solve_ridge};
 use crate::posterior::split::THIRDS;
-use crate::regression_data::Column;
 use crate::system::System;
 
 /// Number of folds.

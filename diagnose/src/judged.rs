@@ -1,6 +1,7 @@
 //! From a finished search to findings, rivals and gains.
 
 use crate::DiagnoseError;
+use crate::column::subtracted;
 use crate::diagnosis::{CauseLabel, Finding, Rejected, Unseen};
 use crate::evaluated::Evaluated;
 use crate::evidence::joint_fit;
@@ -12,7 +13,6 @@ use crate::pruning::{
     drop_chance, drop_lonely_pushes, drop_small, drop_stiction, drop_worthless, prefer_likelier, prefer_names,
     yield_to_unknown,
 };
-use crate::regression_data::subtracted;
 use crate::remarks::{assumptions_of, rejected};
 use crate::search::Search;
 use crate::significance::Chance;

@@ -32,6 +32,7 @@
 mod blocks;
 mod cause;
 mod cause_by_cause;
+mod column;
 mod conclusion;
 mod confusable;
 mod contact_window;

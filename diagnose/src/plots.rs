@@ -4,10 +4,11 @@ use nalgebra::{DMatrix, DVector};
 use tribo_robot::{Arm, JointNames, gravity_torque, inverse_dynamics_regressor};
 
 use crate::cause::Candidate;
+use crate::column::{Column, FineColumn};
 use crate::deflection::DeflectionFinding;
 use crate::diagnosis::{CauseLabel, CrossJointPattern, Location, Plot, Series};
 use crate::least_squares::solve_truncated;
-use crate::regression_data::{Column, FineColumn, RegressionData};
+use crate::regression_data::RegressionData;
 use crate::report::cause_at;
 use crate::ripple::RippleLine;
 

@@ -1,5 +1,6 @@
 //! What the selection keeps: enough evidence, enough torque, a gain on unseen blocks, the likelier of two stories.
 
+use crate::column::Column;
 use crate::confusable::same_by_physics;
 use crate::contact_window::residual;
 use crate::diagnosis::{CauseLabel, Location};
@@ -7,7 +8,6 @@ use crate::evidence::joint_fit;
 use crate::held_out::{BlockSquares, HeldOut};
 use crate::least_squares::inner;
 use crate::noise_level::rms;
-use crate::regression_data::Column;
 use crate::rivals::RIVAL_EVIDENCE;
 use crate::search::{LEAST_EVIDENCE, Search};
 use crate::significance::Chance;

@@ -9,6 +9,7 @@ use tribo_friction::law::smooth_sign;
 use tribo_logs::RobotLog;
 use tribo_robot::{Kinematics, link_regressor, mass_matrix, rnea};
 
+use crate::column::{Column, FineColumn};
 use crate::filter::{Knots, LANES, central_difference};
 use crate::noise_level::{resolution, sensor_share, white_noise_sd};
 use crate::{DiagnoseError, MotionSample, Nominal, ResidualError, ResidualSettings, SignalChain, TorqueResidual};
@@ -45,48 +46,6 @@ pub(crate) struct Burst {
     pub out: Range<usize>,
     /// The log it belongs to.
     pub log: usize,
-}
-
-/// A regressor on the fine grid: torque per unit coefficient.
-#[derive(Clone, Debug)]
-pub(crate) enum FineColumn<const N: usize> {
-    /// Torque of one joint (Nm).
-    Joint(usize, Vec<f64>),
-    /// Torque of all joints (Nm).
-    Arm(Vec<SVector<f64, N>>),
-}
-
-impl<const N: usize> FineColumn<N> {
-    /// `sum += coefficient · column`.
-    pub fn add_to(&self, sum: &mut [SVector<f64, N>], coefficient: f64) {
-        match self {
-            Self::Joint(j, values) => sum.iter_mut().zip(values).for_each(|(sum, x)| sum[*j] += coefficient * x),
-            Self::Arm(values) => sum.iter_mut().zip(values).for_each(|(sum, x)| *sum += x * coefficient),
-        }
-    }
-
-    /// Whether it is anything but zero on a joint.
-    fn acts_on(&self, joint: usize) -> bool {
-        match self {
-            Self::Joint(j, _) => *j == joint,
-            Self::Arm(values) => values.iter().any(|value| value[joint] != 0.0),
-        }
-    }
-
-    /// Torque per unit of the coefficient on a joint that it acts on (Nm).
-    fn at(&self, sample: usize, joint: usize) -> f64 {
-        match self {
-            Self::Joint(_, values) => values[sample],
-            Self::Arm(values) => values[sample][joint],
-        }
-    }
-}
-
-/// A regressor after band filter and averaging; a joint that it leaves alone has no row.
-#[derive(Clone, Debug)]
-pub(crate) struct Column<const N: usize> {
-    /// Torque per unit coefficient of each joint (Nm).
-    pub rows: [Option<Vec<f64>>; N],
 }
 
 /// Everything the candidates read.
@@ -538,43 +497,6 @@ pub(crate) fn smooth_in_time<const N: usize>(
     let of_joint = |j: usize| knots.fill(&values.iter().map(|value| value[j]).collect::<Vec<f64>>());
     let filled: [Vec<f64>; N] = std::array::from_fn(of_joint);
     (0..samples).map(|k| SVector::from_fn(|j, _| filled[j][k])).collect()
-}
-
-/// `sum += factor · x`.
-pub(crate) fn add_scaled(sum: &mut [f64], x: &[f64], factor: f64) {
-    sum.iter_mut().zip(x).for_each(|(sum, x)| *sum += factor * x);
-}
-
-/// A residual (Nm) less a combination of columns.
-pub(crate) fn subtracted<const N: usize>(
-    residual: &[Vec<f64>; N],
-    columns: &[Column<N>],
-    coefficients: &[f64],
-) -> [Vec<f64>; N] {
-    let mut left = residual.clone();
-    for (column, coefficient) in columns.iter().zip(coefficients) {
-        for (left, x) in left.iter_mut().zip(&column.rows) {
-            if let Some(x) = x {
-                add_scaled(left, x, -coefficient);
-            }
-        }
-    }
-    left
-}
-
-/// The combination of ten columns.
-pub(crate) fn combined<const N: usize>(columns: &[Column<N>; 10], weights: &SVector<f64, 10>) -> Column<N> {
-    let rows = std::array::from_fn(|j| {
-        let mut sum: Option<Vec<f64>> = None;
-        for (column, weight) in columns.iter().zip(weights.iter()).filter(|(_, weight)| **weight != 0.0) {
-            if let Some(values) = &column.rows[j] {
-                let sum = sum.get_or_insert_with(|| vec![0.0; values.len()]);
-                add_scaled(sum, values, *weight);
-            }
-        }
-        sum
-    });
-    Column { rows }
 }
 
 /// Gain of the average of m samples at `frequency` (in sample rates).

@@ -4,7 +4,8 @@ use nalgebra::SVector;
 use tribo_sim::Effect;
 
 use crate::cause::{candidate_of_effect, interpolated};
-use crate::regression_data::{FineColumn, RegressionData};
+use crate::column::FineColumn;
+use crate::regression_data::RegressionData;
 
 impl<const N: usize> RegressionData<N> {
     /// The effects that the model has already, rigid ones aside, which are in its arm:

@@ -6,9 +6,10 @@ use std::ops::Range;
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 
+use crate::column::FineColumn;
 use crate::least_squares::{fit_rows, inner, solve_truncated};
 use crate::noise_level::median;
-use crate::regression_data::{FineColumn, RegressionData, Sample};
+use crate::regression_data::{RegressionData, Sample};
 use crate::whitening::Whitening;
 
 /// A ripple of one joint, found at the full rate of the log: most of it may lie above the band of the residual.

@@ -9,10 +9,11 @@ use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 
 use crate::cause::{Candidate, ExternalContact};
+use crate::column::Column;
 use crate::diagnosis::{CauseLabel, Location};
 use crate::least_squares::{ROUNDING, inner};
 use crate::noise_level::{rms, robust_sd};
-use crate::regression_data::{Column, RegressionData};
+use crate::regression_data::RegressionData;
 use crate::whitening::Whitening;
 
 /// A candidate at one shape: a set of columns that stand or fall together.

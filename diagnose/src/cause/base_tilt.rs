@@ -5,8 +5,9 @@ use tribo_robot::{Arm, gravity_torque};
 use tribo_sim::Effect;
 
 use super::{Candidate, RIGID_UNASKED};
+use crate::column::FineColumn;
 use crate::diagnosis::{CauseLabel, Location};
-use crate::regression_data::{Burst, FineColumn, RegressionData};
+use crate::regression_data::{Burst, RegressionData};
 
 /// Gravity of another direction: columns are the gravity torque per m/s² of its change.
 ///

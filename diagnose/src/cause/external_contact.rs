@@ -5,9 +5,10 @@ use rayon::prelude::*;
 use tribo_sim::Effect;
 
 use super::Candidate;
+use crate::column::{Column, FineColumn};
 use crate::diagnosis::{CauseLabel, Location};
 use crate::filter::Knots;
-use crate::regression_data::{Column, FineColumn, RegressionData};
+use crate::regression_data::RegressionData;
 
 /// `−Jᵀ [force, moment]` on the robot during a window: six coefficients. Shape start and end (s), found by
 /// [`crate::contact_window`]. A push that never ends is a payload.

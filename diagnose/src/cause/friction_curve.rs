@@ -4,8 +4,9 @@ use tribo_friction::law::smooth_sign;
 use tribo_sim::Effect;
 
 use super::Candidate;
+use crate::column::FineColumn;
 use crate::diagnosis::{CauseLabel, Location};
-use crate::regression_data::{FineColumn, RegressionData};
+use crate::regression_data::RegressionData;
 
 /// `A tanh(qd/w)`. Shape w. Several widths beside viscous friction make any curve that rises and bends; the selection knows
 /// it as a family of all joints ([`crate::posterior`]), not joint by joint.

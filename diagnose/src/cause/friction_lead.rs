@@ -4,8 +4,9 @@ use tribo_friction::law::leading_sign;
 use tribo_sim::Effect;
 
 use super::Candidate;
+use crate::column::FineColumn;
 use crate::diagnosis::{CauseLabel, Location};
-use crate::regression_data::{FineColumn, RegressionData};
+use crate::regression_data::RegressionData;
 
 /// `A (clip((qd + ℓ qdd)/w) − s)`. Shape w, ℓ. Known to the selection as a family of all joints
 /// ([`crate::posterior`]), not joint by joint: a whole arm is simulated with soft friction, or none of it.

@@ -5,8 +5,9 @@ use tribo_robot::{mass_matrix, rnea};
 use tribo_sim::{Effect, oscillator_step};
 
 use super::{Candidate, RIGID_UNASKED, log_grid, only};
+use crate::column::FineColumn;
 use crate::diagnosis::{CauseLabel, Location};
-use crate::regression_data::{FineColumn, RegressionData, smooth_in_time};
+use crate::regression_data::{RegressionData, smooth_in_time};
 
 /// The link lags the motor by δ, so its torque is that of another state:
 ///

@@ -5,8 +5,9 @@ use tribo_robot::{LinkInertia, link_regressor};
 use tribo_sim::Effect;
 
 use super::{Candidate, RIGID_UNASKED};
+use crate::column::{Column, FineColumn, combined};
 use crate::diagnosis::{CauseLabel, Location};
-use crate::regression_data::{Column, FineColumn, RegressionData, combined};
+use crate::regression_data::RegressionData;
 
 /// `Y_k dπ_k`, Y_k the regressor of link k. Linear. Only what the joints feel of a link is identifiable: the least change
 /// that explains the torque is reported. On the last link it cannot be told from a payload.

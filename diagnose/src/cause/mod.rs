@@ -42,8 +42,9 @@ pub(crate) use torque_ripple::TorqueRipple;
 use nalgebra::SVector;
 use tribo_sim::Effect;
 
+use crate::column::{Column, FineColumn};
 use crate::diagnosis::{CauseLabel, Location};
-use crate::regression_data::{Column, FineColumn, RegressionData};
+use crate::regression_data::RegressionData;
 
 /// A cause at a place.
 pub(crate) trait Candidate<const N: usize>: Send + Sync {

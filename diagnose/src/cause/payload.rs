@@ -5,8 +5,9 @@ use tribo_robot::{Arm, link_regressor};
 use tribo_sim::Effect;
 
 use super::{Candidate, RIGID_UNASKED};
+use crate::column::{Column, FineColumn, combined};
 use crate::diagnosis::{CauseLabel, Location};
-use crate::regression_data::{Column, FineColumn, RegressionData, combined};
+use crate::regression_data::RegressionData;
 
 /// `Y_flange π`, π = [m, m c, I_o] in the flange frame: mass, first moments, inertia about the flange origin. Linear.
 /// The same torque comes from a heavier last link; a payload is the likelier story.
@@ -60,7 +61,7 @@ impl<const N: usize> Candidate<N> for Payload {
         let arm = &data.nominal.arm;
         let body = link_from_flange(arm).columns(0, coefficients.len()) * DVector::from_column_slice(coefficients);
         for (sum, at) in sum.iter_mut().zip(&data.samples) {
-            *sum += link_regressor(arm, &at.q, &at.qd, &at.qdd, N - 1) * &body;
+            *sum += link_regressor(arm, &at.q, &at.qd, &at.qdd, N - 1) * body;
         }
     }
 

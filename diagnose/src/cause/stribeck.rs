@@ -3,8 +3,9 @@
 use tribo_sim::Effect;
 
 use super::{Candidate, log_grid};
+use crate::column::FineColumn;
 use crate::diagnosis::{CauseLabel, Location};
-use crate::regression_data::{FineColumn, RegressionData};
+use crate::regression_data::RegressionData;
 
 /// `dF exp(−(qd/vs)²) tanh(qd/ε)`, profiled over vs. Confusable with Coulomb friction unless the joint also moves fast,
 /// and with presliding where it only reverses.

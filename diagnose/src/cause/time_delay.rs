@@ -4,8 +4,9 @@ use nalgebra::SVector;
 use tribo_sim::Effect;
 
 use super::Candidate;
+use crate::column::FineColumn;
 use crate::diagnosis::{CauseLabel, Location};
-use crate::regression_data::{FineColumn, RegressionData};
+use crate::regression_data::RegressionData;
 
 /// `tau(t − d) − tau(t)`, one delay for all joints: the column is that difference over d, so its coefficient is d.
 /// Shape d. Positive is torque late. Confusable with viscous friction where accelerations are small, and with

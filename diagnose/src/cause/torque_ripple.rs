@@ -3,8 +3,9 @@
 use tribo_sim::Effect;
 
 use super::Candidate;
+use crate::column::FineColumn;
 use crate::diagnosis::{CauseLabel, Location};
-use crate::regression_data::{FineColumn, RegressionData};
+use crate::regression_data::RegressionData;
 
 /// `a sin(n q) + b cos(n q)`: amplitude and phase follow. Shape n, found by [`crate::ripple`].
 pub(crate) struct TorqueRipple {

@@ -3,8 +3,9 @@
 use tribo_sim::Effect;
 
 use super::Candidate;
+use crate::column::FineColumn;
 use crate::diagnosis::{CauseLabel, Location};
-use crate::regression_data::{FineColumn, RegressionData};
+use crate::regression_data::RegressionData;
 
 /// `dFv qd`. Linear. Confusable with friction that grows faster than qd unless speeds vary.
 pub(super) struct Viscous {

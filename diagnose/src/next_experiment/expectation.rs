@@ -5,9 +5,10 @@ use tribo_sim::Effect;
 
 use super::pair::Pair;
 use crate::cause::{Candidate, ExternalContact, TorqueRipple, candidate_of_effect, candidates};
+use crate::column::Column;
 use crate::diagnosis::{CauseLabel, JointMisfit, Location};
 use crate::least_squares::solve_ridge;
-use crate::regression_data::{Column, RegressionData};
+use crate::regression_data::RegressionData;
 
 /// Density of what the model cannot know (Nm² s), white in the band:
 ///

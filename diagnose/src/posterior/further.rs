@@ -12,9 +12,10 @@ use tribo_logs::RobotLog;
 use super::selection::LEAST_NATS;
 use super::tempering::kappa;
 use crate::cause_by_cause::{Question, cause_by_cause};
+use crate::column::subtracted;
 use crate::diagnosis::{CauseLabel, Finding};
 use crate::noise_level::rms;
-use crate::regression_data::{RegressionData, subtracted};
+use crate::regression_data::RegressionData;
 use crate::{DiagnoseError, DiagnoseSettings, Nominal};
 
 /// Labels that are looked for beyond the families.

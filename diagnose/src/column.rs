@@ -1,0 +1,82 @@
+//! Torque per unit of a coefficient, on the fine grid and in the band.
+
+use nalgebra::SVector;
+
+/// A regressor on the fine grid: torque per unit coefficient.
+#[derive(Clone, Debug)]
+pub(crate) enum FineColumn<const N: usize> {
+    /// Torque of one joint (Nm).
+    Joint(usize, Vec<f64>),
+    /// Torque of all joints (Nm).
+    Arm(Vec<SVector<f64, N>>),
+}
+
+impl<const N: usize> FineColumn<N> {
+    /// `sum += coefficient · column`.
+    pub fn add_to(&self, sum: &mut [SVector<f64, N>], coefficient: f64) {
+        match self {
+            Self::Joint(j, values) => sum.iter_mut().zip(values).for_each(|(sum, x)| sum[*j] += coefficient * x),
+            Self::Arm(values) => sum.iter_mut().zip(values).for_each(|(sum, x)| *sum += x * coefficient),
+        }
+    }
+
+    /// Whether it is anything but zero on a joint.
+    pub fn acts_on(&self, joint: usize) -> bool {
+        match self {
+            Self::Joint(j, _) => *j == joint,
+            Self::Arm(values) => values.iter().any(|value| value[joint] != 0.0),
+        }
+    }
+
+    /// Torque per unit of the coefficient on a joint that it acts on (Nm).
+    pub fn at(&self, sample: usize, joint: usize) -> f64 {
+        match self {
+            Self::Joint(_, values) => values[sample],
+            Self::Arm(values) => values[sample][joint],
+        }
+    }
+}
+
+/// A regressor after band filter and averaging; a joint that it leaves alone has no row.
+#[derive(Clone, Debug)]
+pub(crate) struct Column<const N: usize> {
+    /// Torque per unit coefficient of each joint (Nm).
+    pub rows: [Option<Vec<f64>>; N],
+}
+
+/// `sum += factor · x`.
+pub(crate) fn add_scaled(sum: &mut [f64], x: &[f64], factor: f64) {
+    sum.iter_mut().zip(x).for_each(|(sum, x)| *sum += factor * x);
+}
+
+/// A residual (Nm) less a combination of columns.
+pub(crate) fn subtracted<const N: usize>(
+    residual: &[Vec<f64>; N],
+    columns: &[Column<N>],
+    coefficients: &[f64],
+) -> [Vec<f64>; N] {
+    let mut left = residual.clone();
+    for (column, coefficient) in columns.iter().zip(coefficients) {
+        for (left, x) in left.iter_mut().zip(&column.rows) {
+            if let Some(x) = x {
+                add_scaled(left, x, -coefficient);
+            }
+        }
+    }
+    left
+}
+
+/// The combination of ten columns.
+pub(crate) fn combined<const N: usize>(columns: &[Column<N>; 10], weights: &SVector<f64, 10>) -> Column<N> {
+    let rows = std::array::from_fn(|j| {
+        let mut sum: Option<Vec<f64>> = None;
+        for (column, weight) in columns.iter().zip(weights.iter()).filter(|(_, weight)| **weight != 0.0) {
+            if let Some(values) = &column.rows[j] {
+                let sum = sum.get_or_insert_with(|| vec![0.0; values.len()]);
+                add_scaled(sum, values, *weight);
+            }
+        }
+        sum
+    });
+    Column { rows }
+}
