@@ -56,7 +56,7 @@ pub(crate) fn cause_by_cause<const N: usize>(
     let mut round = 0;
     loop {
         let at = |fraction: f64| 0.2 + 0.33 * (f64::from(round) + fraction);
-        step("candidates", at(-0.2))?;
+        step("candidates", at(0.0))?;
         let mut evaluated_columns = EvaluatedColumns::of(data, &causes);
         // The colour of the noise: first of what everything together leaves, then of what the selection leaves.
         let mut left = evaluated_columns.saturated_residual(data);

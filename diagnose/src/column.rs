@@ -1,5 +1,7 @@
 //! Torque per unit of a coefficient, on the fine grid and in the band.
 
+use std::borrow::Cow;
+
 use nalgebra::SVector;
 
 /// A regressor on the fine grid: torque per unit coefficient.
@@ -28,11 +30,11 @@ impl<const N: usize> FineColumn<N> {
         }
     }
 
-    /// Torque per unit of the coefficient on a joint that it acts on (Nm).
-    pub fn at(&self, sample: usize, joint: usize) -> f64 {
+    /// Torque per unit of the coefficient on a joint that it acts on (Nm), sample by sample.
+    pub fn of_joint(&self, joint: usize) -> Cow<'_, [f64]> {
         match self {
-            Self::Joint(_, values) => values[sample],
-            Self::Arm(values) => values[sample][joint],
+            Self::Joint(_, values) => Cow::Borrowed(values),
+            Self::Arm(values) => values.iter().map(|value| value[joint]).collect(),
         }
     }
 }

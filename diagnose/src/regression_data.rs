@@ -340,18 +340,9 @@ impl<const N: usize> RegressionData<N> {
             .collect();
         let mut filtered: Vec<Column<N>> =
             columns.iter().map(|_| Column { rows: std::array::from_fn(|_| None) }).collect();
-        for &(c, j) in &acting {
-            filtered[c].rows[j] = Some(Vec::with_capacity(self.time_s.len()));
-        }
-        for burst in &self.bursts {
-            let track = |&(c, j): &(usize, usize)| burst.fine.clone().map(|k| columns[c].at(k, j)).collect();
-            // No more at a time than the filter takes: on the fine grid they are long.
-            for few in acting.chunks(LANES) {
-                let tracks: Vec<Vec<f64>> = few.iter().map(track).collect();
-                for (&(c, j), values) in few.iter().zip(self.chains[burst.log].finish_all(&tracks)) {
-                    filtered[c].rows[j].get_or_insert_default().extend(values);
-                }
-            }
+        let tracks = acting.iter().map(|&(c, j)| columns[c].of_joint(j));
+        for (&(c, j), values) in acting.iter().zip(self.filter_own_all(tracks)) {
+            filtered[c].rows[j] = Some(values);
         }
         filtered
     }
@@ -397,23 +388,41 @@ impl<const N: usize> RegressionData<N> {
     /// Link by link, so that those of all links never stand on the fine grid together.
     fn link_regressor(&self, link: usize) -> [Column<N>; 10] {
         let arm = &self.nominal.arm;
-        let mut filtered: Vec<Vec<Vec<f64>>> = vec![vec![Vec::new(); 10]; link + 1];
+        self.filter_smooth(link + 1, |burst| burst.fine.clone(), |at| link_regressor(arm, &at.q, &at.qd, &at.qdd, link))
+    }
+
+    /// K columns that are smooth functions of the motion, evaluated at few samples, in the band: of the first joints, within a part of each burst
+    /// and zero elsewhere. Joint by joint, so that the columns of all joints never stand on the fine grid together.
+    pub fn filter_smooth<const K: usize>(
+        &self,
+        joints: usize,
+        within: impl Fn(&Burst) -> Range<usize>,
+        value: impl Fn(&Sample<N>) -> SMatrix<f64, N, K>,
+    ) -> [Column<N>; K] {
+        let mut filtered: Vec<Vec<Vec<f64>>> = vec![vec![Vec::new(); K]; joints];
         for burst in &self.bursts {
-            let chain = &self.chains[burst.log];
-            let samples = &self.samples[burst.fine.clone()];
-            let knots = Knots::of(samples.len(), chain.knot_stride());
-            let block = |k: usize| link_regressor(arm, &samples[k].q, &samples[k].qd, &samples[k].qdd, link);
-            let blocks: Vec<SMatrix<f64, N, 10>> = knots.places().map(block).collect();
-            let of_joint: Vec<Vec<Vec<f64>>> = (0..=link)
-                .into_par_iter()
-                .map(|j| {
-                    let track = |i: usize| knots.fill(&blocks.iter().map(|block| block[(j, i)]).collect::<Vec<f64>>());
-                    chain.finish_all(&(0..10).map(track).collect::<Vec<Vec<f64>>>())
-                })
-                .collect();
-            for (joint, tracks) in filtered.iter_mut().zip(of_joint) {
-                joint.iter_mut().zip(tracks).for_each(|(column, track)| column.extend(track));
+            let (whole, part) = (burst.fine.clone(), within(burst));
+            if part.is_empty() {
+                filtered.iter_mut().flatten().for_each(|row| row.resize(row.len() + burst.out.len(), 0.0));
+                continue;
             }
+            let chain = &self.chains[burst.log];
+            let knots = Knots::of(part.len(), chain.knot_stride());
+            let values: Vec<SMatrix<f64, N, K>> =
+                knots.places().map(|k| value(&self.samples[part.start + k])).collect();
+            filtered.par_iter_mut().enumerate().for_each(|(j, rows)| {
+                let track = |i: usize| {
+                    let inside = knots.fill(&values.iter().map(|value| value[(j, i)]).collect::<Vec<f64>>());
+                    if part == whole {
+                        return inside;
+                    }
+                    let mut track = vec![0.0; whole.len()];
+                    track[part.start - whole.start..part.end - whole.start].copy_from_slice(&inside);
+                    track
+                };
+                let tracks: Vec<Vec<f64>> = (0..K).map(track).collect();
+                rows.iter_mut().zip(chain.finish_all(&tracks)).for_each(|(row, finished)| row.extend(finished));
+            });
         }
         std::array::from_fn(|i| Column {
             rows: std::array::from_fn(|j| filtered.get_mut(j).map(|joint| std::mem::take(&mut joint[i]))),

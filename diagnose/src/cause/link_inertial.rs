@@ -53,6 +53,11 @@ impl LinkInertial {
             Extent::Body => (0..10).map(unit).collect(),
         }
     }
+
+    /// The change of the ten parameters that coefficients make.
+    fn change<const N: usize>(&self, data: &RegressionData<N>, coefficients: &[f64]) -> SVector<f64, 10> {
+        self.directions(data).iter().zip(coefficients).map(|(direction, c)| direction * *c).sum()
+    }
 }
 
 /// First-order change of the inertia about the origin, `I_o = I_c + (h·h 1 − h hᵀ)/m`, by a change of m and h.
@@ -116,8 +121,7 @@ impl<const N: usize> Candidate<N> for LinkInertial {
 
     /// As the one column of the change that the coefficients make.
     fn add_to(&self, data: &RegressionData<N>, _shape: &[f64], coefficients: &[f64], sum: &mut [SVector<f64, N>]) {
-        let change: SVector<f64, 10> =
-            self.directions(data).iter().zip(coefficients).map(|(direction, c)| direction * *c).sum();
+        let change = self.change(data, coefficients);
         for (sum, at) in sum.iter_mut().zip(&data.samples) {
             *sum += link_regressor(&data.nominal.arm, &at.q, &at.qd, &at.qdd, self.link) * change;
         }
@@ -144,8 +148,7 @@ impl<const N: usize> Candidate<N> for LinkInertial {
     /// of mass is left as it was.
     fn effect(&self, data: &RegressionData<N>, _shape: &[f64], coefficients: &[f64]) -> Option<Effect> {
         let link = &data.nominal.arm.links[self.link];
-        let directions = self.directions(data);
-        let delta: SVector<f64, 10> = directions.iter().zip(coefficients).map(|(direction, c)| direction * *c).sum();
+        let delta = self.change(data, coefficients);
         let delta_inertia_kg_m2 = match self.extent {
             Extent::Scale => std::array::from_fn(|i| delta[4 + i]),
             Extent::FirstMoment | Extent::Mass | Extent::Body if is_body(link, &delta) => {

@@ -451,7 +451,7 @@ pub(crate) fn feasible(problem: &Problem, equations: &NormalEquations, fit: &Fit
 }
 
 /// Rounds in which the gains are made linear anew.
-const RELINEARISATIONS: usize = 3;
+pub(super) const RELINEARISATIONS: usize = 3;
 /// Times that physics may pin parameters.
 const PINNINGS: usize = 8;
 

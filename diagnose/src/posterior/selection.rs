@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use rayon::prelude::*;
 
-use super::fit::{Fit, fit};
+use super::fit::{Fit, RELINEARISATIONS, fit};
 use super::prior::Family;
 use super::problem::{NormalEquations, Place, Problem};
 
@@ -39,9 +39,6 @@ struct Evidence<'p> {
     parts: &'p [usize],
     all: &'p Fit,
 }
-
-/// Times that a set with gains is made linear about what it found itself.
-const RELINEARISATIONS: usize = 3;
 
 impl<'p> Evidence<'p> {
     fn new(problem: &'p Problem, parts: &'p [usize], all: &'p Fit) -> Self {
