@@ -1,6 +1,7 @@
 //! Torque per unit of a coefficient, on the fine grid and in the band.
 
 use std::borrow::Cow;
+use std::sync::Arc;
 
 use nalgebra::SVector;
 
@@ -42,8 +43,20 @@ impl<const N: usize> FineColumn<N> {
 /// A regressor after band filter and averaging; a joint that it leaves alone has no row.
 #[derive(Clone, Debug)]
 pub(crate) struct Column<const N: usize> {
-    /// Torque per unit coefficient of each joint (Nm).
-    pub rows: [Option<Vec<f64>>; N],
+    /// Torque per unit coefficient of each joint (Nm); copies of a column share them.
+    pub rows: [Option<Arc<Vec<f64>>>; N],
+}
+
+impl<const N: usize> Column<N> {
+    /// A column that leaves every joint alone.
+    pub fn zero() -> Self {
+        Self { rows: std::array::from_fn(|_| None) }
+    }
+
+    /// A column with a row of every joint.
+    pub fn of_rows(rows: &[Vec<f64>; N]) -> Self {
+        Self { rows: std::array::from_fn(|j| Some(Arc::new(rows[j].clone()))) }
+    }
 }
 
 /// `sum += factor · x`.
@@ -68,17 +81,23 @@ pub(crate) fn subtracted<const N: usize>(
     left
 }
 
-/// The combination of ten columns.
+/// The combination of ten columns; one of them alone is shared.
 pub(crate) fn combined<const N: usize>(columns: &[Column<N>; 10], weights: &SVector<f64, 10>) -> Column<N> {
+    let used: Vec<usize> = (0..10).filter(|i| weights[*i] != 0.0).collect();
+    if let [only] = used[..]
+        && weights[only] == 1.0
+    {
+        return columns[only].clone();
+    }
     let rows = std::array::from_fn(|j| {
         let mut sum: Option<Vec<f64>> = None;
-        for (column, weight) in columns.iter().zip(weights.iter()).filter(|(_, weight)| **weight != 0.0) {
-            if let Some(values) = &column.rows[j] {
+        for i in &used {
+            if let Some(values) = &columns[*i].rows[j] {
                 let sum = sum.get_or_insert_with(|| vec![0.0; values.len()]);
-                add_scaled(sum, values, *weight);
+                add_scaled(sum, values, weights[*i]);
             }
         }
-        sum
+        sum.map(Arc::new)
     });
     Column { rows }
 }

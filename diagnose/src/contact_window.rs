@@ -1,5 +1,7 @@
 //! The window during which somebody pushed.
 
+use std::sync::Arc;
+
 use nalgebra::{Matrix6, Vector6};
 
 use crate::cause::{Candidate, ExternalContact};
@@ -8,7 +10,7 @@ use crate::evidence::{free_gain, joint_fit};
 use crate::golden_section::golden_section;
 use crate::noise_level::robust_sd;
 use crate::regression_data::RegressionData;
-use crate::system::System;
+use crate::system::{System, dot};
 
 /// Pieces that a log is cut into for the coarse scan.
 const PIECES: usize = 220;
@@ -70,17 +72,18 @@ pub(crate) fn dominant_window<const N: usize>(
     let mut push = ExternalContact { log: None }.filtered(data, &[f64::NEG_INFINITY, f64::INFINITY]);
     for column in &mut push {
         for (j, values) in column.rows.iter_mut().enumerate() {
-            let scaled = |(x, weight): (&mut f64, &f64)| *x *= weight / sd[j];
-            values.iter_mut().for_each(|values| values.iter_mut().zip(weights[j]).for_each(scaled));
+            if let Some(values) = values {
+                Arc::make_mut(values).iter_mut().zip(weights[j]).for_each(|(x, weight)| *x *= weight / sd[j]);
+            }
         }
     }
-    let rows: [Option<Vec<f64>>; N] = std::array::from_fn(|j| Some(left_nm[j].iter().map(|x| x / sd[j]).collect()));
-    let total: f64 = rows.iter().flatten().flatten().map(|x| x * x).sum();
+    let left = Column::of_rows(&std::array::from_fn(|j| left_nm[j].iter().map(|x| x / sd[j]).collect()));
+    let total = dot(&left, &left);
     let rows_of = |log: usize| {
         let bursts = data.bursts.iter().filter(|burst| burst.log == log);
         bursts.flat_map(|burst| burst.out.clone()).collect::<Vec<usize>>()
     };
-    let (explained, window) = best_of(data, &rows_of, &|row| data.time_s[row], &push, &Column { rows })?;
+    let (explained, window) = best_of(data, &rows_of, &|row| data.time_s[row], &push, &left)?;
     (explained > least_share * total).then_some(window)
 }
 
@@ -172,7 +175,7 @@ pub(crate) fn residual<const N: usize>(system: &System<'_, N>, given: &[usize]) 
     for (c, coefficient) in given.iter().zip(&fit.coefficients) {
         for (left, x) in left.rows.iter_mut().zip(&system.columns[*c].rows) {
             if let (Some(left), Some(x)) = (left, x) {
-                add_scaled(left, x, -coefficient);
+                add_scaled(Arc::<Vec<f64>>::make_mut(left), x, -coefficient);
             }
         }
     }

@@ -90,7 +90,7 @@ fn joint_deflection<const N: usize>(
     let gap = Backlash { joint };
     let gaps: Vec<Vec<f64>> = WIDTHS_NM
         .iter()
-        .map(|width| gap.filtered(data, &[*width]).swap_remove(0).rows[joint].clone().unwrap_or_default())
+        .map(|width| gap.filtered(data, &[*width]).swap_remove(0).rows[joint].as_deref().cloned().unwrap_or_default())
         .collect();
 
     // Whiten by the colour of what everything together leaves.

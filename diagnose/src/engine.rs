@@ -148,6 +148,8 @@ fn turned_round<const N: usize>(
     for turns_round in [sticking::<N>, sharper_sign::<N>] {
         let Some(Nominal { sticks, smoothing_rad_s, .. }) = turns_round(data, &problem) else { continue };
         (model.sticks, model.smoothing_rad_s) = (sticks, smoothing_rad_s);
+        // The samples are the largest part of the data: those of two models need not stand side by side.
+        data.samples = Vec::new();
         let mut of_model = RegressionData::of_logs(logs, model, data.chains.first().map(|chain| chain.band_hz))?;
         of_model.borrow_regressors(data);
         let before = std::mem::replace(data, of_model).residual_nm;

@@ -200,8 +200,7 @@ pub(crate) fn joint_fit<const N: usize>(system: &System<'_, N>, columns: &[usize
     let k = columns.len();
     let square = DMatrix::from_fn(k, k, |i, m| system.gram[(columns[i], columns[m])]);
     let score = DVector::from_fn(k, |i, _| system.score[columns[i]]);
-    let ridge: Vec<f64> = columns.iter().map(|c| system.ridge(*c)).collect();
-    solve_ridge(&square, &score, &ridge)
+    solve_ridge(&square, &score, &system.ridges(columns))
 }
 
 #[cfg(test)]

@@ -1,5 +1,7 @@
 //! Findings with their parameters, intervals, gains and plots.
 
+use std::sync::Arc;
+
 use tribo_robot::JointNames;
 use tribo_sim::Effect;
 
@@ -62,7 +64,7 @@ pub(crate) fn describe<const N: usize>(
             Column {
                 rows: std::array::from_fn(|j| {
                     let (up, here) = (up.rows[j].as_ref()?, plain[0].rows[j].as_ref()?);
-                    Some(up.iter().zip(here).map(|(up, here)| (up - here) * scale).collect())
+                    Some(Arc::new(up.iter().zip(here.iter()).map(|(up, here)| (up - here) * scale).collect()))
                 }),
             }
         });
@@ -172,7 +174,7 @@ pub(crate) fn ripple_finding<const N: usize>(
     let column = data.filter(&line.torque(data));
     let torque = column.rows[line.joint].clone().unwrap_or_default();
     let mut back = evaluated.original.clone();
-    back[line.joint] = data.residual_nm[line.joint].iter().zip(&torque).map(|(r, x)| r + x).collect();
+    back[line.joint] = data.residual_nm[line.joint].iter().zip(torque.iter()).map(|(r, x)| r + x).collect();
     let (with, without) = (plain_squares(&data.residual_nm, blocks), plain_squares(&back, blocks));
     // The other findings' part cancels but for the cross term, which is small: a ripple is orthogonal to slow causes.
     let raised: BlockSquares<N> = after

@@ -116,13 +116,13 @@ impl BlockGram {
         blocks: &TimeBlocks,
     ) -> Self {
         let columns: Vec<&Column<N>> = of_system.iter().map(|c| &system.columns[*c]).chain(extra).collect();
-        let ridge = of_system.iter().map(|c| system.ridge(*c)).chain(extra.map(|_| 0.0)).collect();
+        let ridge = system.ridges(of_system).into_iter().chain(extra.map(|_| 0.0)).collect();
         let k = columns.len();
         let mut square = vec![DMatrix::zeros(k, k); blocks.ranges.len()];
         let mut score = vec![DVector::zeros(k); blocks.ranges.len()];
         for j in 0..N {
             let present: Vec<(usize, &Vec<f64>)> =
-                columns.iter().enumerate().filter_map(|(c, column)| Some((c, column.rows[j].as_ref()?))).collect();
+                columns.iter().enumerate().filter_map(|(c, column)| Some((c, column.rows[j].as_deref()?))).collect();
             let Some(target) = system.target.rows[j].as_ref() else { continue };
             // Rows of a block stand together.
             for rows in blocks.of_row.chunk_by(|a, b| a == b).scan(0, next_range) {

@@ -4,7 +4,7 @@ use nalgebra::{DMatrix, DVector};
 use tribo_robot::{Arm, JointNames, gravity_torque, inverse_dynamics_regressor};
 
 use crate::cause::Candidate;
-use crate::column::{Column, FineColumn};
+use crate::column::{Column, FineColumn, add_scaled};
 use crate::deflection::DeflectionFinding;
 use crate::diagnosis::{CauseLabel, CrossJointPattern, Location, Plot, Series};
 use crate::least_squares::solve_truncated;
@@ -49,7 +49,7 @@ pub(crate) fn of_member<const N: usize>(
         let mut sum = vec![0.0; data.time_s.len()];
         for (column, c) in plain.iter().zip(coefficients) {
             if let Some(values) = &column.rows[j] {
-                sum.iter_mut().zip(values).for_each(|(sum, x)| *sum += c * x);
+                add_scaled(&mut sum, values, *c);
             }
         }
         sum
@@ -95,7 +95,7 @@ fn capital(text: &str) -> String {
 }
 
 fn natural_abscissa<const N: usize>(data: &RegressionData<N>, name: &str, joint: usize) -> Vec<f64> {
-    let filtered = |column: FineColumn<N>| data.filter(&column).rows[joint].clone().unwrap_or_default();
+    let filtered = |column: FineColumn<N>| data.filter(&column).rows[joint].as_deref().cloned().unwrap_or_default();
     match name {
         "velocity" => data.qd[joint].clone(),
         "position" => data.q[joint].clone(),

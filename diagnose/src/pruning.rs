@@ -278,7 +278,7 @@ pub(crate) fn torque_rms<const N: usize>(plain: &[Column<N>], coefficients: &[f6
 
 /// Torque of a finding on a joint (Nm), sample by sample; empty where it does not act on the joint.
 fn torque_of<const N: usize>(plain: &[Column<N>], coefficients: &[f64], joint: usize) -> Vec<f64> {
-    let rows = plain.iter().find_map(|column| column.rows[joint].as_ref()).map_or(0, Vec::len);
+    let rows = plain.iter().find_map(|column| column.rows[joint].as_ref()).map_or(0, |row| row.len());
     let at = |k: usize| {
         plain.iter().zip(coefficients).filter_map(|(column, c)| Some(column.rows[joint].as_ref()?[k] * c)).sum()
     };

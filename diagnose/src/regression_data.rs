@@ -318,7 +318,8 @@ impl<const N: usize> RegressionData<N> {
         let model = self.filter(&self.arm_column(|at| at.model_nm));
         // A joint at 0 all along has no row.
         let samples = self.time_s.len();
-        let take = |column: Column<N>| column.rows.map(|row| row.unwrap_or_else(|| vec![0.0; samples]));
+        let take =
+            |column: Column<N>| column.rows.map(|row| row.map_or_else(|| vec![0.0; samples], Arc::unwrap_or_clone));
         self.q = take(position);
         self.model_nm = take(model);
         for j in 0..N {
@@ -330,7 +331,7 @@ impl<const N: usize> RegressionData<N> {
     /// A regressor through the same band filter, trim and average as the torques.
     pub fn filter(&self, column: &FineColumn<N>) -> Column<N> {
         let mut columns = self.filter_all(std::slice::from_ref(column));
-        columns.pop().unwrap_or_else(|| Column { rows: std::array::from_fn(|_| None) })
+        columns.pop().unwrap_or_else(|| Column::zero())
     }
 
     /// The same of several, side by side.
@@ -338,11 +339,10 @@ impl<const N: usize> RegressionData<N> {
         let acting: Vec<(usize, usize)> = (0..columns.len())
             .flat_map(|c| (0..N).filter(move |j| columns[c].acts_on(*j)).map(move |j| (c, j)))
             .collect();
-        let mut filtered: Vec<Column<N>> =
-            columns.iter().map(|_| Column { rows: std::array::from_fn(|_| None) }).collect();
+        let mut filtered: Vec<Column<N>> = columns.iter().map(|_| Column::zero()).collect();
         let tracks = acting.iter().map(|&(c, j)| columns[c].of_joint(j));
         for (&(c, j), values) in acting.iter().zip(self.filter_own_all(tracks)) {
-            filtered[c].rows[j] = Some(values);
+            filtered[c].rows[j] = Some(Arc::new(values));
         }
         filtered
     }
@@ -363,8 +363,8 @@ impl<const N: usize> RegressionData<N> {
                 return filtered;
             }
             for burst in &self.bursts {
-                let tracks: Vec<&[f64]> = few.iter().map(|x| &x.as_ref()[burst.fine.clone()]).collect();
-                for (column, values) in filtered[first..].iter_mut().zip(self.chains[burst.log].finish_all(&tracks)) {
+                let tracks = few.iter().map(|x| &x.as_ref()[burst.fine.clone()]);
+                for (column, values) in filtered[first..].iter_mut().zip(self.chains[burst.log].finish_all(tracks)) {
                     column.extend(values);
                 }
             }
@@ -420,12 +420,13 @@ impl<const N: usize> RegressionData<N> {
                     track[part.start - whole.start..part.end - whole.start].copy_from_slice(&inside);
                     track
                 };
-                let tracks: Vec<Vec<f64>> = (0..K).map(track).collect();
-                rows.iter_mut().zip(chain.finish_all(&tracks)).for_each(|(row, finished)| row.extend(finished));
+                rows.iter_mut()
+                    .zip(chain.finish_all((0..K).map(track)))
+                    .for_each(|(row, finished)| row.extend(finished));
             });
         }
         std::array::from_fn(|i| Column {
-            rows: std::array::from_fn(|j| filtered.get_mut(j).map(|joint| std::mem::take(&mut joint[i]))),
+            rows: std::array::from_fn(|j| filtered.get_mut(j).map(|joint| Arc::new(std::mem::take(&mut joint[i])))),
         })
     }
 

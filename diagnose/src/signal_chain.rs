@@ -155,8 +155,11 @@ impl SignalChain {
     }
 
     /// B x for several settled x of one burst, ends trimmed, averaged.
-    pub(crate) fn finish_all<S: AsRef<[f64]>>(&self, signals: &[S]) -> Vec<Vec<f64>> {
-        self.band.filter_all(signals).iter().map(|x| self.trim_and_average(x)).collect()
+    pub(crate) fn finish_all<S: AsRef<[f64]>>(
+        &self,
+        signals: impl IntoIterator<Item = S, IntoIter: ExactSizeIterator>,
+    ) -> Vec<Vec<f64>> {
+        self.band.filter_each(signals, |x| self.trim_and_average(x))
     }
 
     /// B x for settled x, as long as x.

@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use std::ops::Range;
 use std::sync::{Arc, Mutex, OnceLock};
 
-use nalgebra::{DMatrix, DVector};
+use nalgebra::{DMatrix, DVector, DVectorView};
 use rayon::prelude::*;
 
 use crate::cause::{Candidate, ExternalContact};
@@ -16,7 +16,7 @@ use crate::noise_level::{rms, robust_sd};
 use crate::regression_data::RegressionData;
 use crate::whitening::Whitening;
 
-/// A candidate at one shape: a set of columns that stand or fall together.
+/// A candidate at one shape: a set of columns that stand or fall together. Two candidates may share columns.
 #[derive(Clone)]
 pub(crate) struct Group<const N: usize> {
     pub candidate: Arc<dyn Candidate<N>>,
@@ -74,7 +74,7 @@ impl<const N: usize> Default for Kept<N> {
 impl<const N: usize> Kept<N> {
     /// Keeps one more, instead of all others where they would be too many.
     fn insert(&mut self, place: Place, columns: &[Column<N>]) {
-        let numbers: usize = columns.iter().flat_map(|column| column.rows.iter().flatten()).map(Vec::len).sum();
+        let numbers: usize = columns.iter().flat_map(|column| column.rows.iter().flatten()).map(|row| row.len()).sum();
         if self.numbers + numbers > MOST_KEPT {
             *self = Self::default();
         }
@@ -94,23 +94,36 @@ pub(crate) struct EvaluatedColumns<const N: usize> {
 }
 
 impl<const N: usize> EvaluatedColumns<N> {
-    /// Evaluates candidate by candidate.
+    /// Evaluates candidate by candidate; columns that two candidates share are evaluated once.
     pub fn of(data: &RegressionData<N>, candidates: &[Arc<dyn Candidate<N>>]) -> Self {
         let evaluated: Vec<Shaped<N>> = candidates
             .par_iter()
             .filter(|candidate| candidate.unavailable(data).is_none())
             .flat_map_iter(|candidate| {
                 candidate.shapes(data).into_iter().map(|shape| {
-                    let filtered = candidate.filtered(data, &shape);
+                    let own = candidate.columns_of_widest().is_none();
+                    let filtered = if own { candidate.filtered(data, &shape) } else { Vec::new() };
                     (candidate.clone(), shape, filtered)
                 })
             })
             .collect();
         let (mut groups, mut columns) = (Vec::new(), Vec::new());
+        let mut widest: BTreeMap<(CauseLabel, Location), Range<usize>> = BTreeMap::new();
         for (candidate, shape, filtered) in evaluated {
             let start = columns.len();
             columns.extend(filtered);
-            groups.push(Group { candidate, shape, columns: start..columns.len() });
+            let own = start..columns.len();
+            let known = widest.entry((candidate.label(), candidate.location())).or_insert_with(|| own.clone());
+            if own.len() > known.len() {
+                *known = own.clone();
+            }
+            groups.push(Group { candidate, shape, columns: own });
+        }
+        for Group { candidate, columns, .. } in &mut groups {
+            if let Some(shared) = candidate.columns_of_widest() {
+                let first = widest[&(candidate.label(), candidate.location())].start;
+                *columns = first + shared.start..first + shared.end;
+            }
         }
         Self { groups, columns }
     }
@@ -135,6 +148,9 @@ const STUCK_RATIO: f64 = 12.0;
 const LEAST_MOVING: usize = 40;
 /// Share of standing samples in the filter's window beyond which an output sample counts as one of a rest.
 const STANDING_SHARE: f64 = 0.003;
+
+/// Rows that are multiplied at once.
+const ROWS_AT_ONCE: usize = 512;
 
 impl<'a, const N: usize> System<'a, N> {
     /// Whitens and multiplies the columns of all groups, lent or given away; the colour is that of `left`, the residual (Nm) of a fit.
@@ -177,7 +193,7 @@ impl<'a, const N: usize> System<'a, N> {
             data,
             groups,
             columns: Vec::new(),
-            target: Column { rows: std::array::from_fn(|_| None) },
+            target: Column::zero(),
             gram: DMatrix::zeros(0, 0),
             score: DVector::zeros(0),
             joint_rows: row_samples.len(),
@@ -195,7 +211,7 @@ impl<'a, const N: usize> System<'a, N> {
         for group in &system.groups {
             drop_rounding(&mut system.columns[group.columns.clone()]);
         }
-        system.target = system.whiten(&Column { rows: std::array::from_fn(|j| Some(data.residual_nm[j].clone())) });
+        system.target = system.whiten(&Column::of_rows(&data.residual_nm));
         system.multiply();
         system
     }
@@ -213,7 +229,7 @@ impl<'a, const N: usize> System<'a, N> {
                     white.extend(whole.into_iter().skip(extra));
                 }
                 white.iter_mut().zip(&self.row_samples).for_each(|(w, k)| *w *= self.weights[j][*k]);
-                white
+                Arc::new(white)
             })
         });
         Column { rows }
@@ -221,15 +237,17 @@ impl<'a, const N: usize> System<'a, N> {
 
     /// Gives each joint as much less weight as left-over correlation inflates chance there.
     pub fn deflate(&mut self, joint_inflation: &[f64]) {
+        self.evaluated = Mutex::default();
+        self.push = OnceLock::new();
         for (j, inflation) in joint_inflation.iter().enumerate().take(N) {
             let factor = 1.0 / inflation.sqrt();
             self.weights[j].iter_mut().for_each(|weight| *weight *= factor);
             for column in self.columns.iter_mut().chain([&mut self.target]) {
-                column.rows[j].iter_mut().flatten().for_each(|x| *x *= factor);
+                if let Some(row) = &mut column.rows[j] {
+                    Arc::make_mut(row).iter_mut().for_each(|x| *x *= factor);
+                }
             }
         }
-        self.evaluated = Mutex::default();
-        self.push = OnceLock::new();
         self.multiply();
     }
 
@@ -240,14 +258,23 @@ impl<'a, const N: usize> System<'a, N> {
             .into_par_iter()
             .map(|j| {
                 let present: Vec<usize> = (0..count).filter(|c| self.columns[*c].rows[j].is_some()).collect();
-                let flat: Vec<f64> = present
-                    .iter()
-                    .flat_map(|c| self.columns[*c].rows[j].as_deref().unwrap_or_default().iter().copied())
-                    .collect();
-                let x = DMatrix::from_vec(self.joint_rows, present.len(), flat);
-                let xt = x.transpose();
-                let y = DVector::from_column_slice(self.target.rows[j].as_deref().unwrap_or_default());
-                (present, &xt * &x, xt * y)
+                let mut gram = DMatrix::zeros(present.len(), present.len());
+                let mut score = DVector::zeros(present.len());
+                let Some(target) = &self.target.rows[j] else { return (present, gram, score) };
+                // Passes of a few rows: a matrix of all would be the columns once more.
+                for first in (0..self.joint_rows).step_by(ROWS_AT_ONCE) {
+                    let rows = first..(first + ROWS_AT_ONCE).min(self.joint_rows);
+                    let mut x = DMatrix::zeros(rows.len(), present.len());
+                    for (mut own, c) in x.column_iter_mut().zip(&present) {
+                        if let Some(values) = &self.columns[*c].rows[j] {
+                            own.copy_from_slice(&values[rows.clone()]);
+                        }
+                    }
+                    let xt = x.transpose();
+                    gram.gemm(1.0, &xt, &x, 1.0);
+                    score.gemv(1.0, &xt, &DVectorView::from_slice(&target[rows.clone()], rows.len()), 1.0);
+                }
+                (present, gram, score)
             })
             .collect();
         self.gram = DMatrix::zeros(count, count);
@@ -306,10 +333,14 @@ impl<'a, const N: usize> System<'a, N> {
         self.groups.len() - 1
     }
 
-    /// Ridge of a column in a joint fit: bodies have directions that no joint feels, single causes have none.
-    pub fn ridge(&self, column: usize) -> f64 {
-        let group = self.groups.iter().find(|group| group.columns.contains(&column));
-        if group.is_some_and(|group| group.columns.len() >= MANY_COLUMNS) { BODY_RIDGE } else { 0.0 }
+    /// Ridges of columns in a joint fit: bodies have directions that no joint feels, single causes have none.
+    pub fn ridges(&self, columns: &[usize]) -> Vec<f64> {
+        let is_body = |group: &&Group<N>| {
+            group.columns.len() >= MANY_COLUMNS && group.columns.clone().all(|column| columns.contains(&column))
+        };
+        let bodies: Vec<&Range<usize>> = self.groups.iter().filter(is_body).map(|group| &group.columns).collect();
+        let ridge = |column| if bodies.iter().any(|body| body.contains(column)) { BODY_RIDGE } else { 0.0 };
+        columns.iter().map(ridge).collect()
     }
 
     /// The columns of several groups.
@@ -338,7 +369,7 @@ fn drop_rounding<const N: usize>(columns: &mut [Column<N>]) {
     let largest = columns.iter().map(|column| dot(column, column)).fold(0.0, f64::max);
     for column in columns {
         if dot(column, column) < ROUNDING.powi(2) * largest {
-            column.rows = std::array::from_fn(|_| None);
+            *column = Column::zero();
         }
     }
 }

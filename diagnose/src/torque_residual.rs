@@ -179,9 +179,8 @@ impl<const N: usize> TorqueResidual<N> {
         let mut columns = std::array::from_fn(|_| Vec::with_capacity(self.samples()));
         for burst in &self.motion {
             let values: Vec<SVector<f64, N>> = burst.iter().map(&regressor).collect();
-            let track = |j: usize| values.iter().map(|value| value[j]).collect();
-            let tracks: Vec<Vec<f64>> = (0..N).map(track).collect();
-            columns.iter_mut().zip(self.chain.finish_all(&tracks)).for_each(|(column, x)| column.extend(x));
+            let track = |j: usize| values.iter().map(|value| value[j]).collect::<Vec<f64>>();
+            columns.iter_mut().zip(self.chain.finish_all((0..N).map(track))).for_each(|(column, x)| column.extend(x));
         }
         columns
     }

@@ -1,5 +1,7 @@
 //! A base that is not level.
 
+use std::ops::Range;
+
 use nalgebra::{Rotation3, Unit, Vector3};
 use tribo_robot::{Arm, gravity_torque};
 use tribo_sim::Effect;
@@ -70,6 +72,10 @@ impl<const N: usize> Candidate<N> for BaseTilt {
 
     fn columns(&self, data: &RegressionData<N>, _shape: &[f64]) -> Vec<FineColumn<N>> {
         self.columns_of(data, &vec![data.nominal.arm.clone(); data.chains.len()])
+    }
+
+    fn columns_of_widest(&self) -> Option<Range<usize>> {
+        (!self.large).then_some(0..2)
     }
 
     fn admissible(&self, data: &RegressionData<N>, _shape: &[f64], coefficients: &[f64]) -> bool {

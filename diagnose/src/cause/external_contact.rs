@@ -1,5 +1,7 @@
 //! Somebody pushed the arm.
 
+use std::sync::Arc;
+
 use nalgebra::SVector;
 use tribo_sim::Effect;
 
@@ -53,7 +55,7 @@ impl<const N: usize> Candidate<N> for ExternalContact {
             burst.fine.start + start..burst.fine.start + if pushed { end } else { start }
         };
         let columns = data.filter_smooth(N, within, |at| -data.jacobian(at).transpose());
-        let acts = |row: &Vec<f64>| row.iter().any(|x| *x != 0.0);
+        let acts = |row: &Arc<Vec<f64>>| row.iter().any(|x| *x != 0.0);
         columns.map(|column| Column { rows: column.rows.map(|row| row.filter(acts)) }).into()
     }
 

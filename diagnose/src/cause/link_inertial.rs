@@ -1,5 +1,7 @@
 //! A link of another mass or first moment.
 
+use std::ops::Range;
+
 use nalgebra::{Matrix3, SVector, Vector3};
 use tribo_robot::{LinkInertia, link_regressor};
 use tribo_sim::Effect;
@@ -130,6 +132,14 @@ impl<const N: usize> Candidate<N> for LinkInertial {
     fn filtered(&self, data: &RegressionData<N>, _shape: &[f64]) -> Vec<Column<N>> {
         let regressor = &data.link_regressors()[self.link];
         self.directions(data).iter().map(|direction| combined(regressor, direction)).collect()
+    }
+
+    fn columns_of_widest(&self) -> Option<Range<usize>> {
+        match self.extent {
+            Extent::FirstMoment => Some(1..4),
+            Extent::Mass => Some(0..4),
+            _ => None,
+        }
     }
 
     /// A link keeps a good part of its mass.

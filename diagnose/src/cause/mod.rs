@@ -39,6 +39,8 @@ pub(crate) use presliding::bristle;
 pub(crate) use time_delay::interpolated;
 pub(crate) use torque_ripple::TorqueRipple;
 
+use std::ops::Range;
+
 use nalgebra::SVector;
 use tribo_sim::Effect;
 
@@ -90,6 +92,11 @@ pub(crate) trait Candidate<const N: usize>: Send + Sync {
     /// The columns in the band, which not every candidate needs to filter anew.
     fn filtered(&self, data: &RegressionData<N>, shape: &[f64]) -> Vec<Column<N>> {
         data.filter_all(&self.columns(data, shape))
+    }
+
+    /// Which columns of the widest candidate of the same cause and place these are, if they are any: they are kept once.
+    fn columns_of_widest(&self) -> Option<Range<usize>> {
+        None
     }
 
     /// Whether physics allows these values.

@@ -1,5 +1,7 @@
 //! A body at the flange.
 
+use std::ops::Range;
+
 use nalgebra::{DVector, Matrix3, SMatrix, SVector, Vector3};
 use tribo_robot::{Arm, link_regressor};
 use tribo_sim::Effect;
@@ -70,6 +72,10 @@ impl<const N: usize> Candidate<N> for Payload {
         let count = if self.extent == Extent::Body { 10 } else { 4 };
         let regressor = &data.link_regressors()[N - 1];
         (0..count).map(|i| combined(regressor, &link_from_flange.column(i).into_owned())).collect()
+    }
+
+    fn columns_of_widest(&self) -> Option<Range<usize>> {
+        (self.extent == Extent::PointMass).then_some(0..4)
     }
 
     fn admissible(&self, _data: &RegressionData<N>, _shape: &[f64], coefficients: &[f64]) -> bool {

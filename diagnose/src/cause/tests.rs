@@ -37,7 +37,7 @@ fn missed(effect: &Effect, motion: Excitation, band_hz: f64) -> f64 {
     let (mut left, mut whole) = (0.0, 0.0);
     for j in 0..7 {
         let residual = &data.residual_nm[j];
-        let predicted = column.rows[j].clone().unwrap_or_else(|| vec![0.0; residual.len()]);
+        let predicted = column.rows[j].as_deref().cloned().unwrap_or_else(|| vec![0.0; residual.len()]);
         let difference: Vec<f64> = residual.iter().zip(&predicted).map(|(a, b)| a - b).collect();
         left += rms(&difference).powi(2);
         whole += rms(residual).powi(2);

@@ -152,8 +152,7 @@ impl ZeroPhaseLowPass {
 
     /// The filtered signal, as long as x.
     pub fn filter(&self, x: &[f64]) -> Vec<f64> {
-        let [y] = self.filter_lanes([x]);
-        y
+        self.filter_each([x], <[f64]>::to_vec).pop().unwrap_or_default()
     }
 
     /// The filtered signals, in order; all have one length. The same bits as one by one, in a fraction of the time.
@@ -161,44 +160,63 @@ impl ZeroPhaseLowPass {
     /// # Panics
     /// Where a signal is shorter than the first.
     pub fn filter_all<S: AsRef<[f64]>>(&self, signals: &[S]) -> Vec<Vec<f64>> {
-        let mut filtered = Vec::with_capacity(signals.len());
-        let mut chunks = signals.chunks_exact(LANES);
-        for chunk in &mut chunks {
-            filtered.extend(self.filter_lanes::<LANES>(std::array::from_fn(|l| chunk[l].as_ref())));
-        }
-        match chunks.remainder() {
-            [] => {}
-            [one] => filtered.push(self.filter(one.as_ref())),
-            some if some.len() <= FEW_LANES => filtered.extend(self.filter_some::<FEW_LANES, S>(some)),
-            some => filtered.extend(self.filter_some::<LANES, S>(some)),
-        }
-        filtered
+        self.filter_each(signals, <[f64]>::to_vec)
     }
 
-    /// Up to L signals; the last fills the lanes that are left.
-    fn filter_some<const L: usize, S: AsRef<[f64]>>(&self, some: &[S]) -> impl Iterator<Item = Vec<f64>> + use<L, S> {
-        let lanes = self.filter_lanes::<L>(std::array::from_fn(|l| some[l.min(some.len() - 1)].as_ref()));
-        lanes.into_iter().take(some.len())
+    /// What `keep` makes of each of the filtered signals. Signals are asked for one after the other and none is kept, so that
+    /// no more than [`LANES`] filtered ones are there at a time.
+    ///
+    /// # Panics
+    /// Where a signal is shorter than the first.
+    pub fn filter_each<S: AsRef<[f64]>, T>(
+        &self,
+        signals: impl IntoIterator<Item = S, IntoIter: ExactSizeIterator>,
+        keep: impl Fn(&[f64]) -> T,
+    ) -> Vec<T> {
+        let mut signals = signals.into_iter();
+        let mut kept = Vec::with_capacity(signals.len());
+        loop {
+            match signals.len() {
+                0 => return kept,
+                1 => self.filter_lanes::<1, S, T>(&mut signals, &keep, &mut kept),
+                few if few <= FEW_LANES => self.filter_lanes::<FEW_LANES, S, T>(&mut signals, &keep, &mut kept),
+                _ => self.filter_lanes::<LANES, S, T>(&mut signals, &keep, &mut kept),
+            }
+        }
     }
 
-    fn filter_lanes<const L: usize>(&self, x: [&[f64]; L]) -> [Vec<f64>; L] {
-        let n = x[0].len();
-        if n == 0 {
-            return std::array::from_fn(|_| Vec::new());
-        }
-        let reflected = self.reflected.min(n - 1);
-        let mut y = vec![[0.0; L]; n + 2 * reflected];
-        for (l, x) in x.into_iter().enumerate() {
+    /// The next L signals, or those that are left.
+    fn filter_lanes<const L: usize, S: AsRef<[f64]>, T>(
+        &self,
+        signals: &mut impl Iterator<Item = S>,
+        keep: &impl Fn(&[f64]) -> T,
+        kept: &mut Vec<T>,
+    ) {
+        let mut y: Vec<[f64; L]> = Vec::new();
+        let (mut n, mut reflected, mut used) = (0, 0, 0);
+        for (l, x) in signals.take(L).enumerate() {
+            let x = x.as_ref();
+            if l == 0 {
+                n = x.len();
+                reflected = self.reflected.min(n.saturating_sub(1));
+                y = vec![[0.0; L]; n + 2 * reflected];
+            }
             let x = &x[..n];
             for k in 1..=reflected {
                 y[reflected - k][l] = 2.0 * x[0] - x[k];
                 y[reflected + n - 1 + k][l] = 2.0 * x[n - 1] - x[n - 1 - k];
             }
             y[reflected..reflected + n].iter_mut().zip(x).for_each(|(y, x)| y[l] = *x);
+            used = l + 1;
         }
         run(&self.sections, &mut y, Way::Forward);
         run(&self.sections, &mut y, Way::Backward);
-        std::array::from_fn(|l| y[reflected..reflected + n].iter().map(|y| y[l]).collect())
+        let mut lane = Vec::with_capacity(n);
+        for l in 0..used {
+            lane.clear();
+            lane.extend(y[reflected..reflected + n].iter().map(|y| y[l]));
+            kept.push(keep(&lane));
+        }
     }
 
     /// Gain of both passes together at `frequency_hz`, up to half the sample rate.

@@ -1,11 +1,13 @@
 //! Expected evidence between two causes.
 
+use std::sync::Arc;
+
 use nalgebra::{DMatrix, DVector, SVector};
 use tribo_sim::Effect;
 
 use super::pair::Pair;
 use crate::cause::{Candidate, ExternalContact, TorqueRipple, candidate_of_effect, candidates};
-use crate::column::Column;
+use crate::column::{Column, add_scaled};
 use crate::diagnosis::{CauseLabel, JointMisfit, Location};
 use crate::least_squares::solve_ridge;
 use crate::regression_data::RegressionData;
@@ -63,7 +65,7 @@ pub(super) struct Run<'s, const N: usize> {
 impl<'s, const N: usize> Run<'s, N> {
     /// What the model leaves over.
     pub fn of_residual(data: &'s RegressionData<N>) -> Self {
-        let torque_nm = Column { rows: std::array::from_fn(|j| Some(data.residual_nm[j].clone())) };
+        let torque_nm = Column::of_rows(&data.residual_nm);
         Self { data, torque_nm, touched: true }
     }
 
@@ -79,23 +81,23 @@ impl<'s, const N: usize> Run<'s, N> {
             for (sum, values) in rows.iter_mut().zip(&column.rows) {
                 if let Some(values) = values {
                     let sum = sum.get_or_insert_with(|| vec![0.0; values.len()]);
-                    sum.iter_mut().zip(values).for_each(|(sum, x)| *sum += coefficient * x);
+                    add_scaled(sum, values, coefficient);
                 }
             }
         }
-        Some(Self { data, torque_nm: Column { rows }, touched: true })
+        Some(Self { data, torque_nm: Column { rows: rows.map(|row| row.map(Arc::new)) }, touched: true })
     }
 
     /// The same motion with nobody touching the arm, and nothing lacking.
     pub fn untouched(&self) -> Self {
-        Self { data: self.data, torque_nm: Column { rows: std::array::from_fn(|_| None) }, touched: false }
+        Self { data: self.data, torque_nm: Column::zero(), touched: false }
     }
 
     /// Columns of a candidate on this motion.
     fn columns(&self, candidate: &dyn Candidate<N>, shape: &[f64]) -> Vec<Column<N>> {
         let mut columns = candidate.filtered(self.data, shape);
         if !self.touched && candidate.label() == CauseLabel::ExternalContact {
-            columns.iter_mut().for_each(|column| column.rows = std::array::from_fn(|_| None));
+            columns.iter_mut().for_each(|column| *column = Column::zero());
         }
         columns
     }

@@ -7,6 +7,8 @@
 //! Load friction is bilinear in its coefficient and in what the joints carry, a tilt in gravity and in what it acts on. With the load of the model alone, a payload of 1.5 kg on
 //! a UR10e was a constant 0.18 Nm of friction of its fourth joint that the fit took from the dry friction, and the written file, which knows the payload, added.
 
+use std::sync::Arc;
+
 use nalgebra::SVector;
 use rayon::prelude::*;
 use tribo_robot::{Arm, rnea};
@@ -48,7 +50,8 @@ pub(super) fn set_arm<const N: usize>(
     let rows = data.time_s.len();
     let mut replaced = vec![(JointTerm::Load.place(), (0..N).map(load).collect::<Vec<Vec<f64>>>())];
     replaced.extend(tilts.into_iter().enumerate().map(|(k, column)| {
-        let of_joint = column.rows.into_iter().map(|values| values.unwrap_or_else(|| vec![0.0; rows]));
+        let of_joint =
+            column.rows.into_iter().map(|values| values.map_or_else(|| vec![0.0; rows], Arc::unwrap_or_clone));
         (TILT + k, of_joint.collect())
     }));
     let mut changes = columns.replace(&replaced).into_iter();
