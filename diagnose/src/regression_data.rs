@@ -331,7 +331,7 @@ impl<const N: usize> RegressionData<N> {
     /// A regressor through the same band filter, trim and average as the torques.
     pub fn filter(&self, column: &FineColumn<N>) -> Column<N> {
         let mut columns = self.filter_all(std::slice::from_ref(column));
-        columns.pop().unwrap_or_else(|| Column::zero())
+        columns.pop().unwrap_or_else(Column::zero)
     }
 
     /// The same of several, side by side.
