@@ -211,13 +211,12 @@ mod tests {
 
     use super::*;
     use crate::Nominal;
-    use crate::cause::candidates;
+    use crate::cause::{Candidate, candidates};
     use crate::regression_data::RegressionData;
     use crate::system::EvaluatedColumns;
 
-    /// Second algorithm: all others projected out anew.
-    #[test]
-    fn leaving_one_member_out_is_projecting_out_the_others() {
+    /// A Panda with a payload that its model does not have, and all candidates.
+    fn payload_and_candidates() -> (RegressionData<7>, Vec<Arc<dyn Candidate<7>>>) {
         let hidden = vec![Effect::Payload { mass_kg: 0.4, com_m: [0.0, 0.0, 0.05], inertia_kg_m2: [0.0; 6] }];
         let plain = Truth::<7>::panda_coulomb_viscous();
         let truth = Truth { effects: hidden, ..plain.clone() };
@@ -229,7 +228,32 @@ mod tests {
         let torque_side = recording.torque_side;
         let nominal = Nominal { arm, friction, smoothing_rad_s: 0.01, sticks: false, effects: Vec::new(), torque_side };
         let data = RegressionData::of_logs(&[log], &nominal, None).unwrap();
-        let causes: Vec<_> = candidates::<7>().into_iter().map(Arc::from).collect();
+        (data, candidates::<7>().into_iter().map(Arc::from).collect())
+    }
+
+    /// Shared columns are those that the candidate itself has, and there are some.
+    #[test]
+    fn every_candidate_has_its_own_columns() {
+        let (data, causes) = payload_and_candidates();
+        let evaluated = EvaluatedColumns::of(&data, &causes);
+        let mut own = 0;
+        for group in &evaluated.groups {
+            let filtered = group.candidate.filtered(&data, &group.shape);
+            own += filtered.len();
+            let place = (group.candidate.label(), group.candidate.location());
+            assert_eq!(filtered.len(), group.columns.len(), "{place:?}");
+            for (one, other) in filtered.iter().zip(&evaluated.columns[group.columns.clone()]) {
+                assert_eq!(one.rows, other.rows, "{place:?}");
+            }
+        }
+        // Of each link first moments (3) and mass (4), the point mass (4), the small tilt (2).
+        assert_eq!(own - evaluated.columns.len(), 7 * 7 + 4 + 2);
+    }
+
+    /// Second algorithm: all others projected out anew.
+    #[test]
+    fn leaving_one_member_out_is_projecting_out_the_others() {
+        let (data, causes) = payload_and_candidates();
         let evaluated = EvaluatedColumns::of(&data, &causes);
         let left = evaluated.saturated_residual(&data);
         let system = System::new(&data, evaluated.groups.clone(), &evaluated.columns, &left);
