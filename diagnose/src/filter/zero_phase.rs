@@ -164,7 +164,7 @@ impl ZeroPhaseLowPass {
     }
 
     /// What `keep` makes of each of the filtered signals. Signals are asked for one after the other and none is kept, so that
-    /// no more than [`LANES`] filtered ones are there at a time.
+    /// no more than eight filtered ones are there at a time.
     ///
     /// # Panics
     /// Where a signal is shorter than the first.
