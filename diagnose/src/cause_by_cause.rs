@@ -41,7 +41,6 @@ pub(crate) struct Question<'q, const N: usize> {
 /// data's residual.
 pub(crate) fn cause_by_cause<const N: usize>(
     question: &Question<'_, N>,
-    logs: &[RobotLog],
     data: &mut RegressionData<N>,
     settings: &DiagnoseSettings,
     step: &dyn Fn(&str, f64) -> Result<(), DiagnoseError>,
@@ -126,7 +125,6 @@ pub(crate) fn cause_by_cause<const N: usize>(
             plain_fits: question.plain_fits,
             deflections: &deflections(data),
             chance: &chance,
-            logs,
             seed: settings.seed,
         };
         let judged = judge(&mut search, &evaluated, step)?;
@@ -173,7 +171,7 @@ fn residual_after<const N: usize>(search: &Search<'_, '_, N>) -> [Vec<f64>; N] {
 /// Torque of the selected causes on the fine grid (Nm).
 fn explained_torque<const N: usize>(search: &Search<'_, '_, N>) -> Vec<SVector<f64, N>> {
     let data = search.system.data;
-    let mut sum = vec![SVector::<f64, N>::zeros(); data.samples.len()];
+    let mut sum = vec![SVector::<f64, N>::zeros(); data.motion.len()];
     let coefficients = joint_fit(search.system, &search.system.columns_of(&search.selected)).coefficients;
     let mut rest = &coefficients[..];
     for group in search.selected.iter().map(|group| &search.system.groups[*group]) {

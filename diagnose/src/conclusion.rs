@@ -47,7 +47,7 @@ pub(crate) fn conclude<const N: usize>(
     let mut extended = data.nominal.clone();
     extended.effects.extend(extension.iter().cloned());
     let band_hz = data.chains.first().map(|chain| chain.band_hz);
-    let read_back_nm = RegressionData::of_logs(evaluated.logs, &extended, band_hz)?.residual_nm;
+    let read_back_nm = RegressionData::of_motion(&data.logged, &extended)?.residual_nm;
     let joints = misfits(data, asked_nm, &read_back_nm, &before, &after);
     // The verdict.
     let mut notes = notes_of(data);

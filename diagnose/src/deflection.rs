@@ -77,15 +77,15 @@ fn joint_deflection<const N: usize>(
 ) -> Vec<DeflectionFinding> {
     let predicted = nominal_deflection(data, joint);
     let own = |values: Vec<f64>| data.filter_own(&values);
-    let sample = |value: &dyn Fn(usize) -> f64| own((0..data.samples.len()).map(value).collect());
-    let target = sample(&|k| deflection[k][joint] - predicted(data.samples[k].link_nm[joint]));
-    let mut rates = Vec::with_capacity(data.samples.len());
+    let sample = |value: &dyn Fn(usize) -> f64| own((0..data.motion.len()).map(value).collect());
+    let target = sample(&|k| deflection[k][joint] - predicted(data.of_model[k].link_nm[joint]));
+    let mut rates = Vec::with_capacity(data.motion.len());
     for burst in &data.bursts {
-        let load: Vec<f64> = data.samples[burst.fine.clone()].iter().map(|at| at.link_nm[joint]).collect();
+        let load: Vec<f64> = data.of_model[burst.fine.clone()].iter().map(|at| at.link_nm[joint]).collect();
         rates.extend(central_difference(&load, data.period_s(burst)));
     }
-    let load = sample(&|k| data.samples[k].link_nm[joint]);
-    let nuisance = [sample(&|_| 1.0), sample(&|k| data.samples[k].qd[joint])];
+    let load = sample(&|k| data.of_model[k].link_nm[joint]);
+    let nuisance = [sample(&|_| 1.0), sample(&|k| data.motion[k].qd[joint])];
     let spring = [load.clone(), own(rates)];
     let gap = Backlash { joint };
     let gaps: Vec<Vec<f64>> = WIDTHS_NM

@@ -57,7 +57,7 @@ pub(crate) fn explained<const N: usize>(
     let asked = nominal;
     let mut shown = asked.clone();
     let mut asked_nm = None;
-    let whole = turned_round(logs, &mut data, &mut shown, &mut asked_nm, &[])?;
+    let whole = turned_round(&mut data, &mut shown, &mut asked_nm, &[])?;
     // With logs of a bare flange all is fitted together anyway: nobody needs to ask how much is wrong.
     let mut wrong = unloaded.is_empty().then(|| wrongness(&data, &whole));
     drop(whole);
@@ -65,7 +65,7 @@ pub(crate) fn explained<const N: usize>(
     if let (Some(Wrongness { pushes, .. }), None) = (&wrong, &asked_nm)
         && !pushes.is_empty()
     {
-        turned_round(logs, &mut data, &mut shown, &mut asked_nm, pushes)?;
+        turned_round(&mut data, &mut shown, &mut asked_nm, pushes)?;
         if asked_nm.is_some() {
             wrong = Some(wrongness(&data, &regression(&data, &[])));
         }
@@ -104,7 +104,7 @@ pub(crate) fn explained<const N: usize>(
             // A search gives up only here: elsewhere it ends soon, and the small causes that it finds beside the true ones are pruned.
             let most_kinds = wrong.in_many_joints.then_some(HOPELESS_KINDS);
             let question = Question { looked_for: &|_| true, most_kinds, plain_fits, validate, before };
-            let mut found = cause_by_cause(&question, logs, &mut data, settings, &step)?;
+            let mut found = cause_by_cause(&question, &mut data, settings, &step)?;
             if let (Some(found), None) = (&mut found, plain_fits) {
                 found.notes.push(TOO_SHORT_TO_SPLIT.to_owned());
             }
@@ -138,7 +138,6 @@ pub(crate) fn explained<const N: usize>(
 /// Replaces regression data by those of the model whose joints turn round as the log beside some pushes shows, with what the model left before (Nm)
 /// where that is another one; the regression of the data.
 fn turned_round<const N: usize>(
-    logs: &[RobotLog],
     data: &mut RegressionData<N>,
     model: &mut Nominal<N>,
     before_nm: &mut Option<[Vec<f64>; N]>,
@@ -148,9 +147,7 @@ fn turned_round<const N: usize>(
     for turns_round in [sticking::<N>, sharper_sign::<N>] {
         let Some(Nominal { sticks, smoothing_rad_s, .. }) = turns_round(data, &problem) else { continue };
         (model.sticks, model.smoothing_rad_s) = (sticks, smoothing_rad_s);
-        // The samples are the largest part of the data: those of two models need not stand side by side.
-        data.samples = Vec::new();
-        let mut of_model = RegressionData::of_logs(logs, model, data.chains.first().map(|chain| chain.band_hz))?;
+        let mut of_model = RegressionData::of_motion(&data.logged, model)?;
         of_model.borrow_regressors(data);
         let before = std::mem::replace(data, of_model).residual_nm;
         before_nm.get_or_insert(before);

@@ -1,7 +1,5 @@
 //! What a search for single causes ran on, for whoever draws conclusions from it.
 
-use tribo_logs::RobotLog;
-
 use crate::Nominal;
 use crate::deflection::DeflectionFinding;
 use crate::posterior::baseline::PlainFits;
@@ -26,7 +24,6 @@ pub(crate) struct Evaluated<'e, const N: usize> {
     /// What plain fits predict, to stand beside the answer.
     pub plain_fits: Option<&'e PlainFits>,
     pub deflections: &'e [DeflectionFinding],
-    pub logs: &'e [RobotLog],
     pub chance: &'e Chance,
     pub seed: u64,
 }

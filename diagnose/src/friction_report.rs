@@ -167,7 +167,7 @@ impl FrictionReport {
             Ok::<_, DiagnoseError>(ModelResidual::of(one, &whole, Some(band_hz))?.residual_nm)
         };
         let with_model = friction.map(with).transpose()?;
-        let fine = |j: usize| data.samples.iter().map(move |at| smooth_sign(at.qd[j], settings.smoothing_rad_s));
+        let fine = |j: usize| data.motion.iter().map(move |at| smooth_sign(at.qd[j], settings.smoothing_rad_s));
         let sign: Vec<Vec<f64>> = (0..N).map(|j| data.filter_own(&fine(j).collect::<Vec<f64>>())).collect();
         let columns: Vec<[&[f64]; 2]> = (0..N).map(|j| [&sign[j][..], &data.qd[j][..]]).collect();
         let bursts: Vec<Range<usize>> = data.bursts.iter().map(|burst| burst.out.clone()).collect();

@@ -50,6 +50,7 @@ mod golden_section;
 mod held_out;
 mod judged;
 mod least_squares;
+mod logged_motion;
 mod model_residual;
 mod next_experiment;
 mod noise_level;

@@ -148,8 +148,8 @@ fn mean_curve(name: &str, x: &[f64], y: &[f64]) -> Series {
 pub(crate) fn of_ripple<const N: usize>(data: &RegressionData<N>, line: &RippleLine) -> Vec<Plot> {
     let j = line.joint;
     let turn = 2.0 * std::f64::consts::PI;
-    let x: Vec<f64> = data.samples.iter().map(|at| (line.cycles_per_rev * at.q[j]).rem_euclid(turn)).collect();
-    let mut y: Vec<f64> = data.samples.iter().map(|at| at.measured_nm[j] - at.model_nm[j]).collect();
+    let x: Vec<f64> = data.motion.iter().map(|at| (line.cycles_per_rev * at.q[j]).rem_euclid(turn)).collect();
+    let mut y: Vec<f64> = data.samples().map(|at| at.measured_nm[j] - at.model_nm[j]).collect();
     let mean_nm = y.iter().sum::<f64>() / y.len().max(1) as f64;
     y.iter_mut().for_each(|y| *y -= mean_nm);
     let fit: Vec<f64> = x.iter().map(|x| line.sine_nm * x.sin() + line.cosine_nm * x.cos()).collect();
@@ -288,8 +288,8 @@ pub(crate) fn cross_joint_pattern<const N: usize>(
     data: &RegressionData<N>,
     residual: &[Vec<f64>; N],
 ) -> CrossJointPattern {
-    let every = (data.samples.len() / PATTERN_SAMPLES).max(1);
-    let thin: Vec<_> = data.samples.iter().step_by(every).copied().collect();
+    let every = (data.motion.len() / PATTERN_SAMPLES).max(1);
+    let thin: Vec<_> = data.samples().step_by(every).collect();
     let sum: f64 = residual.iter().flatten().map(|r| r * r).sum();
     if sum == 0.0 || thin.is_empty() {
         return CrossJointPattern::default();
@@ -310,15 +310,15 @@ pub(crate) fn cross_joint_pattern<const N: usize>(
     let arms = axes.map(|axis| Arm { gravity_m_s2: axis, ..data.nominal.arm.clone() });
     CrossJointPattern {
         wrench: share(6, &|at| {
-            let jacobian = data.jacobian(at);
+            let jacobian = data.jacobian(at.q);
             DMatrix::from_fn(N, 6, |j, c| jacobian[(c, j)])
         }),
         gravity: share(3, &|at| {
-            let columns = [0, 1, 2].map(|axis| gravity_torque(&arms[axis], &at.q));
+            let columns = [0, 1, 2].map(|axis| gravity_torque(&arms[axis], at.q));
             DMatrix::from_fn(N, 3, |j, c| columns[c][j])
         }),
         inertial: share(10 * N, &|at| {
-            let blocks = inverse_dynamics_regressor(&data.nominal.arm, &at.q, &at.qd, &at.qdd);
+            let blocks = inverse_dynamics_regressor(&data.nominal.arm, at.q, at.qd, at.qdd);
             DMatrix::from_fn(N, 10 * N, |j, c| blocks[c / 10][(j, c % 10)])
         }),
     }

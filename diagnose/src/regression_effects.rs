@@ -1,5 +1,7 @@
 //! The effects that a model file adds to arm and friction, along the motion of a log.
 
+use std::sync::Arc;
+
 use nalgebra::SVector;
 use tribo_sim::Effect;
 
@@ -17,15 +19,17 @@ impl<const N: usize> RegressionData<N> {
         let mut effects: Vec<Effect> = self.nominal.effects.clone();
         // Warm friction fades as a whole: what adds to dry and viscous friction comes first.
         effects.sort_by_key(|effect| !matches!(effect, Effect::Coulomb { .. } | Effect::Viscous { .. }));
+        let logged = Arc::clone(&self.logged);
         let (mut gain, mut delay_s) = (SVector::<f64, N>::repeat(1.0), 0.0);
         for effect in &effects {
             match *effect {
                 Effect::Coulomb { joint, delta_coulomb_nm } => {
-                    self.samples.iter_mut().for_each(|at| at.friction_nm[joint] += delta_coulomb_nm * at.sign[joint]);
+                    self.of_model.iter_mut().for_each(|at| at.friction_nm[joint] += delta_coulomb_nm * at.sign[joint]);
                 }
                 Effect::Viscous { joint, delta_viscous_nm_s_per_rad } => {
                     let slope = delta_viscous_nm_s_per_rad;
-                    self.samples.iter_mut().for_each(|at| at.friction_nm[joint] += slope * at.qd[joint]);
+                    let pairs = self.of_model.iter_mut().zip(&logged.motion);
+                    pairs.for_each(|(of_model, at)| of_model.friction_nm[joint] += slope * at.qd[joint]);
                 }
                 Effect::TorqueGain { joint, gain_error } => {
                     gain[joint] *= 1.0 + gain_error;
@@ -40,18 +44,20 @@ impl<const N: usize> RegressionData<N> {
             let Some(torque) = self.effect_torque(effect) else { continue };
             match torque {
                 FineColumn::Joint(j, column) => {
-                    self.samples.iter_mut().zip(column).for_each(|(at, tau)| at.model_nm[j] += tau);
+                    self.of_model.iter_mut().zip(column).for_each(|(at, tau)| at.model_nm[j] += tau);
                 }
-                FineColumn::Arm(column) => self.samples.iter_mut().zip(column).for_each(|(at, tau)| at.model_nm += tau),
+                FineColumn::Arm(column) => {
+                    self.of_model.iter_mut().zip(column).for_each(|(at, tau)| at.model_nm += tau)
+                }
             }
         }
-        self.samples.iter_mut().for_each(|at| at.model_nm.component_mul_assign(&gain));
+        self.of_model.iter_mut().for_each(|at| at.model_nm.component_mul_assign(&gain));
         if delay_s != 0.0 {
-            for burst in self.bursts.clone() {
+            for burst in &logged.bursts {
                 let prompt: Vec<SVector<f64, N>> =
-                    self.samples[burst.fine.clone()].iter().map(|at| at.model_nm).collect();
-                let back = delay_s / self.period_s(&burst);
-                for (k, at) in self.samples[burst.fine].iter_mut().enumerate() {
+                    self.of_model[burst.fine.clone()].iter().map(|at| at.model_nm).collect();
+                let back = delay_s / logged.period_s(burst);
+                for (k, at) in self.of_model[burst.fine.clone()].iter_mut().enumerate() {
                     at.model_nm = interpolated(prompt.len(), k as f64 - back, |i| prompt[i]);
                 }
             }
@@ -69,7 +75,7 @@ impl<const N: usize> RegressionData<N> {
             }
             _ => c,
         });
-        let mut sum = vec![SVector::<f64, N>::zeros(); self.samples.len()];
+        let mut sum = vec![SVector::<f64, N>::zeros(); self.of_model.len()];
         for (column, coefficient) in columns.iter().zip(coefficients) {
             column.add_to(&mut sum, coefficient);
         }

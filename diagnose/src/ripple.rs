@@ -85,7 +85,7 @@ fn joint_ripples<const N: usize>(
         return lines;
     }
     let bursts: Vec<Range<usize>> = data.bursts.iter().map(|burst| burst.fine.clone()).collect();
-    let q: Vec<f64> = data.samples.iter().map(|at| at.q[joint]).collect();
+    let q: Vec<f64> = data.motion.iter().map(|at| at.q[joint]).collect();
     let mut left = slow_part_removed(data, explained, joint);
     for _ in 0..MOST_LINES {
         let whitening = Whitening::of(&left, &bursts, 1e-9);
@@ -113,11 +113,11 @@ fn slow_part_removed<const N: usize>(
     explained: &[nalgebra::SVector<f64, N>],
     j: usize,
 ) -> Vec<f64> {
-    let residual = data.samples.iter().enumerate();
+    let residual = data.samples().enumerate();
     let y: Vec<f64> = residual
         .map(|(k, at)| at.measured_nm[j] - at.model_nm[j] - explained.get(k).map_or(0.0, |tau| tau[j]))
         .collect();
-    let base = |value: &dyn Fn(&Sample<N>) -> f64| data.samples.iter().map(value).collect::<Vec<f64>>();
+    let base = |value: &dyn Fn(&Sample<N>) -> f64| data.samples().map(|at| value(&at)).collect::<Vec<f64>>();
     let mut bases = vec![
         base(&|_| 1.0),
         base(&|at| at.sign[j]),
@@ -320,13 +320,13 @@ impl OrderNorm {
         const TABLE: usize = 1024;
         const KEPT: usize = 1500;
         let gain = (0..=TABLE).map(|i| whitening.power_gain(PI * i as f64 / TABLE as f64)).collect();
-        let every = (data.samples.len() / KEPT).max(1);
-        let dt = |burst: &crate::regression_data::Burst| data.period_s(burst);
+        let every = (data.motion.len() / KEPT).max(1);
+        let dt = |burst: &crate::logged_motion::Burst| data.period_s(burst);
         let angles = data
             .bursts
             .iter()
             .flat_map(|burst| burst.fine.clone().step_by(every).map(move |k| (k, dt(burst))))
-            .map(|(k, dt_s)| ((data.samples[k].qd[joint] * dt_s).abs(), every as f64))
+            .map(|(k, dt_s)| ((data.motion[k].qd[joint] * dt_s).abs(), every as f64))
             .collect();
         Self { angles, gain }
     }

@@ -12,6 +12,7 @@
 
 use std::ops::Range;
 
+use crate::logged_motion::LoggedMotion;
 use crate::regression_data::RegressionData;
 
 /// Time within which a resting joint has not moved (s).
@@ -24,12 +25,12 @@ const LONGEST_S: f64 = 0.4;
 /// Range of a resting joint's smoothed positions over their noise.
 const STILL_SD: f64 = 5.0;
 
-impl<const N: usize> RegressionData<N> {
+impl<const N: usize> LoggedMotion<N> {
     /// Finds the stops of all joints.
     pub(crate) fn find_short_rests(&mut self) {
         for burst in &self.bursts {
             for j in 0..N {
-                let q_rad: Vec<f64> = self.samples[burst.fine.clone()].iter().map(|at| at.q[j]).collect();
+                let q_rad: Vec<f64> = self.motion[burst.fine.clone()].iter().map(|at| at.q[j]).collect();
                 let still_rad = STILL_SD * self.position_sd_rad[j].max(self.lattice_sd_rad[j]);
                 let rests = short_rests(&q_rad, self.period_s(burst), still_rad).into_iter();
                 let start = burst.fine.start;
@@ -37,15 +38,17 @@ impl<const N: usize> RegressionData<N> {
             }
         }
     }
+}
 
+impl<const N: usize> RegressionData<N> {
     /// Friction of the nominal model where a joint that sticks stops for a moment.
     pub(crate) fn bridge_short_rests(&mut self) {
         for j in 0..N {
-            let mut friction_nm: Vec<f64> = self.samples.iter().map(|at| at.friction_nm[j]).collect();
-            let mut sign: Vec<f64> = self.samples.iter().map(|at| at.sign[j]).collect();
-            bridge(&mut friction_nm, &self.short_rests[j]);
-            bridge(&mut sign, &self.short_rests[j]);
-            for (k, at) in self.samples.iter_mut().enumerate() {
+            let mut friction_nm: Vec<f64> = self.of_model.iter().map(|at| at.friction_nm[j]).collect();
+            let mut sign: Vec<f64> = self.of_model.iter().map(|at| at.sign[j]).collect();
+            bridge(&mut friction_nm, &self.logged.short_rests[j]);
+            bridge(&mut sign, &self.logged.short_rests[j]);
+            for (k, at) in self.of_model.iter_mut().enumerate() {
                 at.model_nm[j] += friction_nm[k] - at.friction_nm[j];
                 (at.friction_nm[j], at.sign[j]) = (friction_nm[k], sign[k]);
             }

@@ -3,8 +3,9 @@
 use tribo_robot::gravity_torque;
 use tribo_sim::TorqueSide;
 
+use crate::MotionSample;
 use crate::diagnosis::{CauseLabel, Finding, Location};
-use crate::regression_data::{RegressionData, Sample};
+use crate::regression_data::RegressionData;
 
 /// Period of the control loop of an arm (s), in which a torque is held and measured.
 const CONTROL_PERIOD_S: f64 = 1e-3;
@@ -55,10 +56,10 @@ const STEP_RAD: f64 = 1e-4;
 /// Most that the gravity torque of each joint changes with its own angle along the motion [Nm/rad]: what is late by d looks like viscous friction
 /// of d times that.
 fn gravity_stiffness<const N: usize>(data: &RegressionData<N>) -> [f64; N] {
-    let every = (data.samples.len() / POSTURES).max(1);
+    let every = (data.motion.len() / POSTURES).max(1);
     let arm = &data.nominal.arm;
     std::array::from_fn(|j| {
-        let slope = |at: &Sample<N>| {
+        let slope = |at: &MotionSample<N>| {
             let torque_nm = |step: f64| {
                 let mut q = at.q;
                 q[j] += step;
@@ -66,7 +67,7 @@ fn gravity_stiffness<const N: usize>(data: &RegressionData<N>) -> [f64; N] {
             };
             ((torque_nm(STEP_RAD) - torque_nm(-STEP_RAD)) / (2.0 * STEP_RAD)).abs()
         };
-        data.samples.iter().step_by(every).map(slope).fold(0.0, f64::max)
+        data.motion.iter().step_by(every).map(slope).fold(0.0, f64::max)
     })
 }
 

@@ -154,14 +154,14 @@ impl<const N: usize> TorqueResidual<N> {
         self.time_s.len()
     }
 
+    /// Motion and unfiltered torque (Nm) of each burst, for whoever keeps nothing else.
+    pub(crate) fn into_motion_and_raw_torque_nm(self) -> (Vec<Vec<MotionSample<N>>>, Vec<Vec<SVector<f64, N>>>) {
+        (self.motion, self.raw_torque_nm)
+    }
+
     /// Motion of each burst before band filter and trimming.
     pub fn motion(&self) -> &[Vec<MotionSample<N>>] {
         &self.motion
-    }
-
-    /// Measured torque of each burst at the stamps of [`Self::motion`], unfiltered (Nm).
-    pub fn raw_torque_nm(&self) -> &[Vec<SVector<f64, N>>] {
-        &self.raw_torque_nm
     }
 
     /// Measured link-side torque at the stamps of [`Self::motion`], smoothed (Nm), where the log has it.

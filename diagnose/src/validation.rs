@@ -30,7 +30,7 @@ pub(crate) fn validated<const N: usize>(
         .map(|(name, log)| {
             let one = std::slice::from_ref(log);
             let before = RegressionData::of_logs(one, asked, band_hz)?;
-            let after = RegressionData::of_logs(one, &extended, Some(before.chains[0].band_hz))?;
+            let after = RegressionData::of_motion(&before.logged, &extended)?;
             let per_joint = |data: &RegressionData<N>| data.residual_nm.iter().map(|column| rms(column)).collect();
             let length = (BLOCK_S * before.chains[0].output_rate_hz()).ceil().max(1.0) as usize;
             let block = |data: &RegressionData<N>, start: usize| {

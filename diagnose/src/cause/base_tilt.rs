@@ -9,7 +9,8 @@ use tribo_sim::Effect;
 use super::{Candidate, RIGID_UNASKED};
 use crate::column::FineColumn;
 use crate::diagnosis::{CauseLabel, Location};
-use crate::regression_data::{Burst, RegressionData};
+use crate::logged_motion::Burst;
+use crate::regression_data::RegressionData;
 
 /// Gravity of another direction: columns are the gravity torque per m/s² of its change.
 ///
@@ -44,7 +45,7 @@ impl BaseTilt {
         let column = |direction: &Vector3<f64>| {
             let of_burst = |burst: &Burst| {
                 let arm = Arm { gravity_m_s2: *direction, ..arms[burst.log].clone() };
-                data.samples[burst.fine.clone()].iter().map(|at| gravity_torque(&arm, &at.q)).collect::<Vec<_>>()
+                data.motion[burst.fine.clone()].iter().map(|at| gravity_torque(&arm, &at.q)).collect::<Vec<_>>()
             };
             FineColumn::Arm(data.bursts.iter().flat_map(of_burst).collect())
         };

@@ -8,7 +8,8 @@ use tribo_sim::Effect;
 use super::Candidate;
 use crate::column::{Column, FineColumn};
 use crate::diagnosis::{CauseLabel, Location};
-use crate::regression_data::{Burst, RegressionData};
+use crate::logged_motion::Burst;
+use crate::regression_data::RegressionData;
 
 /// `−Jᵀ [force, moment]` on the robot during a window: six coefficients. Shape start and end (s), found by
 /// [`crate::contact_window`]. A push that never ends is a payload.
@@ -31,12 +32,12 @@ impl<const N: usize> Candidate<N> for ExternalContact {
     }
 
     fn columns(&self, data: &RegressionData<N>, shape: &[f64]) -> Vec<FineColumn<N>> {
-        let mut columns = vec![vec![SVector::<f64, N>::zeros(); data.samples.len()]; 6];
+        let mut columns = vec![vec![SVector::<f64, N>::zeros(); data.motion.len()]; 6];
         for burst in data.bursts.iter().filter(|burst| self.log.is_none_or(|log| log == burst.log)) {
             for k in burst.fine.clone() {
-                let at = &data.samples[k];
+                let at = &data.motion[k];
                 if at.time_s >= shape[0] && at.time_s <= shape[1] {
-                    let jacobian = data.jacobian(at);
+                    let jacobian = data.jacobian(&at.q);
                     for (component, column) in columns.iter_mut().enumerate() {
                         column[k] = -jacobian.row(component).transpose();
                     }
@@ -48,13 +49,13 @@ impl<const N: usize> Candidate<N> for ExternalContact {
 
     fn filtered(&self, data: &RegressionData<N>, shape: &[f64]) -> Vec<Column<N>> {
         let within = |burst: &Burst| {
-            let samples = &data.samples[burst.fine.clone()];
+            let samples = &data.motion[burst.fine.clone()];
             let start = samples.partition_point(|at| at.time_s < shape[0]);
             let end = samples.partition_point(|at| at.time_s <= shape[1]);
             let pushed = self.log.is_none_or(|log| log == burst.log) && start < end;
             burst.fine.start + start..burst.fine.start + if pushed { end } else { start }
         };
-        let columns = data.filter_smooth(N, within, |at| -data.jacobian(at).transpose());
+        let columns = data.filter_smooth(N, within, |at| -data.jacobian(&at.q).transpose());
         let acts = |row: &Arc<Vec<f64>>| row.iter().any(|x| *x != 0.0);
         columns.map(|column| Column { rows: column.rows.map(|row| row.filter(acts)) }).into()
     }

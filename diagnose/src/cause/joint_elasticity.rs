@@ -58,13 +58,13 @@ impl<const N: usize> Candidate<N> for JointElasticity {
         let (j, stiffness) = (self.joint, shape[0]);
         let damping = shape.get(1).copied().unwrap_or_else(|| assumed_damping(data, j, stiffness));
         let link_arm = data.nominal.arm.clone().link_side();
-        let mut column = Vec::with_capacity(data.samples.len());
+        let mut column = Vec::with_capacity(data.motion.len());
         for burst in &data.bursts {
-            let samples = &data.samples[burst.fine.clone()];
+            let (samples, of_model) = (&data.motion[burst.fine.clone()], &data.of_model[burst.fine.clone()]);
             let dt_s = data.period_s(burst);
             let Some(first) = samples.first() else { continue };
             // At its resonance the spring would magnify the noise of the acceleration above the band.
-            let load: Vec<f64> = samples.iter().map(|at| at.link_nm[j]).collect();
+            let load: Vec<f64> = of_model.iter().map(|at| at.link_nm[j]).collect();
             let drive = data.chains[burst.log].in_band(&load);
             let mut inertia = mass_matrix(&link_arm, &first.q)[(j, j)].max(1e-4);
             let mut before = drive[0];
@@ -101,7 +101,7 @@ impl<const N: usize> Candidate<N> for JointElasticity {
                     &(at.qd - only(j, rate)),
                     &(at.qdd - only(j, acceleration)),
                 );
-                tau - at.link_nm
+                tau - of_model[k].link_nm
             }));
         }
         vec![FineColumn::Arm(column)]
@@ -130,6 +130,6 @@ const INERTIA_EVERY: usize = 50;
 
 /// Inertia about the joint in the middle of the log [kg m²].
 fn typical_inertia<const N: usize>(data: &RegressionData<N>, joint: usize) -> f64 {
-    let q = data.samples.get(data.samples.len() / 2).map_or_else(SVector::zeros, |at| at.q);
+    let q = data.motion.get(data.motion.len() / 2).map_or_else(SVector::zeros, |at| at.q);
     mass_matrix(&data.nominal.arm.clone().link_side(), &q)[(joint, joint)].max(1e-4)
 }

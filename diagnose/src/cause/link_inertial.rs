@@ -113,8 +113,8 @@ impl<const N: usize> Candidate<N> for LinkInertial {
 
     fn columns(&self, data: &RegressionData<N>, _shape: &[f64]) -> Vec<FineColumn<N>> {
         let directions = self.directions(data);
-        let mut columns: Vec<Vec<_>> = (0..directions.len()).map(|_| Vec::with_capacity(data.samples.len())).collect();
-        for at in &data.samples {
+        let mut columns: Vec<Vec<_>> = (0..directions.len()).map(|_| Vec::with_capacity(data.motion.len())).collect();
+        for at in &data.motion {
             let block = link_regressor(&data.nominal.arm, &at.q, &at.qd, &at.qdd, self.link);
             columns.iter_mut().zip(&directions).for_each(|(column, direction)| column.push(block * direction));
         }
@@ -124,7 +124,7 @@ impl<const N: usize> Candidate<N> for LinkInertial {
     /// As the one column of the change that the coefficients make.
     fn add_to(&self, data: &RegressionData<N>, _shape: &[f64], coefficients: &[f64], sum: &mut [SVector<f64, N>]) {
         let change = self.change(data, coefficients);
-        for (sum, at) in sum.iter_mut().zip(&data.samples) {
+        for (sum, at) in sum.iter_mut().zip(&data.motion) {
             *sum += link_regressor(&data.nominal.arm, &at.q, &at.qd, &at.qdd, self.link) * change;
         }
     }

@@ -50,8 +50,8 @@ impl<const N: usize> Candidate<N> for Payload {
         let arm = &data.nominal.arm;
         let link_from_flange = link_from_flange(arm);
         let count = if self.extent == Extent::Body { 10 } else { 4 };
-        let mut columns: Vec<Vec<_>> = (0..count).map(|_| Vec::with_capacity(data.samples.len())).collect();
-        for at in &data.samples {
+        let mut columns: Vec<Vec<_>> = (0..count).map(|_| Vec::with_capacity(data.motion.len())).collect();
+        for at in &data.motion {
             let block = link_regressor(arm, &at.q, &at.qd, &at.qdd, N - 1) * link_from_flange;
             columns.iter_mut().enumerate().for_each(|(i, column)| column.push(block.column(i).into_owned()));
         }
@@ -62,7 +62,7 @@ impl<const N: usize> Candidate<N> for Payload {
     fn add_to(&self, data: &RegressionData<N>, _shape: &[f64], coefficients: &[f64], sum: &mut [SVector<f64, N>]) {
         let arm = &data.nominal.arm;
         let body = link_from_flange(arm).columns(0, coefficients.len()) * DVector::from_column_slice(coefficients);
-        for (sum, at) in sum.iter_mut().zip(&data.samples) {
+        for (sum, at) in sum.iter_mut().zip(&data.motion) {
             *sum += link_regressor(arm, &at.q, &at.qd, &at.qdd, N - 1) * body;
         }
     }

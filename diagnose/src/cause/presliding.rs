@@ -44,7 +44,7 @@ impl<const N: usize> Candidate<N> for Presliding {
     fn columns(&self, data: &RegressionData<N>, shape: &[f64]) -> Vec<FineColumn<N>> {
         let j = self.joint;
         let z = bristle(data, j, shape[0]);
-        vec![FineColumn::Joint(j, z.iter().zip(&data.samples).map(|(z, at)| z - at.sign[j]).collect())]
+        vec![FineColumn::Joint(j, z.iter().zip(&data.of_model).map(|(z, at)| z - at.sign[j]).collect())]
     }
 
     fn admissible(&self, data: &RegressionData<N>, _shape: &[f64], coefficients: &[f64]) -> bool {
@@ -60,11 +60,11 @@ impl<const N: usize> Candidate<N> for Presliding {
 
 /// Dahl's bristle ratio z along the samples of a joint, 0 at the start of each burst.
 pub(crate) fn bristle<const N: usize>(data: &RegressionData<N>, j: usize, distance_rad: f64) -> Vec<f64> {
-    let mut ratios = Vec::with_capacity(data.samples.len());
+    let mut ratios = Vec::with_capacity(data.motion.len());
     for burst in &data.bursts {
         let mut z = 0.0;
         let mut last = None;
-        for at in &data.samples[burst.fine.clone()] {
+        for at in &data.motion[burst.fine.clone()] {
             let travel = at.q[j] - last.unwrap_or(at.q[j]);
             let toward = travel.signum();
             z = toward + (z - toward) * (-travel.abs() / distance_rad).exp();

@@ -52,7 +52,7 @@ impl<const N: usize> Candidate<N> for ThermalFriction {
 
     fn columns(&self, data: &RegressionData<N>, shape: &[f64]) -> Vec<FineColumn<N>> {
         let x = warmth(data, self.joint, shape[0]);
-        let values = data.samples.iter().zip(x).map(|(at, x)| -at.friction_nm[self.joint] * x);
+        let values = data.of_model.iter().zip(x).map(|(at, x)| -at.friction_nm[self.joint] * x);
         vec![FineColumn::Joint(self.joint, values.collect())]
     }
 
@@ -70,28 +70,28 @@ fn span_s<const N: usize>(data: &RegressionData<N>) -> f64 {
     let starts = data.bursts.iter().map(|burst| {
         let first = data.bursts.iter().find(|other| other.log == burst.log).unwrap_or(burst);
         let end = burst.fine.end.saturating_sub(1);
-        data.samples[end].time_s - data.samples[first.fine.start].time_s
+        data.motion[end].time_s - data.motion[first.fine.start].time_s
     });
     starts.fold(0.0, f64::max)
 }
 
 /// x(t) along the samples.
 fn warmth<const N: usize>(data: &RegressionData<N>, joint: usize, tau_s: f64) -> Vec<f64> {
-    let power = |k: usize| (data.samples[k].friction_nm[joint] * data.samples[k].qd[joint]).abs();
+    let power = |k: usize| (data.of_model[k].friction_nm[joint] * data.motion[k].qd[joint]).abs();
     let mean = |range: std::ops::Range<usize>| {
         let count = range.len().max(1) as f64;
         range.map(power).sum::<f64>() / count
     };
-    let mean_w = mean(0..data.samples.len()).max(1e-12);
-    let mut warmth = Vec::with_capacity(data.samples.len());
+    let mean_w = mean(0..data.motion.len()).max(1e-12);
+    let mut warmth = Vec::with_capacity(data.motion.len());
     let (mut x, mut log, mut last_s, mut last_w) = (0.0, usize::MAX, 0.0, 0.0);
     for burst in &data.bursts {
         if burst.log != log {
-            (x, log, last_s) = (0.0, burst.log, data.samples[burst.fine.start].time_s);
+            (x, log, last_s) = (0.0, burst.log, data.motion[burst.fine.start].time_s);
         }
         let burst_w = mean(burst.fine.clone()) / mean_w;
         for k in burst.fine.clone() {
-            let at = &data.samples[k];
+            let at = &data.motion[k];
             let input = if k == burst.fine.start { last_w } else { burst_w };
             x = input + (x - input) * (-(at.time_s - last_s) / tau_s).exp();
             last_s = at.time_s;

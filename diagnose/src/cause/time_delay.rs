@@ -40,9 +40,9 @@ impl<const N: usize> Candidate<N> for TimeDelay {
 
     fn columns(&self, data: &RegressionData<N>, shape: &[f64]) -> Vec<FineColumn<N>> {
         let delay_s = shape[0];
-        let mut column = Vec::with_capacity(data.samples.len());
+        let mut column = Vec::with_capacity(data.motion.len());
         for burst in &data.bursts {
-            let samples = &data.samples[burst.fine.clone()];
+            let samples = &data.of_model[burst.fine.clone()];
             let back = delay_s / data.period_s(burst);
             for k in 0..samples.len() {
                 let before = interpolated(samples.len(), k as f64 - back, |i| samples[i].model_nm);

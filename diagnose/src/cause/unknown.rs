@@ -109,7 +109,7 @@ impl<const N: usize> Candidate<N> for Unknown {
                 })
                 .collect(),
             Family::Time(factor) => {
-                let (start, end) = data.samples.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), at| {
+                let (start, end) = data.motion.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), at| {
                     (low.min(at.time_s), high.max(at.time_s))
                 });
                 let unit = move |at: &Sample<N>| 2.0 * (at.time_s - start) / (end - start).max(1e-9) - 1.0;
@@ -123,8 +123,8 @@ impl<const N: usize> Candidate<N> for Unknown {
                 vec![column(&|at| at.qd[j] * at.qd[j].abs()), column(&|at| at.qd[j].powi(3))]
             }
             Family::Load => {
-                let squares: f64 = data.samples.iter().map(|at| at.model_nm[j].powi(2)).sum();
-                let knee_nm = (SATURATES_AT * (squares / data.samples.len().max(1) as f64).sqrt()).max(1e-6);
+                let squares: f64 = data.of_model.iter().map(|at| at.model_nm[j].powi(2)).sum();
+                let knee_nm = (SATURATES_AT * (squares / data.of_model.len().max(1) as f64).sqrt()).max(1e-6);
                 vec![
                     column(&|at| at.link_nm[j] * at.link_nm[j].abs()),
                     column(&|at| at.link_nm[j].powi(3)),

@@ -90,6 +90,6 @@ impl Pair {
 }
 
 fn moves_one_way<const N: usize>(data: &RegressionData<N>, joint: usize) -> bool {
-    let count = |way: f64| data.samples.iter().filter(|at| way * at.sign[joint] > 0.9).count();
-    (count(1.0).min(count(-1.0)) as f64) < OTHER_WAY * data.samples.len() as f64
+    let count = |way: f64| data.of_model.iter().filter(|at| way * at.sign[joint] > 0.9).count();
+    (count(1.0).min(count(-1.0)) as f64) < OTHER_WAY * data.of_model.len() as f64
 }

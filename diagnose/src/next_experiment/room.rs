@@ -30,8 +30,8 @@ const SMALL_RAD: f64 = 0.12;
 pub(super) fn of<const N: usize>(data: &RegressionData<N>, pair: &Pair, motion: Motion) -> Envelope<N> {
     let arm = &data.nominal.arm;
     let limits = &arm.limits;
-    let sum = data.samples.iter().fold(SVector::<f64, N>::zeros(), |sum, at| sum + at.q);
-    let mean = sum / data.samples.len().max(1) as f64;
+    let sum = data.motion.iter().fold(SVector::<f64, N>::zeros(), |sum, at| sum + at.q);
+    let mean = sum / data.motion.len().max(1) as f64;
     let centre_rad = SVector::from_fn(|j, _| {
         let (low, high) = (limits.q_min_rad[j], limits.q_max_rad[j]);
         let margin = MARGIN * (high - low);

@@ -265,7 +265,7 @@ fn parts_of<const N: usize>(data: &RegressionData<N>, parts_per_log: usize) -> V
 fn own_columns<const N: usize>(data: &RegressionData<N>, j: usize, scale: &ArmScale) -> Vec<Vec<f64>> {
     let waves = |k: usize| scale.waves_per_rev(j, k);
     let of = |value: &dyn Fn(&crate::regression_data::Sample<N>) -> f64| {
-        data.samples.iter().map(value).collect::<Vec<f64>>()
+        data.samples().map(|at| value(&at)).collect::<Vec<f64>>()
     };
     let fine = JointTerm::ALL.into_iter().map(|term| match term {
         JointTerm::Offset => of(&|_| 1.0),
@@ -276,7 +276,7 @@ fn own_columns<const N: usize>(data: &RegressionData<N>, j: usize, scale: &ArmSc
         JointTerm::Rotor => of(&|at| at.qdd[j]),
         JointTerm::Presliding(k) => {
             let z = bristle(data, j, PRESLIDING_RAD[k]);
-            z.iter().zip(&data.samples).map(|(z, at)| z - at.sign[j]).collect()
+            z.iter().zip(&data.of_model).map(|(z, at)| z - at.sign[j]).collect()
         }
         JointTerm::Lead(k) => {
             let width_rad_s = scale.lead_width_rad_s(j, k);

@@ -1,8 +1,8 @@
 //! The diagnosis of an arm whose model is wrong everywhere.
 
-use std::borrow::Cow;
 use std::collections::BTreeSet;
 use std::ops::Range;
+use std::sync::Arc;
 
 use tribo_logs::{RobotLog, median_period_s};
 use tribo_robot::JointNames;
@@ -29,6 +29,7 @@ use crate::deflection::deflections;
 use crate::diagnosis::{self, CauseLabel, Diagnosis, Finding, Location, Rejected, Validation, Verdict};
 use crate::finding::deflection_finding;
 use crate::held_out::gain_of_pairs;
+use crate::logged_motion::LoggedMotion;
 use crate::next_experiment::NextExperiment;
 use crate::noise_level::rms;
 use crate::plots;
@@ -147,18 +148,19 @@ pub(crate) fn explain<const N: usize>(
     let rates = given.logs.iter().filter_map(|log| median_period_s(&log.time_s)).map(f64::recip);
     let slowest_hz = rates.fold(f64::INFINITY, f64::min);
     let band_hz = settings.band_hz.unwrap_or_else(|| BAND_HZ.min(WIDEST_BAND * slowest_hz));
-    let all_logs: Cow<'_, [RobotLog]> = match given.unloaded {
-        [] => Cow::Borrowed(given.logs),
-        unloaded => given.logs.iter().chain(unloaded).cloned().collect(),
+    let motion_of = |logs: &[RobotLog]| LoggedMotion::of_logs(logs, &nominal.arm, Some(band_hz)).map(Arc::new);
+    let logged = motion_of(given.logs)?;
+    let all_logged = match given.unloaded {
+        [] => Arc::clone(&logged),
+        unloaded => motion_of(&given.logs.iter().chain(unloaded).cloned().collect::<Vec<_>>())?,
     };
-    let unloaded: Vec<bool> = (0..all_logs.len()).map(|k| k >= given.logs.len()).collect();
-    let in_band = |logs: &[RobotLog], model: &Nominal<N>| RegressionData::of_logs(logs, model, Some(band_hz));
+    let unloaded: Vec<bool> = (0..all_logged.chains.len()).map(|k| k >= given.logs.len()).collect();
     let fitted_around = |further: &[Finding],
                          before: Option<&RegressionData<N>>|
      -> Result<(RegressionData<N>, Problem, Fitted), DiagnoseError> {
         step("columns", 0.15)?;
         let around = with(nominal, &effects_of(further), true);
-        let mut data = in_band(&all_logs, &around)?;
+        let mut data = RegressionData::of_motion(&all_logged, &around)?;
         before.into_iter().for_each(|before| data.borrow_regressors(before));
         let scale = ArmScale::of(&data);
         let columns = Columns::of(&data, &scale, PARTS);
@@ -183,7 +185,7 @@ pub(crate) fn explain<const N: usize>(
     let weights: Vec<Vec<f64>> = (0..N).map(|j| problem.columns.row_weights(j).to_vec()).collect();
     for _ in 0..FURTHER_ROUNDS {
         let model = with(nominal, &written::effects(&data, &problem, &found.all.state), true);
-        let next = further_causes(given.logs, &model, &weights, band_hz, settings, step)?;
+        let next = further_causes(&logged, &model, &weights, settings, step)?;
         let places =
             |of: &[Finding]| of.iter().map(|finding| (finding.label, finding.location)).collect::<BTreeSet<_>>();
         let known = places(&next) == places(&further);
@@ -210,9 +212,9 @@ pub(crate) fn explain<const N: usize>(
     extension.extend(written::effects(&data, &problem, &all.state));
     let own_width = asked.smoothing_rad_s == nominal.smoothing_rad_s && asked.sticks == nominal.sticks;
     let fitted_to_the_same = further.is_empty() && given.unloaded.is_empty() && own_width;
-    let before = if fitted_to_the_same { None } else { Some(in_band(given.logs, asked)?) };
+    let before = if fitted_to_the_same { None } else { Some(RegressionData::of_motion(&logged, asked)?) };
     if !own_width {
-        let all = in_band(&all_logs, asked)?;
+        let all = RegressionData::of_motion(&all_logged, asked)?;
         let square = |samples: &Range<usize>, j: usize| all.residual_nm[j][samples.clone()].iter().map(|r| r * r).sum();
         let squares = |part: &usize| (0..N).map(|j| square(&problem.columns.parts[*part].samples, j)).collect();
         unseen.nominal = unseen.parts.iter().map(squares).collect();
@@ -226,8 +228,9 @@ pub(crate) fn explain<const N: usize>(
     extension.extend(seen.iter().filter_map(|finding| finding.effect.clone()));
     let extended = with(nominal, &extension, true);
     let without_payload = with(nominal, &extension, false);
-    let left_nm: [Vec<f64>; N] = in_band(given.logs, &extended)?.residual_nm;
-    let bare_data = if given.unloaded.is_empty() { None } else { Some(in_band(given.unloaded, &without_payload)?) };
+    let left_nm: [Vec<f64>; N] = RegressionData::of_motion(&logged, &extended)?.residual_nm;
+    let of_bare_flange = |logs| RegressionData::of_motion(&motion_of(logs)?, &without_payload);
+    let bare_data = if given.unloaded.is_empty() { None } else { Some(of_bare_flange(given.unloaded)?) };
 
     let unsure = all.with_doubts(&problem);
     let answer = Answer {
@@ -441,8 +444,9 @@ fn validated<const N: usize>(
     band_hz: f64,
 ) -> Result<Validation, DiagnoseError> {
     let one = std::slice::from_ref(log);
-    let in_band = |model: &Nominal<N>| RegressionData::of_logs(one, model, Some(band_hz));
-    let (before, bare, after) = (in_band(asked)?, in_band(around)?, in_band(extended)?);
+    let logged = Arc::new(LoggedMotion::of_logs(one, &nominal.arm, Some(band_hz))?);
+    let of_model = |model: &Nominal<N>| RegressionData::of_motion(&logged, model);
+    let (before, bare, after) = (of_model(asked)?, of_model(around)?, of_model(extended)?);
     let regression = |data: &RegressionData<N>| {
         Problem::of(data, Columns::of(data, &problem.scale, PARTS), problem.scale.clone(), vec![false])
     };
@@ -450,7 +454,7 @@ fn validated<const N: usize>(
     let carrying = extended.with_rigid_effects_in_the_arm().arm;
     set_arm(&mut here.columns, &bare, [&carrying; 2], &[false]);
     let untouched = match around.effects.len() > nominal.effects.len() {
-        true => Some(regression(&in_band(nominal)?)),
+        true => Some(regression(&of_model(nominal)?)),
         false => None,
     };
     let parts = here.all_parts();

@@ -38,12 +38,12 @@ pub(super) fn set_arm<const N: usize>(
         .bursts
         .iter()
         .flat_map(|burst| {
-            let (arm, samples) = (&arms[burst.log], &data.samples[burst.fine.clone()]);
+            let (arm, samples) = (&arms[burst.log], &data.motion[burst.fine.clone()]);
             samples.par_iter().map(|at| rnea(arm, &at.q, &at.qd, &at.qdd)).collect::<Vec<_>>()
         })
         .collect();
     let load = |j: usize| {
-        let friction = data.samples.iter().zip(&link_nm).map(|(at, link_nm)| link_nm[j].abs() * at.sign[j]);
+        let friction = data.of_model.iter().zip(&link_nm).map(|(at, link_nm)| link_nm[j].abs() * at.sign[j]);
         data.filter_own(&friction.collect::<Vec<f64>>())
     };
     let tilts = data.filter_all(&base_tilt_columns(data, &arms));

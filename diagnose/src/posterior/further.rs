@@ -7,13 +7,14 @@
 //!
 //! κ is that of what is left with the cause: a push that is none leaves a residual as correlated as before.
 
-use tribo_logs::RobotLog;
+use std::sync::Arc;
 
 use super::selection::LEAST_NATS;
 use super::tempering::kappa;
 use crate::cause_by_cause::{Question, cause_by_cause};
 use crate::column::subtracted;
 use crate::diagnosis::{CauseLabel, Finding};
+use crate::logged_motion::LoggedMotion;
 use crate::noise_level::rms;
 use crate::regression_data::RegressionData;
 use crate::{DiagnoseError, DiagnoseSettings, Nominal};
@@ -32,19 +33,18 @@ const BESIDE: [CauseLabel; 3] = [CauseLabel::Coulomb, CauseLabel::Viscous, Cause
 /// Findings with their effects, strongest first, that `model` lacks: the nominal model with all families at their posterior mean; `weights` are those
 /// of every joint's rows.
 pub(crate) fn further_causes<const N: usize>(
-    logs: &[RobotLog],
+    logged: &Arc<LoggedMotion<N>>,
     model: &Nominal<N>,
     weights: &[Vec<f64>],
-    band_hz: f64,
     settings: &DiagnoseSettings,
     step: &dyn Fn(&str, f64) -> Result<(), DiagnoseError>,
 ) -> Result<Vec<Finding>, DiagnoseError> {
     let looked_for = |label: CauseLabel| BEYOND.contains(&label) || BESIDE.contains(&label);
-    let mut data = RegressionData::of_logs(logs, model, Some(band_hz))?;
+    let mut data = RegressionData::of_motion(logged, model)?;
     let residual_nm = data.residual_nm.clone();
     let question =
         Question { looked_for: &looked_for, most_kinds: None, plain_fits: None, validate: &[], before: None };
-    let Some(found) = cause_by_cause(&question, logs, &mut data, settings, step)? else {
+    let Some(found) = cause_by_cause(&question, &mut data, settings, step)? else {
         return Ok(Vec::new());
     };
     data.residual_nm = residual_nm;

@@ -48,7 +48,7 @@ pub(crate) fn sharper_sign<const N: usize>(data: &RegressionData<N>, problem: &P
             let more_nm = more_coulomb_nm(problem, &all, j);
             let torque = |width: f64| -> Vec<f64> {
                 let friction = friction.with_sign(width, more_nm);
-                data.samples.iter().map(|at| friction.torque_nm(at.qd[j])).collect()
+                data.motion.iter().map(|at| friction.torque_nm(at.qd[j])).collect()
             };
             let own = torque(own_rad_s);
             let beyond_own = |width: &f64| {

@@ -30,7 +30,7 @@ pub(crate) fn sticking<const N: usize>(data: &RegressionData<N>, problem: &Probl
         .flat_map(|j| {
             let more_nm = more_coulomb_nm(problem, &all, j);
             let friction = data.nominal.sliding_friction(j).with_sign(data.nominal.smoothing_rad_s, more_nm);
-            let slides: Vec<f64> = data.samples.iter().map(|at| friction.torque_nm(at.qd[j])).collect();
+            let slides: Vec<f64> = data.motion.iter().map(|at| friction.torque_nm(at.qd[j])).collect();
             let mut change = slides.clone();
             bridge(&mut change, &data.short_rests[j]);
             change.iter_mut().zip(slides).for_each(|(sticks, slides)| *sticks -= slides);
