@@ -124,19 +124,11 @@ impl<const N: usize> RegressionData<N> {
 
     /// The samples on the fine grid.
     pub fn samples(&self) -> impl ExactSizeIterator<Item = Sample<'_, N>> {
-        self.samples_of(0..self.motion.len())
-    }
-
-    /// Some of the samples on the fine grid.
-    pub fn samples_of(&self, range: Range<usize>) -> impl ExactSizeIterator<Item = Sample<'_, N>> {
-        range.map(|k| self.sample(k))
-    }
-
-    /// One of the samples on the fine grid.
-    pub fn sample(&self, k: usize) -> Sample<'_, N> {
-        let MotionSample { time_s, q, qd, qdd } = &self.logged.motion[k];
-        let ModelSample { sign, link_nm, model_nm, .. } = &self.of_model[k];
-        Sample { time_s: *time_s, q, qd, qdd, sign, link_nm, model_nm, measured_nm: &self.logged.raw_nm[k] }
+        self.motion.iter().zip(&self.of_model).zip(&self.raw_nm).map(|((at, of_model), measured_nm)| {
+            let MotionSample { time_s, q, qd, qdd } = at;
+            let ModelSample { sign, link_nm, model_nm, .. } = of_model;
+            Sample { time_s: *time_s, q, qd, qdd, sign, link_nm, model_nm, measured_nm }
+        })
     }
 
     /// Square of the torque noise (Nm²) that velocity noise makes of a joint through the slope of nominal friction, sample by sample.
