@@ -38,6 +38,9 @@ const INSIDE: f64 = 0.98;
 /// Excess over the better of two descents from which on one has missed the minimum; in nats per sample for likelihoods.
 const MISSED: f64 = 1e-3;
 
+/// A cost of the unit cube.
+type Cost = fn(&[f64]) -> f64;
+/// Value of a point; writes its gradient.
 type Function<'f> = dyn Fn(&[f64], &mut [f64]) -> f64 + 'f;
 
 struct Problem<'f> {
@@ -156,7 +159,7 @@ fn argmins(problem: &Problem<'_>) -> Ended {
 }
 
 /// Likelihoods of samples of a function, per sample, as a fit descends them.
-fn likelihoods(value: fn(&[f64]) -> f64, dimension: usize, prior: HyperPrior) -> Vec<Problem<'static>> {
+fn likelihoods(value: Cost, dimension: usize, prior: HyperPrior) -> Vec<Problem<'static>> {
     let problem = |(samples, seed): (usize, u64)| {
         let mut source = RandomSource::seed(1001 + seed);
         let points: Vec<Vec<f64>> = (0..samples).map(|_| source.point(dimension)).collect();
@@ -222,7 +225,7 @@ fn main() {
         "| descent | n | ours: missed | worst | errors | evaluations | ms | argmin: missed | worst | errors | evaluations | ms |"
     );
     println!("|---|---:|---:|---:|---:|---:|---:|---:|---:|---:|---:|---:|");
-    let functions: [(&str, fn(&[f64]) -> f64, usize); 6] = [
+    let functions: [(&str, Cost, usize); 6] = [
         ("branin2", standard::branin2, 2),
         ("hartmann6", standard::hartmann6, 6),
         ("ackley14", standard::ackley14, 14),

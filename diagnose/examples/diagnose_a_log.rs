@@ -23,14 +23,8 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let motion = Excitation::Multisine.draw(&Envelope::of(&presets::panda()), 30.0, 1);
     let log = record(&truth, SMOOTHING_RAD_S, motion.as_ref(), &Recording::default(), 1)?;
 
-    let nominal = Nominal {
-        arm: known.arm,
-        friction: known.friction,
-        smoothing_rad_s: SMOOTHING_RAD_S,
-        sticks: false,
-        effects: Vec::new(),
-        torque_side: TorqueSide::Motor,
-    };
+    let nominal =
+        Nominal { smoothing_rad_s: SMOOTHING_RAD_S, ..Nominal::new(known.arm, known.friction, TorqueSide::Motor) };
     let go_on = |_stage: &str, _share: f64| true;
     let diagnosis = diagnose(&[log], &nominal, &[], &DiagnoseSettings::default(), &go_on)?;
     let names = &diagnosis.joint_names;

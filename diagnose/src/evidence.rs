@@ -226,7 +226,7 @@ mod tests {
         let log = record(&truth, 0.01, motion.as_ref(), &recording, 1).unwrap();
         let Truth { arm, friction, .. } = plain;
         let torque_side = recording.torque_side;
-        let nominal = Nominal { arm, friction, smoothing_rad_s: 0.01, sticks: false, effects: Vec::new(), torque_side };
+        let nominal = Nominal { smoothing_rad_s: 0.01, ..Nominal::new(arm, friction, torque_side) };
         let data = RegressionData::of_logs(&[log], &nominal, None).unwrap();
         (data, candidates::<7>().into_iter().map(Arc::from).collect())
     }

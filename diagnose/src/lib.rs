@@ -90,7 +90,7 @@ pub use friction_report::{FrictionReport, FrictionSettings, HeldOut, HeldOutErro
 pub use model_residual::ModelResidual;
 pub use next_experiment::NextExperiment;
 pub use noise_level::white_noise_sd;
-pub use nominal::Nominal;
+pub use nominal::{Nominal, SIGN_SMOOTHING_RAD_S};
 pub use residual_error::ResidualError;
 pub use settings::DiagnoseSettings;
 pub use signal_chain::{ResidualSettings, SignalChain};

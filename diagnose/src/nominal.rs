@@ -22,10 +22,17 @@ pub struct Nominal<const N: usize> {
     pub torque_side: TorqueSide,
 }
 
+/// Width of the smooth sign on logs (rad/s) where no model says another: above the noise of a velocity.
+pub const SIGN_SMOOTHING_RAD_S: f64 = 0.005;
 /// Width of the smooth sign [rad/s] from which downwards dry friction jumps.
 const JUMP_RAD_S: f64 = 1e-3;
 
 impl<const N: usize> Nominal<N> {
+    /// An arm with friction laws whose sign is as wide as usual ([`SIGN_SMOOTHING_RAD_S`]), without sticking or effects.
+    pub fn new(arm: Arm<N>, friction: FrictionModel<N>, torque_side: TorqueSide) -> Self {
+        Self { arm, friction, smoothing_rad_s: SIGN_SMOOTHING_RAD_S, sticks: false, effects: Vec::new(), torque_side }
+    }
+
     /// The same model with payloads, tilts, links and rotors among its effects moved into the arm.
     pub(crate) fn with_rigid_effects_in_the_arm(&self) -> Self {
         let rigid = |effect: &Effect| {

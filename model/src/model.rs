@@ -1,6 +1,6 @@
 //! A robot model, validated.
 
-use tribo_diagnose::Nominal;
+use tribo_diagnose::{Nominal, SIGN_SMOOTHING_RAD_S};
 use tribo_friction::FrictionModel;
 use tribo_robot::Arm;
 use tribo_sim::{Effect, TorqueSide, Truth};
@@ -25,9 +25,6 @@ pub struct Model<const N: usize> {
     /// Causes on top of arm and friction.
     pub effects: Vec<Effect>,
 }
-
-/// Width of the smooth sign on logs (rad/s) where no model says another: above the noise of a velocity.
-pub const SIGN_SMOOTHING_RAD_S: f64 = 0.005;
 
 impl<const N: usize> Model<N> {
     /// The bare robot without friction, torques on the given side.

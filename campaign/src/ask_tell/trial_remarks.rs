@@ -12,7 +12,6 @@ use super::friction_work::turned_signs;
 use super::{SentTorque, UserTrials};
 use crate::ValidTune;
 use crate::log_wrench::at;
-use tribo_model::SIGN_SMOOTHING_RAD_S;
 
 /// Least that every joint moves each way in the judged part (rad): beneath it the gears wind up and friction is not met.
 const LEAST_TRAVEL_RAD: f64 = 5e-3;
@@ -35,14 +34,7 @@ where
     if log.joints() != N {
         return remarks;
     }
-    let nominal = Nominal {
-        arm: arm.clone(),
-        friction: FrictionModel::none(),
-        smoothing_rad_s: SIGN_SMOOTHING_RAD_S,
-        sticks: false,
-        effects: Vec::new(),
-        torque_side: TorqueSide::Motor,
-    };
+    let nominal = Nominal::new(arm.clone(), FrictionModel::none(), TorqueSide::Motor);
     let acted = acted(log, user_trials.torque, |q| gravity_torque(arm, q));
     remarks.extend(acted.as_ref().map(|log| recognise(log, &nominal)).unwrap_or_default());
     // A log that ends early is refused for that.

@@ -20,12 +20,8 @@ fn log_of(effects: Vec<Effect>, motion: Excitation) -> RobotLog {
 
 fn nominal() -> Nominal<7> {
     Nominal {
-        arm: presets::panda(),
-        friction: Truth::panda_coulomb_viscous().friction,
         smoothing_rad_s: SMOOTHING_RAD_S,
-        sticks: false,
-        effects: vec![],
-        torque_side: TorqueSide::Motor,
+        ..Nominal::new(presets::panda(), Truth::panda_coulomb_viscous().friction, TorqueSide::Motor)
     }
 }
 

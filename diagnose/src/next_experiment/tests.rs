@@ -18,7 +18,7 @@ fn truth(effects: &[Effect]) -> Truth<7> {
 fn nominal() -> Nominal<7> {
     let Truth { arm, friction, .. } = truth(&[]);
     let torque_side = Recording::default().torque_side;
-    Nominal { arm, friction, smoothing_rad_s: SMOOTHING_RAD_S, sticks: false, effects: Vec::new(), torque_side }
+    Nominal { smoothing_rad_s: SMOOTHING_RAD_S, ..Nominal::new(arm, friction, torque_side) }
 }
 
 fn log(motion: &dyn JointTrajectory<7>, effects: &[Effect]) -> RobotLog {

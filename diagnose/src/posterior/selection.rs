@@ -164,14 +164,8 @@ mod tests {
         let motion = Excitation::Multisine.draw(&Envelope::around(&arm, presets::panda_ready_pose()), 30.0, 2);
         let recording = Recording { rate_hz: 250.0, torque_sd_nm: 0.05, ..Recording::default() };
         let log = record(&truth, 0.005, motion.as_ref(), &recording, 3).unwrap();
-        let nominal = Nominal {
-            arm,
-            friction: FrictionModel::none(),
-            smoothing_rad_s: 0.005,
-            sticks: false,
-            effects: Vec::new(),
-            torque_side: recording.torque_side,
-        };
+        let nominal =
+            Nominal { smoothing_rad_s: 0.005, ..Nominal::new(arm, FrictionModel::none(), recording.torque_side) };
         let data = RegressionData::of_logs(&[log], &nominal, Some(10.0)).unwrap();
         let scale = ArmScale::of(&data);
         let problem = Problem::of(&data, Columns::of(&data, &scale, PARTS), scale, vec![false]);

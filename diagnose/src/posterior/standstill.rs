@@ -97,14 +97,7 @@ mod tests {
             }
         }
         let log = LogColumns { time_s, q_rad, dq_rad_s, tau_j_nm, ..LogColumns::default() }.validate().unwrap();
-        let nominal = Nominal {
-            arm,
-            friction: FrictionModel::none(),
-            smoothing_rad_s: 0.01,
-            sticks: false,
-            effects: Vec::new(),
-            torque_side: TorqueSide::Link,
-        };
+        let nominal = Nominal { smoothing_rad_s: 0.01, ..Nominal::new(arm, FrictionModel::none(), TorqueSide::Link) };
         let data = RegressionData::of_logs(&[log], &nominal, Some(10.0)).unwrap();
         let columns = Columns::of(&data, &ArmScale::of(&data), 1);
         // The weighted constant is the weight.

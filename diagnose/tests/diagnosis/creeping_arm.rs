@@ -56,7 +56,7 @@ fn friction_is_not_foretold_to_run_away() {
     });
     assert!(largest(&slow).iter().all(|qd| *qd < 0.35) && largest(&fast).iter().all(|qd| *qd > 1.1));
     let (friction, torque_side) = (FrictionModel::none(), recording.torque_side);
-    let nominal = Nominal { arm, friction, smoothing_rad_s: 0.01, sticks: false, effects: Vec::new(), torque_side };
+    let nominal = Nominal { smoothing_rad_s: 0.01, ..Nominal::new(arm, friction, torque_side) };
     let unseen = [("fast".to_owned(), fast)];
     let found = diagnose(&[slow], &nominal, &unseen, &DiagnoseSettings::default(), &|_, _| true).unwrap();
     let written = found.effects();

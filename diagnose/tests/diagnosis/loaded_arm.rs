@@ -35,14 +35,8 @@ fn friction_and_tilt_go_with_the_load_of_the_payload() {
     let motion = Excitation::Multisine.draw(&Envelope::around(&arm, preset.poses_rad[0]), 40.0, 4);
     let recording = Recording { rate_hz: 500.0, torque_sd_nm: 0.05, ..Recording::default() };
     let log = record(&truth, 0.005, motion.as_ref(), &recording, 3).unwrap();
-    let nominal = Nominal {
-        arm: arm.clone(),
-        friction: FrictionModel::none(),
-        smoothing_rad_s: 0.005,
-        sticks: false,
-        effects: Vec::new(),
-        torque_side: recording.torque_side,
-    };
+    let nominal =
+        Nominal { smoothing_rad_s: 0.005, ..Nominal::new(arm.clone(), FrictionModel::none(), recording.torque_side) };
     let found = diagnose(&[log], &nominal, &[], &DiagnoseSettings::default(), &|_, _| true).unwrap();
     let labels: Vec<CauseLabel> = found.findings.iter().map(|finding| finding.label).collect();
     assert!(labels.contains(&CauseLabel::Payload) && labels.contains(&CauseLabel::LoadFriction), "{labels:?}");

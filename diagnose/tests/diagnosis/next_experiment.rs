@@ -15,12 +15,8 @@ fn the_proposed_motion_settles_it() {
     let settings = DiagnoseSettings::default();
     let bare = Truth::<7>::panda_coulomb_viscous();
     let nominal = Nominal {
-        arm: bare.arm.clone(),
-        friction: bare.friction,
         smoothing_rad_s: SMOOTHING_RAD_S,
-        sticks: false,
-        effects: Vec::new(),
-        torque_side: Recording::default().torque_side,
+        ..Nominal::new(bare.arm.clone(), bare.friction, Recording::default().torque_side)
     };
     let log = |motion: &dyn JointTrajectory<7>, effects: &[Effect]| {
         let truth = Truth { effects: effects.to_vec(), ..bare.clone() };

@@ -33,14 +33,7 @@ fn is_answered_by_families_and_soon() {
     let recording = Recording { rate_hz: 250.0, torque_sd_nm: 0.3, ..Recording::default() };
     let log = record(&truth, 0.01, motion.as_ref(), &recording, 3).unwrap();
     let torque_side = recording.torque_side;
-    let nominal = Nominal {
-        arm,
-        friction: FrictionModel::none(),
-        smoothing_rad_s: 0.005,
-        sticks: false,
-        effects: Vec::new(),
-        torque_side,
-    };
+    let nominal = Nominal { smoothing_rad_s: 0.005, ..Nominal::new(arm, FrictionModel::none(), torque_side) };
     let steps = AtomicUsize::new(0);
     let go_on = |_: &str, _: f64| steps.fetch_add(1, Ordering::Relaxed) < MOST_STEPS;
     let found = diagnose(&[log], &nominal, &[], &DiagnoseSettings::default(), &go_on).unwrap();

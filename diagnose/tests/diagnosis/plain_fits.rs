@@ -16,7 +16,7 @@ fn diagnosed(hidden: Vec<Effect>, duration_s: f64) -> Diagnosis {
         record(&Truth { effects: hidden, ..plain.clone() }, 0.01, motion.as_ref(), &recording, 1).unwrap();
     let Truth { arm, friction, .. } = plain;
     let torque_side = recording.torque_side;
-    let nominal = Nominal { arm, friction, smoothing_rad_s: 0.01, sticks: false, effects: Vec::new(), torque_side };
+    let nominal = Nominal { smoothing_rad_s: 0.01, ..Nominal::new(arm, friction, torque_side) };
     diagnose(&[log], &nominal, &[], &DiagnoseSettings::default(), &|_, _| true).unwrap()
 }
 

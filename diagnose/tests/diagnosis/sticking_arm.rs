@@ -80,7 +80,7 @@ fn diagnosed(sticks: bool) -> Diagnosis {
         }
     }
     let (friction, torque_side) = (FrictionModel::none(), recording.torque_side);
-    let nominal = Nominal { arm, friction, smoothing_rad_s: 0.005, sticks: false, effects: Vec::new(), torque_side };
+    let nominal = Nominal { smoothing_rad_s: 0.005, ..Nominal::new(arm, friction, torque_side) };
     diagnose(&[log.validate().unwrap()], &nominal, &[], &DiagnoseSettings::default(), &|_, _| true).unwrap()
 }
 

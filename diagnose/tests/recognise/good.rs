@@ -67,14 +67,7 @@ fn drawn<const N: usize>(name: &str, seed: u64, kind: Excitation, hide: bool) ->
         TorqueSide::Link => preset.arm.clone().link_side(),
     };
     let description = format!("{name} {seed}: {kind:?}, {duration_s:.0} s, {torque_side:?}, {:?}", truth.effects);
-    let nominal = Nominal {
-        arm,
-        friction: law,
-        smoothing_rad_s: SMOOTHING_RAD_S,
-        sticks: false,
-        effects: Vec::new(),
-        torque_side,
-    };
+    let nominal = Nominal { smoothing_rad_s: SMOOTHING_RAD_S, ..Nominal::new(arm, law, torque_side) };
     Good { log, nominal, description }
 }
 

@@ -14,14 +14,7 @@ use super::remarks;
 
 fn nominal<const N: usize>(arm: Arm<N>, torque_side: TorqueSide) -> Nominal<N> {
     let arm = if torque_side == TorqueSide::Link { arm.link_side() } else { arm };
-    Nominal {
-        arm,
-        friction: FrictionModel::none(),
-        smoothing_rad_s: 0.005,
-        sticks: false,
-        effects: Vec::new(),
-        torque_side,
-    }
+    Nominal { smoothing_rad_s: 0.005, ..Nominal::new(arm, FrictionModel::none(), torque_side) }
 }
 
 fn preset(name: &str) -> Arm<7> {

@@ -191,7 +191,7 @@ fn nominal(chance: &mut Chance) -> Nominal<7> {
         arm = arm.with_payload(&Payload { mass_kg, com_m, inertia_kg_m2 });
     }
     let (smoothing_rad_s, torque_side) = (SMOOTHING_RAD_S, TorqueSide::Motor);
-    Nominal { arm, friction, smoothing_rad_s, sticks: false, effects: Vec::new(), torque_side }
+    Nominal { smoothing_rad_s, ..Nominal::new(arm, friction, torque_side) }
 }
 
 fn coulomb_viscous(chance: &mut Chance) -> CoulombViscous {
