@@ -1,4 +1,4 @@
-//! How much evidence chance alone would give: sign flips of blocks.
+//! How much evidence chance alone would give: the permutation null distribution, from sign flips of blocks.
 
 use nalgebra::{DMatrix, DVector};
 use rand::{RngExt, SeedableRng};
@@ -16,10 +16,10 @@ const BLOCK_S: f64 = 0.25;
 /// Number of flips.
 const FLIPS: usize = 200;
 
-/// A group that flipped data are asked about: index, columns, their Gram matrix and norms given the selection.
+/// A group whose evidence in the flipped residuals is computed: index, columns, their Gram matrix and norms given the selection.
 type Questioned = (usize, Vec<usize>, DMatrix<f64>, DVector<f64>);
 
-/// What flipped data say.
+/// The permutation null distribution of evidence: that of the residual with the signs of its blocks flipped at random.
 #[derive(Clone, Debug)]
 pub(crate) struct Chance {
     /// Mean evidence of chance over its nominal value: 1 for perfectly white data.
