@@ -4,7 +4,7 @@
 //! argmin:   x = mid + half sin z,   an infinite value is a large one,   the best point it was shown counts
 //! ```
 //!
-//! Likelihoods of Gaussian processes on samples of the six functions with the box and the tolerances of a fit, with and without a prior; and
+//! Likelihoods of Gaussian processes on samples of the six functions, with and without a prior, with the tolerances of a fit and box and start of one without a prior; and
 //! bowls whose minimum lies on the box, as those of friction compensation do. Not a test: its table is in `BENCHMARKS.md`.
 
 #[allow(dead_code, reason = "shared with tests")]
@@ -16,6 +16,8 @@ mod random_source;
 #[allow(dead_code, reason = "shared with tests")]
 #[path = "../tests/optimiser/common/standard.rs"]
 mod standard;
+#[path = "../tests/optimiser/common/standardised.rs"]
+mod standardised;
 
 use std::cell::RefCell;
 use std::time::{Duration, Instant};
@@ -24,6 +26,7 @@ use argmin::core::{CostFunction, Error, Executor, Gradient};
 use argmin::solver::linesearch::MoreThuenteLineSearch;
 use argmin::solver::quasinewton::LBFGS;
 use random_source::RandomSource;
+use standardised::standardised;
 use tribo_bayesopt::gp::{HyperPrior, Lengthscales, MarginalLikelihood};
 use tribo_bayesopt::kernel::KernelFamily;
 use tribo_bayesopt::search::{Bounds, Descent, minimise};
@@ -164,9 +167,7 @@ fn likelihoods(value: Cost, dimension: usize, prior: HyperPrior) -> Vec<Problem<
         let mut source = RandomSource::seed(1001 + seed);
         let points: Vec<Vec<f64>> = (0..samples).map(|_| source.point(dimension)).collect();
         let costs: Vec<f64> = points.iter().map(|u| value(u)).collect();
-        let mean = costs.iter().sum::<f64>() / samples as f64;
-        let sd = (costs.iter().map(|y| (y - mean).powi(2)).sum::<f64>() / samples as f64).sqrt();
-        let targets: Vec<f64> = costs.iter().map(|y| (y - mean) / sd).collect();
+        let targets = standardised(&costs);
         let function = move |theta: &[f64], gradient: &mut [f64]| {
             let (shape, lengthscales) = (KernelFamily::Matern52.into(), Lengthscales::Ard);
             let model = MarginalLikelihood { shape, lengthscales, prior, points: &points, targets: &targets };

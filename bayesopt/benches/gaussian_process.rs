@@ -8,9 +8,12 @@ mod deformation;
 #[allow(dead_code, reason = "shared with tests")]
 #[path = "../tests/optimiser/common/random_source.rs"]
 mod random_source;
+#[path = "../tests/optimiser/common/standardised.rs"]
+mod standardised;
 
 use deformation::{circle, data};
 use divan::Bencher;
+use standardised::standardised;
 use tribo_bayesopt::gp::{Fit, FitSettings, Gp, HyperPrior, Lengthscales, fit_coarse_to_fine};
 use tribo_bayesopt::kernel::KernelFamily;
 
@@ -28,14 +31,6 @@ fn main() {
     divan::main();
 }
 
-/// The first `n` samples of one output, standardised.
-fn standardised(output: &[f64], n: usize) -> Vec<f64> {
-    let y = &output[..n];
-    let mean = y.iter().sum::<f64>() / n as f64;
-    let sd = (y.iter().map(|y| (y - mean).powi(2)).sum::<f64>() / n as f64).sqrt();
-    y.iter().map(|y| (y - mean) / sd).collect()
-}
-
 fn fit(points: &[Vec<f64>], targets: &[f64]) -> Fit {
     fit_coarse_to_fine(&SETTINGS, points, targets, points.len() / 2, 1).expect("data that can be fitted")
 }
@@ -44,21 +39,21 @@ fn fit(points: &[Vec<f64>], targets: &[f64]) -> Fit {
 fn six_outputs_960_samples(bencher: Bencher) {
     let (points, outputs) = data();
     bencher.bench_local(|| {
-        outputs.iter().map(|y| fit(&points[..TRAIN], &standardised(y, TRAIN)).evaluations).sum::<usize>()
+        outputs.iter().map(|y| fit(&points[..TRAIN], &standardised(&y[..TRAIN])).evaluations).sum::<usize>()
     });
 }
 
 #[divan::bench(args = [60, 120, 240, 480, 960], sample_count = 5, sample_size = 1)]
 fn one_output(bencher: Bencher, n: usize) {
     let (points, outputs) = data();
-    let targets = standardised(&outputs[1], n);
+    let targets = standardised(&outputs[1][..n]);
     bencher.bench_local(|| fit(&points[..n], &targets));
 }
 
 #[divan::bench(args = [60, 120, 240, 480, 960], sample_count = 20)]
 fn hundred_predictions(bencher: Bencher, n: usize) {
     let (points, outputs) = data();
-    let targets = standardised(&outputs[1], n);
+    let targets = standardised(&outputs[1][..n]);
     let found = fit(&points[..n], &targets);
     let gp =
         Gp::new(SETTINGS.family, &found.hyper, points[..n].to_vec(), &targets).expect("a positive definite kernel");

@@ -140,7 +140,7 @@ const INFLATED: f64 = 1.15;
 /// The residual less the ripples.
 fn subtract_ripples<const N: usize>(data: &mut RegressionData<N>, original: &[Vec<f64>; N], lines: &[RippleLine]) {
     let columns: Vec<Column<N>> = lines.iter().map(|line| data.filter(&line.torque(data))).collect();
-    data.residual_nm = subtracted(original, &columns, &vec![1.0; columns.len()]);
+    data.residual_nm = subtracted(original.clone(), &columns, &vec![1.0; columns.len()]);
 }
 
 /// What the selection leaves of the residual (Nm), but what everything together leaves where the selection explains nothing
@@ -165,7 +165,7 @@ const UNTOUCHED: f64 = 0.9;
 fn residual_after<const N: usize>(search: &Search<'_, '_, N>) -> [Vec<f64>; N] {
     let coefficients = joint_fit(search.system, &search.system.columns_of(&search.selected)).coefficients;
     let plain: Vec<Column<N>> = search.selected.iter().flat_map(|group| search.system.plain_columns(*group)).collect();
-    subtracted(&search.system.data.residual_nm, &plain, &coefficients)
+    subtracted(search.system.data.residual_nm.clone(), &plain, &coefficients)
 }
 
 /// Torque of the selected causes on the fine grid (Nm).

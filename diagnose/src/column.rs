@@ -54,8 +54,8 @@ impl<const N: usize> Column<N> {
     }
 
     /// A column with a row of every joint.
-    pub fn of_rows(rows: &[Vec<f64>; N]) -> Self {
-        Self { rows: std::array::from_fn(|j| Some(Arc::new(rows[j].clone()))) }
+    pub fn of_rows(rows: [Vec<f64>; N]) -> Self {
+        Self { rows: rows.map(|row| Some(Arc::new(row))) }
     }
 }
 
@@ -64,13 +64,12 @@ pub(crate) fn add_scaled(sum: &mut [f64], x: &[f64], factor: f64) {
     sum.iter_mut().zip(x).for_each(|(sum, x)| *sum += factor * x);
 }
 
-/// A residual (Nm) less a combination of columns.
+/// A residual less a combination of columns.
 pub(crate) fn subtracted<const N: usize>(
-    residual: &[Vec<f64>; N],
+    mut left: [Vec<f64>; N],
     columns: &[Column<N>],
     coefficients: &[f64],
 ) -> [Vec<f64>; N] {
-    let mut left = residual.clone();
     for (column, coefficient) in columns.iter().zip(coefficients) {
         for (left, x) in left.iter_mut().zip(&column.rows) {
             if let Some(x) = x {

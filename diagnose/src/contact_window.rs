@@ -5,7 +5,7 @@ use std::sync::Arc;
 use nalgebra::{Matrix6, Vector6};
 
 use crate::cause::{Candidate, ExternalContact};
-use crate::column::{Column, add_scaled};
+use crate::column::{Column, subtracted};
 use crate::evidence::{free_gain, joint_fit};
 use crate::golden_section::golden_section;
 use crate::noise_level::robust_sd;
@@ -77,7 +77,7 @@ pub(crate) fn dominant_window<const N: usize>(
             }
         }
     }
-    let left = Column::of_rows(&std::array::from_fn(|j| left_nm[j].iter().map(|x| x / sd[j]).collect()));
+    let left = Column::of_rows(std::array::from_fn(|j| left_nm[j].iter().map(|x| x / sd[j]).collect()));
     let total = dot(&left, &left);
     let rows_of = |log: usize| {
         let bursts = data.bursts.iter().filter(|burst| burst.log == log);
@@ -170,16 +170,9 @@ pub(crate) fn sharpened<const N: usize>(
 
 /// Whitened residual after fitting `given`.
 pub(crate) fn residual<const N: usize>(system: &System<'_, N>, given: &[usize]) -> Column<N> {
-    let fit = joint_fit(system, given);
-    let mut left = system.target.clone();
-    for (c, coefficient) in given.iter().zip(&fit.coefficients) {
-        for (left, x) in left.rows.iter_mut().zip(&system.columns[*c].rows) {
-            if let (Some(left), Some(x)) = (left, x) {
-                add_scaled(Arc::<Vec<f64>>::make_mut(left), x, -coefficient);
-            }
-        }
-    }
-    left
+    let target = std::array::from_fn(|j| system.target.rows[j].as_deref().cloned().unwrap_or_default());
+    let columns: Vec<Column<N>> = given.iter().map(|c| system.columns[*c].clone()).collect();
+    Column::of_rows(subtracted(target, &columns, &joint_fit(system, given).coefficients))
 }
 
 /// Running sums of Zᵀ Z and Zᵀ r over rows.

@@ -70,7 +70,7 @@ pub(crate) fn judge<const N: usize>(
     if let (Some(unseen), Some(before)) = (&mut unseen, evaluated.before) {
         unseen.nominal_nm = before.residual_nm.iter().map(|column| rms(column)).collect();
     }
-    let residual_after = subtracted(&data.residual_nm, &held_out.plain, &coefficients);
+    let residual_after = subtracted(data.residual_nm.clone(), &held_out.plain, &coefficients);
     // A model file takes named causes alone: they are fitted anew without the nameless.
     let named: Vec<usize> =
         groups.iter().copied().filter(|group| search.place(*group).0 != CauseLabel::Unknown).collect();

@@ -157,8 +157,7 @@ impl<const N: usize> LoggedMotion<N> {
             motion.append(index, bursts);
         }
         motion.deflection_rad = deflection.filter(|all| !all.is_empty());
-        let position = |j: usize| motion.motion.iter().map(|at| at.q[j]).collect::<Vec<f64>>();
-        motion.q = std::array::from_fn(|j| motion.filter_own(&position(j)));
+        motion.q = motion.filter_joints(|j| motion.motion.iter().map(|at| at.q[j]).collect());
         motion.find_short_rests();
         motion.set_noise();
         Ok(motion)
@@ -222,7 +221,13 @@ impl<const N: usize> LoggedMotion<N> {
         moving * 20 > self.motion.len()
     }
 
-    /// Regressors through the same band filter, trim and average as the torques, side by side.
+    /// A regressor through the same band filter, trim and average as the torques.
+    pub fn filter(&self, column: &FineColumn<N>) -> Column<N> {
+        let mut columns = self.filter_all(std::slice::from_ref(column));
+        columns.pop().unwrap_or_else(Column::zero)
+    }
+
+    /// The same of several, side by side.
     pub fn filter_all(&self, columns: &[FineColumn<N>]) -> Vec<Column<N>> {
         let acting: Vec<(usize, usize)> = (0..columns.len())
             .flat_map(|c| (0..N).filter(move |j| columns[c].acts_on(*j)).map(move |j| (c, j)))
@@ -238,6 +243,12 @@ impl<const N: usize> LoggedMotion<N> {
     /// A signal of one joint (any unit) on the fine grid, after band filter and averaging.
     pub fn filter_own(&self, values: &[f64]) -> Vec<f64> {
         self.filter_own_all([values]).pop().unwrap_or_default()
+    }
+
+    /// The same of one signal of every joint, side by side.
+    pub fn filter_joints(&self, signal: impl Fn(usize) -> Vec<f64>) -> [Vec<f64>; N] {
+        let mut filtered = self.filter_own_all((0..N).map(signal)).into_iter();
+        std::array::from_fn(|_| filtered.next().unwrap_or_default())
     }
 
     /// The same of several signals, of which no more are asked for at a time than the filter takes.

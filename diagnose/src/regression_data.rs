@@ -201,19 +201,11 @@ impl<const N: usize> RegressionData<N> {
 
     /// Band filter and residual.
     fn filter_model(&mut self) {
-        let torque = |j: usize| self.of_model.iter().map(|at| at.model_nm[j]).collect::<Vec<f64>>();
-        let mut filtered = self.filter_own_all((0..N).map(torque)).into_iter();
-        self.model_nm = std::array::from_fn(|_| filtered.next().unwrap_or_default());
+        self.model_nm = self.filter_joints(|j| self.of_model.iter().map(|at| at.model_nm[j]).collect());
         for j in 0..N {
             let pairs = self.logged.measured_nm[j].iter().zip(&self.model_nm[j]);
             self.residual_nm[j] = pairs.map(|(measured, model)| measured - model).collect();
         }
-    }
-
-    /// A regressor through the same band filter, trim and average as the torques.
-    pub fn filter(&self, column: &FineColumn<N>) -> Column<N> {
-        let mut columns = self.filter_all(std::slice::from_ref(column));
-        columns.pop().unwrap_or_else(Column::zero)
     }
 
     /// Regressors of every link in its ten inertial parameters, in the band.
@@ -221,11 +213,10 @@ impl<const N: usize> RegressionData<N> {
         self.link_regressors.get_or_init(|| Arc::new((0..N).map(|link| self.link_regressor(link)).collect()))
     }
 
-    /// Takes over the regressors of links from data of the same logs: they are a matter of motion, geometry and gravity alone.
+    /// Takes over the regressors of links from data of the same motion: they are a matter of motion, geometry and gravity alone.
     pub fn borrow_regressors(&mut self, other: &Self) {
-        let (arm, others) = (&self.nominal.arm, &other.nominal.arm);
-        let alike = arm.gravity_m_s2 == others.gravity_m_s2 && self.chains == other.chains;
-        if alike && self.time_s == other.time_s {
+        let same_gravity = self.nominal.arm.gravity_m_s2 == other.nominal.arm.gravity_m_s2;
+        if same_gravity && Arc::ptr_eq(&self.logged, &other.logged) {
             self.link_regressors.clone_from(&other.link_regressors);
         }
     }

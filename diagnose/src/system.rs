@@ -211,7 +211,7 @@ impl<'a, const N: usize> System<'a, N> {
         for group in &system.groups {
             drop_rounding(&mut system.columns[group.columns.clone()]);
         }
-        system.target = system.whiten(&Column::of_rows(&data.residual_nm));
+        system.target = system.whiten(&Column::of_rows(data.residual_nm.clone()));
         system.multiply();
         system
     }

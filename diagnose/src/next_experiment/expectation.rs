@@ -65,7 +65,7 @@ pub(super) struct Run<'s, const N: usize> {
 impl<'s, const N: usize> Run<'s, N> {
     /// What the model leaves over.
     pub fn of_residual(data: &'s RegressionData<N>) -> Self {
-        let torque_nm = Column::of_rows(&data.residual_nm);
+        let torque_nm = Column::of_rows(data.residual_nm.clone());
         Self { data, torque_nm, touched: true }
     }
 

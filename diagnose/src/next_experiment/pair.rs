@@ -19,8 +19,6 @@ pub(super) struct Pair {
 
 /// Coulomb friction (of the joint's own) that an error is assumed to have where the log cannot tell one from an offset.
 const ASSUMED_ERROR: f64 = 0.1;
-/// Part of the samples that must move the other way for a joint to move both ways.
-const OTHER_WAY: f64 = 0.02;
 
 impl Pair {
     /// The rivals of least difference in evidence; those that differ by physics first, then joints that moved one way
@@ -46,7 +44,7 @@ impl Pair {
 
     /// Coulomb friction against an offset on a joint that moves in one direction only: a found one, or else a small one.
     fn one_way<const N: usize>(data: &RegressionData<N>, findings: &[Finding]) -> Option<Self> {
-        let one_way: Vec<usize> = (0..N).filter(|joint| data.moves(*joint) && moves_one_way(data, *joint)).collect();
+        let one_way: Vec<usize> = (0..N).filter(|joint| data.moves_one_way(*joint)).collect();
         let pair = |effect: Effect, joint: usize| {
             let (coulomb, offset) = (CauseLabel::Coulomb, CauseLabel::TorqueOffset);
             let found = CauseLabel::of(&effect);
@@ -87,9 +85,4 @@ impl Pair {
             _ => None,
         }
     }
-}
-
-fn moves_one_way<const N: usize>(data: &RegressionData<N>, joint: usize) -> bool {
-    let count = |way: f64| data.of_model.iter().filter(|at| way * at.sign[joint] > 0.9).count();
-    (count(1.0).min(count(-1.0)) as f64) < OTHER_WAY * data.of_model.len() as f64
 }

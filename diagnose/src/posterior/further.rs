@@ -81,7 +81,7 @@ pub(crate) fn further_causes<const N: usize>(
 /// What is left without the torque of a finding (Nm), or `None` where it has none.
 fn without<const N: usize>(data: &RegressionData<N>, left: &[Vec<f64>; N], finding: &Finding) -> Option<[Vec<f64>; N]> {
     let torque = data.effect_torque(finding.effect.as_ref()?)?;
-    Some(subtracted(left, &[data.filter(&torque)], &[1.0]))
+    Some(subtracted(left.clone(), &[data.filter(&torque)], &[1.0]))
 }
 
 /// By how much the log is likelier (nat), every row with the weight that it has in the fit.
