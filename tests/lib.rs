@@ -6,7 +6,6 @@
 pub mod fuzz_inputs;
 
 use nalgebra::SVector;
-use tribo_campaign::{CostMeasure, PenaltyLimits, Trial};
 use tribo_control::{GuardSettings, ImpedanceSettings, PAPER_PHASES_RAD, SinusoidReference};
 use tribo_ekf::{WrenchEkf, WrenchEkfSettings};
 use tribo_friction::law::CoulombViscous;
@@ -14,6 +13,7 @@ use tribo_friction::{BristlePart, Compensator, Curve, FrictionModel, JointEffect
 use tribo_robot::{Kinematics, Plant, PlantLost, Pose, SensorFrame, presets};
 use tribo_runtime::{ControlLoop, LoopSettings};
 use tribo_sim::{BoxFrictionPlant, DEFAULT_SUB_STEPS, Sensors, Truth, WrenchPulses};
+use tribo_trial::{CostMeasure, PenaltyLimits, Trial};
 
 /// A 7-vector, one entry per joint of the Panda.
 pub type Joints = SVector<f64, 7>;

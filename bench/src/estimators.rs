@@ -11,7 +11,8 @@ use tribo_runtime::TickRecord;
 
 use super::BenchError;
 use super::stopwatch::per_call_ns;
-use tribo_campaign::{ValidTune, band_of_model, run_trial_observed};
+use tribo_campaign::ValidTune;
+use tribo_trial::{band_of_model, run_trial_observed};
 
 /// Ticks of the trial that are kept: pre-roll and the first seconds of motion, joints at rest and moving.
 const SAMPLES: usize = 6000;

@@ -33,7 +33,7 @@ use hdrhistogram::CreationError;
 use tribo_bayesopt::BayesoptError;
 use tribo_runtime::TickFault;
 
-use tribo_campaign::EstimatorError;
+use tribo_trial::EstimatorError;
 
 /// Why there is no figure.
 #[derive(Debug, thiserror::Error)]

@@ -9,7 +9,8 @@ use tribo_sim::BoxFrictionPlant;
 use super::BenchError;
 use super::interference::preemptions;
 use super::records::drain;
-use tribo_campaign::{AnyEstimator, Trial, ValidTune};
+use tribo_campaign::ValidTune;
+use tribo_trial::{AnyEstimator, Trial};
 
 /// Records that the ring holds: a twelfth of a second of ticks at full speed.
 pub(super) const RING: usize = 4096;

@@ -1,14 +1,15 @@
-//! Logs of growing length: `cargo bench -p tribo-experiments --bench logs`.
+//! Logs of growing length: `cargo bench -p tribo-campaign --bench logs`.
 //!
 //! A trial of so many seconds as a 1 kHz log: read from CSV and from Parquet, the wrench estimated on it. Items per second are
 //! samples.
 
 use divan::Bencher;
 use divan::counter::ItemsCount;
-use tribo_campaign::{TuneConfig, simulate_log, wrench_on_log};
+use tribo_campaign::TuneConfig;
 use tribo_ekf::{WrenchEkf, WrenchEkfSettings};
 use tribo_friction::FrictionModel;
 use tribo_logs::{LogTarget, RobotLog, read_log, write_log};
+use tribo_trial::{simulate_log, wrench_on_log};
 
 fn main() {
     divan::main();

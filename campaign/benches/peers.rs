@@ -1,4 +1,4 @@
-//! Ours beside Pinocchio, MuJoCo, straight-line C that CasADi generates for the arm, and DAQP, in one run on one core: `cargo bench -p tribo-experiments --bench peers`.
+//! Ours beside Pinocchio, MuJoCo, straight-line C that CasADi generates for the arm, and DAQP, in one run on one core: `cargo bench -p tribo-campaign --bench peers`.
 //!
 //! The peers are C and C++ programs of our own around their libraries (`peers/`, built by `peers/build.sh` with
 //! `-O3 -march=native -DNDEBUG`). All get the same inputs from the same files; before anything is timed, the outputs of the first

@@ -1,4 +1,4 @@
-//! Trials of 33 s: `cargo bench -p tribo-experiments --bench trials`.
+//! Trials of 33 s: `cargo bench -p tribo-campaign --bench trials`.
 //!
 //! One trial by estimator and by sub-steps of the plant, one thread; then batches, serial and on all cores (rayon). Items per
 //! second are seconds of robot time: times real time.
@@ -6,7 +6,8 @@
 use divan::Bencher;
 use divan::counter::ItemsCount;
 use rayon::prelude::*;
-use tribo_campaign::{EstimatorName, TrialOutcome, TuneConfig, ValidTune, run_numbered};
+use tribo_campaign::{TuneConfig, ValidTune, run_numbered};
+use tribo_trial::{EstimatorName, TrialOutcome};
 
 /// Length of a trial with its pre-roll (s).
 const TRIAL_S: usize = 33;

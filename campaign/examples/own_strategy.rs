@@ -6,10 +6,11 @@
 //! along one line: so many times a friction that somebody guessed.
 
 use tribo_campaign::strategy::{FinishedTrial, LogSource, Origin, Past, Proposal, Strategy, StrategyError};
-use tribo_campaign::{TrialLog, TuneConfig, ValidTune, run_in_memory, run_numbered};
+use tribo_campaign::{TuneConfig, ValidTune, run_in_memory, run_numbered};
 use tribo_friction::FrictionModel;
 use tribo_friction::law::CoulombViscous;
 use tribo_model::FileError;
+use tribo_trial::TrialLog;
 
 /// Zero, half and all of the guess, then the lowest point of the parabola through the three best trials.
 struct AlongALine {

@@ -2,7 +2,8 @@
 
 use tribo_robot::JointNames;
 
-use crate::{AnyTune, EstimatorError, ParameterSpace, References, TuneConfig, TunedLaw, references};
+use crate::{AnyTune, ParameterSpace, References, TuneConfig, TunedLaw, references};
+use tribo_trial::EstimatorError;
 
 impl AnyTune {
     /// The settings.

@@ -12,12 +12,12 @@ use crate::chooser::Chooser;
 use crate::journal::{Clock, Ended, Journal, JournalTrial, finish, finished_trial, seal};
 use crate::stored_logs::StoredLogs;
 use crate::strategy::{FinishedTrial, LawChange, Past, Proposal, RunningTrial, StrategyError};
-use crate::trial_store::{trial_log_path, write_trial_log};
 use crate::tuned::write_tuned;
 use crate::{
     CampaignError, Conclusion, EarlyStop, ParameterSpace, References, TuneConfig, ValidTune, references, run_numbered,
 };
 use tribo_model::FileError;
+use tribo_trial::{trial_log_path, write_trial_log};
 
 /// Somebody who watches a campaign; called in the order in which trials finish.
 pub trait CampaignObserver: Send {

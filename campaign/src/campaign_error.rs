@@ -2,9 +2,10 @@
 
 use std::path::PathBuf;
 
+use crate::EarlyStop;
 use crate::strategy::StrategyError;
-use crate::{EarlyStop, EstimatorError};
 use tribo_model::{ConfigError, FieldError, FileError};
+use tribo_trial::EstimatorError;
 
 /// Why a campaign cannot go on.
 #[derive(Debug, thiserror::Error)]

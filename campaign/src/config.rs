@@ -12,13 +12,11 @@ use tribo_robot::Kinematics;
 use tribo_robot::presets::joint_stiffness_nm_per_rad;
 use tribo_sim::{DEFAULT_SUB_STEPS, TorqueSide, WrenchPulses};
 
-use crate::scenario::{LoadedTruth, ModelError, TruthName, freeze, random_phases, within};
 use crate::strategy_name::StrategyName;
-use crate::{
-    Batches, Bounds, CostMeasure, CostName, EstimatorName, ParameterSpace, PenaltyLimits, StopBelow, Trial, TunedLaw,
-    UserTrials,
-};
+use crate::{Batches, Bounds, ParameterSpace, StopBelow, TunedLaw, UserTrials};
 use tribo_model::{ConfigError, ControllerModel, FieldError, ModelFile, POSES, Robot, joints_of_preset};
+use tribo_trial::scenario::{LoadedTruth, ModelError, TruthName, freeze, random_phases};
+use tribo_trial::{CostMeasure, CostName, EstimatorName, PenaltyLimits, Trial};
 
 /// Schema name of campaign settings.
 const SCHEMA: &str = "tribo.tune/1";
@@ -314,7 +312,7 @@ impl TuneConfig {
         let joints = self.load()?;
         let name = self.robot.as_deref().unwrap_or_default();
         if let Some(content) = &self.robot_content {
-            return Ok(within("robot_content", content.validate::<N>())?.robot);
+            return Ok(content.validate::<N>().map_err(|error| error.within("robot_content"))?.robot);
         }
         let wrong =
             || FieldError::new("robot", format!("{name} with {joints} joints"), format!("a robot with {N} joints"));
@@ -327,7 +325,7 @@ impl TuneConfig {
         let files = [("truth_content", &self.truth_content), ("model_content", &self.model_content)];
         let mut given = files.into_iter().filter_map(|(field, file)| Some((field, file.as_ref()?)));
         let poses_rad = match given.find(|(_, file)| file.poses_rad.is_some()) {
-            Some((field, file)) => within(field, file.validate::<N>())?.robot.poses_rad,
+            Some((field, file)) => file.validate::<N>().map_err(|error| error.within(field))?.robot.poses_rad,
             None => robot.poses_rad,
         };
         let start = poses_rad[self.pose];
@@ -466,7 +464,9 @@ impl TuneConfig {
         let LoadedTruth { truth, oracle } = self.truth.of(&robot, self.truth_content.as_ref())?;
         let truth = self.model_error.apply(truth, self.seed);
         let controller_model = match &self.model_content {
-            Some(file) => Some(ControllerModel::by_controller(&within("model_content", file.validate())?)),
+            Some(file) => {
+                Some(ControllerModel::by_controller(&file.validate().map_err(|error| error.within("model_content"))?))
+            }
             None => None,
         };
         let start = self.start(&robot)?;

@@ -2,7 +2,8 @@
 
 use tribo_friction::FrictionModel;
 
-use crate::{AnyEstimator, EstimatorError, Trial, TrialOutcome, ValidTune, run_trial};
+use crate::ValidTune;
+use tribo_trial::{AnyEstimator, EstimatorError, Trial, TrialOutcome, run_trial};
 
 /// Runs trial `number` with parameters θ: the noise depends on the campaign's seed and the number alone, and a truth
 /// that warms up has run all trials before.

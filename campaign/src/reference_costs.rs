@@ -4,9 +4,10 @@ use rayon::prelude::*;
 use tribo_friction::{FrictionModel, JointEffects};
 use tribo_sim::Effect;
 
+use crate::ValidTune;
 use crate::numbered_trial::{noise_seed, run_estimated};
-use crate::{AbortReason, EstimatorError, Trial, TrialOutcome, ValidTune};
 use tribo_model::joint_effects;
+use tribo_trial::{AbortReason, EstimatorError, Trial, TrialOutcome};
 
 /// Costs that put a campaign's result into proportion; known only in simulation.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -5,8 +5,9 @@ use std::path::Path;
 use serde::{Deserialize, Serialize};
 use tribo_logs::write_atomic;
 
-use crate::{AbortReason, References};
+use crate::References;
 use tribo_model::{FileError, YamlDocument, to_yaml};
+use tribo_trial::AbortReason;
 
 /// Name of the file in a campaign's directory.
 pub const NAME: &str = "references.yaml";

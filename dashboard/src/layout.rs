@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use serde::{Deserialize, Serialize};
-use tribo_campaign::EstimatorName;
+use tribo_trial::EstimatorName;
 
 use crate::view::View;
 

@@ -3,7 +3,8 @@
 use std::path::PathBuf;
 use std::sync::Arc;
 
-use tribo_campaign::{EstimatorName, References};
+use tribo_campaign::References;
+use tribo_trial::EstimatorName;
 use tribo_watch::{CampaignSnapshot, LoopTimes, Surrogate, TrialColumns, TrialSnapshot};
 
 use crate::diagnosis_snapshot::DiagnosisSnapshot;

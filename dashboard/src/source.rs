@@ -4,8 +4,9 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::Instant;
 
+use tribo_campaign::TuneConfig;
 use tribo_campaign::journal::Clock;
-use tribo_campaign::{EstimatorName, TuneConfig};
+use tribo_trial::EstimatorName;
 use tribo_watch::{
     CampaignSnapshot, CampaignWatch, Surrogate, TrialColumns, TrialSnapshot, any_loop_times, write_report,
 };

@@ -1,10 +1,10 @@
 //! The wrench along a log, as one estimator sees it.
 
-use tribo_campaign::{AnyEstimator, EstimatorName, LogWrench, WrenchSummary, band_of_model, wrench_on_log};
 use tribo_ekf::WrenchEkfSettings;
 use tribo_figure::{Signal, Signals};
 use tribo_logs::RobotLog;
 use tribo_model::{AnyModel, ControllerModel, Model};
+use tribo_trial::{AnyEstimator, EstimatorName, LogWrench, WrenchSummary, band_of_model, wrench_on_log};
 
 use crate::log_snapshot::{LogSnapshot, single};
 

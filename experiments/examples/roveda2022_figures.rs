@@ -8,11 +8,12 @@ use std::path::Path;
 
 use plotters::coord::Shift;
 use plotters::prelude::*;
-use tribo_campaign::scenario::TruthName;
 use tribo_campaign::strategy::StrategyName;
-use tribo_campaign::{Phases, TrialLog, TuneConfig, run_in_memory, run_numbered};
+use tribo_campaign::{Phases, TuneConfig, run_in_memory, run_numbered};
 use tribo_experiments::reproduce::CellResult;
 use tribo_friction::VelocitySource;
+use tribo_trial::TrialLog;
+use tribo_trial::scenario::TruthName;
 
 /// Colours that also differ for colour-blind eyes (Okabe & Ito).
 const BEFORE: RGBColor = RGBColor(213, 94, 0);

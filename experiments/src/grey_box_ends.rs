@@ -1,8 +1,9 @@
 //! How good `grey_box` is when it ends, on noise that no trial has seen.
 
-use tribo_campaign::scenario::TruthName;
-use tribo_campaign::{AnyEstimator, InMemory, Phases, TuneConfig, ValidTune, run_in_memory, run_trial};
+use tribo_campaign::{InMemory, Phases, TuneConfig, ValidTune, run_in_memory};
 use tribo_friction::FrictionModel;
+use tribo_trial::scenario::TruthName;
+use tribo_trial::{AnyEstimator, run_trial};
 
 /// Draws of noise on which a compensator is judged.
 const DRAWS: usize = 8;

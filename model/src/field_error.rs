@@ -18,6 +18,12 @@ impl FieldError {
         Self { field: field.into(), value: value.to_string(), allowed: allowed.into() }
     }
 
+    /// The same error about a field of the file that `field` holds: `mass_kg` becomes `robot_content.mass_kg`.
+    #[must_use]
+    pub fn within(self, field: &str) -> Self {
+        Self { field: format!("{field}.{}", self.field), ..self }
+    }
+
     /// `Ok` if `value` lies in [low, high]; NaN never does.
     pub fn check(field: &str, value: f64, low: f64, high: f64) -> Result<(), Self> {
         if value >= low && value <= high { Ok(()) } else { Err(Self::new(field, value, format!("{low} to {high}"))) }

@@ -2,11 +2,11 @@
 
 use numpy::PyArrayDyn;
 use pyo3::prelude::*;
-use tribo_campaign::{ContactPrior, EstimatorName, LogEstimate, LogEstimator};
 use tribo_diagnose::{Diagnosable, Nominal, recognise::recognise as with_model};
 use tribo_logs::RobotLog;
 use tribo_logs::recognise::{Use, recognise};
 use tribo_model::{AnyModel, Model};
+use tribo_trial::{ContactPrior, EstimatorName, LogEstimate, LogEstimator};
 
 use crate::arm::either;
 use crate::failure::{bad, raised};

@@ -3,10 +3,10 @@
 use nalgebra::{SVector, Vector6};
 use numpy::PyArrayDyn;
 use pyo3::prelude::*;
-use tribo_campaign::{AnyEstimator, band_of_model};
 use tribo_ekf::WrenchEkfSettings;
 use tribo_model::{AnyModel, ControllerModel, Model};
 use tribo_robot::{Arm, ControlTerms, EstimatorInput, SensorFrame, WrenchEstimate, WrenchEstimator};
+use tribo_trial::{AnyEstimator, band_of_model};
 
 use crate::estimate::estimator_named;
 use crate::failure::{bad, raised};

@@ -4,10 +4,10 @@ use nalgebra::SVector;
 use numpy::PyArrayDyn;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
-use tribo_campaign::scenario::TruthName;
 use tribo_campaign::{AnyTune, TuneConfig, ValidTune};
 use tribo_robot::{Plant, SensorFrame, Wrench};
 use tribo_sim::{BoxFrictionPlant, Pulse, WrenchPulses};
+use tribo_trial::scenario::TruthName;
 
 use crate::failure::{bad, raised};
 use crate::rows::{array, column, sample};

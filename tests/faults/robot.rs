@@ -1,12 +1,12 @@
 //! Faults of the arm, of what the controller believes of it, and of those who stand beside it.
 
-use tribo_campaign::{AbortReason, Trial};
 use tribo_control::{PAPER_PHASES_RAD, SinusoidReference};
 use tribo_friction::{FrictionModel, VelocitySource};
 use tribo_robot::{Kinematics, presets};
 use tribo_runtime::TickFault;
 use tribo_sim::WrenchPulses;
 use tribo_tests::Joints;
+use tribo_trial::{AbortReason, Trial};
 
 use crate::story::{AT, Ending, tell, trial};
 

@@ -2,10 +2,10 @@
 
 use std::collections::VecDeque;
 
-use tribo_campaign::AbortReason;
 use tribo_friction::VelocitySource;
 use tribo_robot::SensorFrame;
 use tribo_runtime::TickFault;
+use tribo_trial::AbortReason;
 
 use crate::story::{AT, Ending, tell, trial};
 

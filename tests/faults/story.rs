@@ -1,12 +1,13 @@
 //! One trial with something broken in it.
 
-use tribo_campaign::{AbortReason, CostAccumulator, Trial, TrialMonitor, TuneConfig};
+use tribo_campaign::TuneConfig;
 use tribo_control::TorqueLimiter;
 use tribo_friction::FrictionModel;
 use tribo_robot::{Plant, PlantLost, SensorFrame};
 use tribo_runtime::TickFault;
 use tribo_sim::BoxFrictionPlant;
 use tribo_tests::{Joints, default_ekf};
+use tribo_trial::{AbortReason, CostAccumulator, Trial, TrialMonitor};
 
 /// Tick at which the fault comes: 2 s into the judged part, the arm at full speed.
 pub const AT: u64 = 5000;

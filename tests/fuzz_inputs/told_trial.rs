@@ -3,10 +3,9 @@
 use std::path::Path;
 use std::sync::LazyLock;
 
-use tribo_campaign::{
-    EstimatorName, RecognisedTrial, SentTorque, TuneConfig, UserTrials, ValidTune, judge_log, recognise_trial,
-};
+use tribo_campaign::{RecognisedTrial, SentTorque, TuneConfig, UserTrials, ValidTune, judge_log, recognise_trial};
 use tribo_logs::read_log_from;
+use tribo_trial::EstimatorName;
 
 /// What errors call the input.
 const NAME: &str = "input.log";

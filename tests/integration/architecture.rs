@@ -1,7 +1,7 @@
 //! Crates point one way (ARCHITECTURE.md, Direction), and files keep a friendly size.
 //!
 //! ```text
-//! robot friction bayesopt logs figure  ←  control ekf residual sim  ←  runtime diagnose  ←  model  ←  campaign export fci ros2
+//! robot friction bayesopt logs figure  ←  control ekf residual sim  ←  runtime diagnose  ←  model  ←  trial export fci ros2  ←  campaign
 //!                                      ←  watch bench experiments  ←  dashboard  ←  cli
 //! ```
 //!
@@ -13,12 +13,13 @@ use std::process::Command;
 use serde::Deserialize;
 
 /// The table: a crate may use crates of a lower layer, and of its own layer only where [`SIDEWAYS`] says so.
-const LAYERS: [&[&str]; 9] = [
+const LAYERS: [&[&str]; 10] = [
     &["robot", "friction", "bayesopt", "logs", "figure"],
     &["control", "ekf", "residual", "sim"],
     &["runtime", "diagnose"],
     &["model"],
-    &["campaign", "export", "fci", "ros2"],
+    &["trial", "export", "fci", "ros2"],
+    &["campaign"],
     &["watch", "bench", "experiments"],
     &["dashboard"],
     &["cli"],

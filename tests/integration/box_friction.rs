@@ -5,7 +5,6 @@
 //! rounding where the scheme is exact (impulse balance), first order in the period where it is not (energy).
 
 use nalgebra::{Matrix3, SVector, Vector3};
-use tribo_campaign::run_trial;
 use tribo_friction::law::{Asymmetric, CoulombViscous};
 use tribo_friction::{FrictionModel, JointFriction, VelocitySource};
 use tribo_robot::{
@@ -14,6 +13,7 @@ use tribo_robot::{
 };
 use tribo_sim::{BoxFrictionPlant, Pulse, Sensors, TorqueSide, Truth, WrenchPulses};
 use tribo_tests::{Joints, default_ekf, no_friction, tuning_trial};
+use tribo_trial::run_trial;
 
 use crate::dynamics_identities::energy;
 

@@ -6,11 +6,11 @@
 //! three of the prototype's own standard deviations.
 
 use nalgebra::Vector6;
-use tribo_campaign::{AbortReason, Trial, TrialOutcome, run_trial, run_trial_observed};
 use tribo_friction::VelocitySource::{Hybrid, Measured, Reference};
 use tribo_friction::{FrictionModel, VelocitySource};
 use tribo_sim::Truth;
 use tribo_tests::{DT_S, default_ekf, no_friction, tuning_trial};
+use tribo_trial::{AbortReason, Trial, TrialOutcome, run_trial, run_trial_observed};
 
 const SEEDS: std::ops::RangeInclusive<u64> = 1..=3;
 

@@ -3,7 +3,7 @@
 //! The sweep of 0 to 300 % over truths, velocities, motions and null-space dampings is `experiments/09_overcompensation`; here are its corners.
 
 use tribo_campaign::strategy::{FinishedTrial, Origin};
-use tribo_campaign::{AbortReason, TuneConfig, run_in_memory};
+use tribo_campaign::{TuneConfig, run_in_memory};
 use tribo_control::{GuardSettings, GuardTrip, PAPER_PHASES_RAD, SinusoidReference};
 use tribo_experiments::reproduce::{OverCompensation, ScaleRow};
 use tribo_friction::{Compensator, VelocitySource};
@@ -12,6 +12,7 @@ use tribo_robot::presets;
 use tribo_runtime::{ControlLoop, LoopSettings};
 use tribo_sim::{BoxFrictionPlant, Sensors, Truth};
 use tribo_tests::{DT_S, default_ekf, ready_flange};
+use tribo_trial::AbortReason;
 
 fn swept(settings: &str) -> Vec<ScaleRow> {
     let settings = format!("schema: tribo.reproduce/1\nseeds: 1\n{settings}");
@@ -80,12 +81,12 @@ fn a_trial_ends_with_its_reason() {
     let mut trial = TuneConfig::default().validate::<7>().unwrap().trial;
     trial.velocity = VelocitySource::Measured;
     let friction = trial.truth.friction.scaled(2.0);
-    let outcome = tribo_campaign::run_trial(&trial, &friction, default_ekf(), 1);
+    let outcome = tribo_trial::run_trial(&trial, &friction, default_ekf(), 1);
     let reason = outcome.aborted.unwrap();
     assert!(matches!(reason, AbortReason::EnergySurplus | AbortReason::Oscillation), "{reason}");
     assert!(reason.to_string().starts_with("over-compensation"));
     trial.guard = None;
-    assert_eq!(tribo_campaign::run_trial(&trial, &friction, default_ekf(), 1).aborted, None);
+    assert_eq!(tribo_trial::run_trial(&trial, &friction, default_ekf(), 1).aborted, None);
 }
 
 /// The paper's box holds five times the friction of this arm. With the guard nothing is tried that the first log, without

@@ -1,10 +1,11 @@
 //! Story: a robot warms up while it is tuned, and the grey box keeps up.
 
-use tribo_campaign::scenario::TruthName;
 use tribo_campaign::strategy::StrategyName;
-use tribo_campaign::{AnyEstimator, StopBelow, TuneConfig, run_in_memory, run_trial};
+use tribo_campaign::{StopBelow, TuneConfig, run_in_memory};
 use tribo_friction::VelocitySource;
 use tribo_model::ControllerModel;
+use tribo_trial::scenario::TruthName;
+use tribo_trial::{AnyEstimator, run_trial};
 
 /// J of a controller that knows the friction of this moment, under the noise of the trial itself: a maximum over 30 s moves
 /// by several per cent with the noise alone.

@@ -5,13 +5,13 @@
 //! fixed 1.7 / 0.2). The observer is told the band too: it takes the band's mean off, and its interval holds.
 
 use nalgebra::SVector;
-use tribo_campaign::run_trial_observed;
 use tribo_control::SinusoidReference;
 use tribo_friction::{FrictionBand, FrictionModel, JointBand, JointFriction, VelocitySource};
 use tribo_residual::{MomentumEstimator, MomentumSettings, QpEstimator, QpSettings, diagonal_prior};
 use tribo_robot::WrenchEstimator;
 use tribo_sim::{Truth, WrenchPulses};
 use tribo_tests::{DT_S, no_friction, ready_flange, tuning_trial};
+use tribo_trial::run_trial_observed;
 
 /// Noise of the velocity of the default sensors (rad/s).
 const VELOCITY_SD_RAD_S: f64 = 2.9e-3;

@@ -35,6 +35,7 @@ const EXAMPLES: &[(&str, &[&str])] = &[
     ("model_file", &["time_delay is not cancelled", "refused: model.yaml:3: field `payload.mass_kg` is -0.5"]),
     ("export_everywhere", &["rust: ", "loses Stribeck curve", "my_arm_compensate("]),
     // Without compensation J is that of `closed_loop_cost.rs`.
+    ("cost_of_friction", &["none           J =  24.2", "the true one   J =   3.0", "complete"]),
     ("own_strategy", &["along a line, trial 0: J = 24.30", "grey_box, trial 1: J = 2.9"]),
     ("report_of_a_campaign", &["from 24.3 without compensation", "trial 2: complete", "bytes of HTML"]),
     ("is_it_fast_enough", &["30000 ticks in "]),

@@ -3,11 +3,12 @@
 //! The laws that the grey box fits leave less than 1 % of the friction's wrench unexplained on parts of the log that they were not
 //! fitted to. Other causes, each large enough to double the cost, leave 4.5 % (a ripple) to 94 % (a spring).
 
-use tribo_campaign::scenario::TruthName;
 use tribo_campaign::strategy::{Identification, LawCheck, LogSource};
-use tribo_campaign::{TrialLog, TuneConfig, run_numbered};
+use tribo_campaign::{TuneConfig, run_numbered};
 use tribo_model::FileError;
 use tribo_sim::Effect;
+use tribo_trial::TrialLog;
+use tribo_trial::scenario::TruthName;
 
 struct FirstTrial(TrialLog<7>);
 

@@ -8,7 +8,7 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use nalgebra::SVector;
-use tribo_campaign::{AnyEstimator, AnyTune, TuneConfig, ValidTune, record_trial};
+use tribo_campaign::{AnyTune, TuneConfig, ValidTune};
 use tribo_fci::{
     Connection, ControlUnit, ControllerMode, CyclicCommand, FciVersion, GeneratorMode, MotionRequest, Pace, Server,
     ServerSettings,
@@ -16,6 +16,7 @@ use tribo_fci::{
 use tribo_logs::RobotLog;
 use tribo_robot::{ControlTerms, Plant, PlantLost, SensorFrame};
 use tribo_sim::{BoxFrictionPlant, Sensors, TorqueSide};
+use tribo_trial::{AnyEstimator, record_trial};
 
 /// The control unit without a network, as the loop sees it.
 struct Near {

@@ -1,10 +1,11 @@
 //! Story: the controller's model is wrong by a payload and its masses, its sensors are worse, and tuning still works.
 
-use tribo_campaign::scenario::ModelError;
 use tribo_campaign::strategy::{StrategyName, identification_samples};
-use tribo_campaign::{AnyEstimator, TuneConfig, ValidTune, run_in_memory, run_numbered, run_trial};
+use tribo_campaign::{TuneConfig, ValidTune, run_in_memory, run_numbered};
 use tribo_friction::VelocitySource;
 use tribo_friction::identify::{Basis, GlsSettings, fit_from_wrench};
+use tribo_trial::scenario::ModelError;
+use tribo_trial::{AnyEstimator, run_trial};
 
 const PAYLOAD_KG: f64 = 0.2;
 

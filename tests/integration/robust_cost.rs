@@ -1,10 +1,10 @@
 //! The robust cost beside the paper's.
 
-use tribo_campaign::{CostMeasure, run_trial, run_trial_observed};
 use tribo_ekf::{WrenchEkf, WrenchEkfSettings};
 use tribo_friction::VelocitySource;
 use tribo_sim::Truth;
 use tribo_tests::tuning_trial;
+use tribo_trial::{CostMeasure, run_trial, run_trial_observed};
 
 const ROBUST: CostMeasure = CostMeasure::Robust { lever_arm_m: 0.15 };
 

@@ -1,7 +1,8 @@
 //! Story: people stop trials; what they stopped is not taken for tried.
 
 use tribo_campaign::strategy::Origin;
-use tribo_campaign::{AbortReason, StopBelow, TuneConfig, run_in_memory};
+use tribo_campaign::{StopBelow, TuneConfig, run_in_memory};
+use tribo_trial::AbortReason;
 
 /// Trials of least squares before the Bayesian ones.
 const FITS: usize = 3;

@@ -4,11 +4,11 @@
 //! three seeds; truth is what the plant felt during the period before the sample. Bars: the prototype (frictionless
 //! 0.25 N / 0.05 Nm; hybrid oracle compensation moving 0.8 / 0.15, fixed 1.1 / 0.15).
 
-use tribo_campaign::run_trial_observed;
 use tribo_control::SinusoidReference;
 use tribo_friction::{FrictionModel, VelocitySource};
 use tribo_sim::{Truth, WrenchPulses};
 use tribo_tests::{DT_S, default_ekf, no_friction, ready_flange, tuning_trial};
+use tribo_trial::run_trial_observed;
 
 /// RMSE (force (N), moment (Nm)) during the pulses.
 fn rmse(truth: &Truth<7>, friction: &FrictionModel<7>, moving: bool) -> (f64, f64) {

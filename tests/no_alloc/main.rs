@@ -10,7 +10,6 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use nalgebra::{SVector, Vector6};
-use tribo_campaign::{EstimatorName, LogEstimator};
 use tribo_control::{PAPER_PHASES_RAD, SinusoidReference};
 use tribo_fci::{
     Connection, ControlUnit, ControllerMode, CyclicCommand, FciVersion, GeneratorMode, MotionRequest, MoveEnd, Pace,
@@ -27,6 +26,7 @@ use tribo_robot::{ControlTerms, EstimatorInput, SensorFrame, Wrench, WrenchEstim
 use tribo_runtime::{Clock, LoopTiming, OverrunPolicy, RealTimeLoop, record_ring};
 use tribo_sim::{BoxFrictionPlant, Effect, Sensors, TorqueSide, Truth, WrenchPulses};
 use tribo_tests::{DT_S, TamperedPlant, all_effects, five_truths, loop_with, ready_flange};
+use tribo_trial::{EstimatorName, LogEstimator};
 
 /// Ticks watched before and after the fault.
 const TICKS: u64 = 1000;

@@ -2,8 +2,9 @@
 
 use std::path::Path;
 
-use tribo_campaign::{AnyTune, EstimatorError, ValidTune, read_own_trial_log, uncompensated_trial};
+use tribo_campaign::{AnyTune, ValidTune, uncompensated_trial};
 use tribo_model::FileError;
+use tribo_trial::{EstimatorError, read_own_trial_log};
 
 use crate::{LoopTimes, TrialColumns, WatchedTrial, loop_times};
 

@@ -6,7 +6,7 @@ use tribo_figure::number::{quantity_and_unit, significant};
 use tribo_figure::{Figure, Layer, Mark, Scale, Symbol};
 
 use super::{CampaignSnapshot, WatchedTrial};
-use tribo_campaign::CostName;
+use tribo_trial::CostName;
 
 /// Colour of a cost that a trial is compared with.
 const GREY: usize = 6;

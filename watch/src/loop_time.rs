@@ -6,7 +6,8 @@ use nalgebra::SVector;
 use tribo_robot::{Plant, PlantLost, SensorFrame};
 use tribo_sim::BoxFrictionPlant;
 
-use tribo_campaign::{AnyEstimator, EstimatorError, ValidTune};
+use tribo_campaign::ValidTune;
+use tribo_trial::{AnyEstimator, EstimatorError};
 
 /// Times of the ticks of one trial on this computer, ascending (µs). Readings of a clock: they differ from run to run and
 /// are part of no log.

@@ -10,11 +10,9 @@
 //! zero without, and ρ₋ at most .12. A joint that moves too little for least squares to tell its sign is told apart all the same.
 
 use nalgebra::SVector;
-use tribo_logs::RobotLog;
 use tribo_logs::recognise::{Fault, Remark};
+use tribo_logs::{RobotLog, row};
 use tribo_robot::{Arm, gravity_torque};
-
-use crate::log_wrench::at;
 
 /// Length of a window (s): velocities of a trial hardly change in it, noise does.
 const WINDOW_S: f64 = 0.1;
@@ -79,14 +77,15 @@ fn windows<const N: usize>(arm: &Arm<N>, log: &RobotLog, from: usize) -> Vec<Win
         let until_s = log.time_s[start] + WINDOW_S;
         let end = start + log.time_s[start..].partition_point(|time_s| *time_s < until_s);
         let zero = (SVector::zeros(), SVector::zeros());
-        let (torque, gravity) = (start..end).fold(zero, |(torque, gravity), row| {
-            (torque + at::<N>(&log.tau_j_nm, row), gravity + gravity_torque(arm, &at(&log.q_rad, row)))
+        let (torque, gravity) = (start..end).fold(zero, |(torque, gravity), k| {
+            let (q, tau) = (SVector::from(row(&log.q_rad, k)), SVector::from(row(&log.tau_j_nm, k)));
+            (torque + tau, gravity + gravity_torque(arm, &q))
         });
         let rows = (end - start) as f64;
         windows.push(Window {
             torque_nm: torque / rows,
             gravity_nm: gravity / rows,
-            turned_rad: at::<N>(&log.q_rad, end - 1) - at::<N>(&log.q_rad, start),
+            turned_rad: SVector::from(row(&log.q_rad, end - 1)) - SVector::from(row(&log.q_rad, start)),
         });
         start = end;
     }

@@ -2,7 +2,7 @@
 
 use tribo_logs::Quantity;
 
-use crate::EstimatorError;
+use tribo_trial::EstimatorError;
 
 /// Why a log cannot be judged.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]

@@ -3,15 +3,15 @@
 use nalgebra::{SVector, Translation3, UnitQuaternion, Vector6};
 use tribo_control::{TaskState, TorqueTerms};
 use tribo_friction::{Bristles, Compensator, CompensatorInput, VelocitySource};
-use tribo_logs::{GAP_TOLERANCE, Quantity, RobotLog, bursts, median_period_s};
+use tribo_logs::{GAP_TOLERANCE, Quantity, RobotLog, bursts, median_period_s, row};
 use tribo_robot::{ControlTerms, EstimatorInput, Pose, SensorFrame, WrenchEstimate, WrenchEstimator};
 use tribo_runtime::{LONGEST_GAP_PERIODS, TickRecord};
 
 use super::judge_error::{JudgeError, LEAST_USED};
 use super::logged_compensation::LoggedCompensation;
 use super::{SentTorque, UserTrials};
-use crate::log_wrench::{at, frame_at};
-use crate::{AnyEstimator, Cost, CostAccumulator, EstimatorName, TrialLog, ValidTune};
+use crate::ValidTune;
+use tribo_trial::{AnyEstimator, Cost, CostAccumulator, EstimatorName, TrialLog, frame_at};
 
 /// A trial that ran elsewhere, judged.
 #[derive(Clone, Debug, PartialEq)]
@@ -105,12 +105,15 @@ pub fn judge_log<const N: usize>(
         let input = CompensatorInput { q, qd_measured, qd_reference, load_nm, dt_s };
         let believed = compensator.tick(&mut bristles, &input);
         if let Some(all) = &log.tau_friction_nm {
-            compensation.add(&frame.qd, &at(all, k), &believed.total());
+            compensation.add(&frame.qd, &row(all, k).into(), &believed.total());
         }
-        let law_nm = log.tau_friction_nm.as_ref().map_or(believed.law_nm, |all| at(all, k) - believed.effects_nm);
+        let law_nm = log
+            .tau_friction_nm
+            .as_ref()
+            .map_or(believed.law_nm, |all| SVector::from(row(all, k)) - believed.effects_nm);
         let command = match (user_trials.torque, &log.tau_j_d_nm) {
-            (SentTorque::Commanded, Some(tau)) => at(tau, k),
-            (SentTorque::CommandedWithoutGravity, Some(tau)) => at::<N>(tau, k) + terms.gravity_nm,
+            (SentTorque::Commanded, Some(tau)) => row(tau, k).into(),
+            (SentTorque::CommandedWithoutGravity, Some(tau)) => SVector::from(row(tau, k)) + terms.gravity_nm,
             _ => frame.tau,
         };
         acted = Some((command, law_nm + believed.effects_nm));
@@ -205,7 +208,8 @@ mod tests {
     use tribo_logs::LogColumns;
 
     use super::*;
-    use crate::{TuneConfig, simulate_log};
+    use crate::TuneConfig;
+    use tribo_trial::simulate_log;
 
     /// An estimate that stands still because nothing of the log can be used costs nothing, and is refused: J of 0 would be the best there is.
     #[test]

@@ -4,14 +4,13 @@ use nalgebra::SVector;
 use tribo_diagnose::{Diagnosable, Nominal, recognise::recognise};
 use tribo_friction::FrictionModel;
 use tribo_logs::recognise::{Fault, Reach, Remark, Use, joints_named, travel};
-use tribo_logs::{LogColumns, RobotLog};
+use tribo_logs::{LogColumns, RobotLog, row};
 use tribo_robot::{Arm, gravity_torque};
 use tribo_sim::TorqueSide;
 
 use super::friction_work::turned_signs;
 use super::{SentTorque, UserTrials};
 use crate::ValidTune;
-use crate::log_wrench::at;
 
 /// Least that every joint moves each way in the judged part (rad): beneath it the gears wind up and friction is not met.
 const LEAST_TRAVEL_RAD: f64 = 5e-3;
@@ -80,7 +79,7 @@ fn acted<const N: usize>(
         SentTorque::CommandedWithoutGravity => {
             let mut tau = columns.tau_j_d_nm.clone()?;
             for k in 0..log.rows() {
-                let gravity = gravity_nm(&at(&log.q_rad, k));
+                let gravity = gravity_nm(&row(&log.q_rad, k).into());
                 tau.iter_mut().zip(gravity.iter()).for_each(|(column, gravity)| column[k] += gravity);
             }
             columns.tau_j_nm = tau;

@@ -16,11 +16,9 @@ use crate::strategy::{
     BestTrial, BeyondBox, FinishedTrial, LawChange, LogSource, Origin, Past, Proposal, RunningTrial, StrategyError,
 };
 use crate::tuned::{trial_compensator, write_tuned};
-use crate::{
-    AbortReason, CampaignError, Conclusion, Cost, CostAccumulator, EarlyStop, StopBelow, TrialLog, ValidTune,
-    trial_log_path, write_trial_log,
-};
+use crate::{CampaignError, Conclusion, EarlyStop, StopBelow, ValidTune};
 use tribo_model::{ConfigError, FileError, TunedFile};
+use tribo_trial::{AbortReason, Cost, CostAccumulator, TrialLog, trial_log_path, write_trial_log};
 
 /// A trial that has been asked for.
 #[derive(Clone, Debug, PartialEq)]

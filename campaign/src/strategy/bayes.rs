@@ -6,7 +6,8 @@ use tribo_bayesopt::{
 
 use super::completion::{Completion, TELLING_PART};
 use super::{FinishedTrial, LogSource, Origin, Past, Proposal, RunningTrial, Strategy, StrategyError};
-use crate::{AbortReason, ValidTune};
+use crate::ValidTune;
+use tribo_trial::AbortReason;
 
 /// A search by the optimiser's ask and tell on the cost alone.
 pub(super) struct Search {

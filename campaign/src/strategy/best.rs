@@ -80,9 +80,10 @@ fn mean_and_error(values: &[f64]) -> (f64, Option<f64>) {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::TuneConfig;
     use crate::strategy::Origin;
     use crate::strategy_name::StrategyName;
-    use crate::{Cost, TuneConfig};
+    use tribo_trial::Cost;
 
     /// J = 3 + 40 (x − ½)² along a line, each trial with its noise: one far from the bottom has the least J by luck, and is not the best.
     #[test]

@@ -75,7 +75,8 @@ impl<const N: usize> Strategy<N> for CmaEs {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{Bounds, Cost, TunedLaw};
+    use crate::{Bounds, TunedLaw};
+    use tribo_trial::Cost;
 
     fn search(seed: u64) -> CmaEs {
         let space = ParameterSpace { law: TunedLaw::CoulombViscous, bounds: Bounds::Literal, box_scale: vec![1.0; 7] };

@@ -6,8 +6,8 @@ use std::sync::{Mutex, PoisonError};
 use tribo_robot::Wrench;
 
 use super::{FinishedTrial, LogSource};
-use crate::{AbortReason, Cost, CostAccumulator, CostMeasure, TrialLog};
 use tribo_model::FileError;
+use tribo_trial::{AbortReason, Cost, CostAccumulator, CostMeasure, TrialLog};
 
 /// Completes the cost of trials that somebody stopped:
 ///

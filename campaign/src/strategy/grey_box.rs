@@ -13,7 +13,8 @@ use super::replay::Replay;
 use super::{
     BestTrial, FinishedTrial, LawChange, LogSource, Origin, Past, Proposal, RunningTrial, Strategy, StrategyError,
 };
-use crate::{AbortReason, CostMeasure, ParameterSpace, ValidTune};
+use crate::{ParameterSpace, ValidTune};
+use tribo_trial::{AbortReason, CostMeasure};
 
 /// Trials whose parameters come straight from least squares, after the first without compensation.
 const REFITS: usize = 3;

@@ -11,7 +11,8 @@ use tribo_robot::{Arm, ControlTerms, WrenchEstimator};
 
 use super::replay::{Replay, STUCK_RAD_S};
 use super::{LawCheck, LogSource, Standing, StrategyError};
-use crate::{AnyEstimator, Batches, CostMeasure, TrialLog, TunedLaw, ValidTune};
+use crate::{Batches, TunedLaw, ValidTune};
+use tribo_trial::{AnyEstimator, CostMeasure, TrialLog};
 
 /// Whole logs that the fit looks back on: two track a robot that warms up, and lose nothing on one that does not.
 const LOGS: usize = 2;

@@ -1,7 +1,8 @@
 //! Iterative learning of friction from the motion alone: the route that Bayesian optimisation replaced.
 
 use super::{LogSource, Origin, Past, Proposal, Strategy, StrategyError};
-use crate::{ParameterSpace, TrialLog};
+use crate::ParameterSpace;
+use tribo_trial::TrialLog;
 
 /// Learning gain of the Coulomb friction.
 const COULOMB_GAIN: f64 = 0.1;

@@ -31,11 +31,12 @@ pub use law_change::LawChange;
 pub use law_check::LawCheck;
 pub use standing::{Standing, standing_sentence};
 
-use crate::published_gaz::published_gaz;
 pub use crate::strategy_name::StrategyName;
+use tribo_trial::published_gaz;
 
-use crate::{AbortReason, Cost, EstimatorError, TrialLog, ValidTune};
+use crate::ValidTune;
 use tribo_model::FileError;
+use tribo_trial::{AbortReason, Cost, EstimatorError, TrialLog};
 
 /// A finished trial as strategies see it.
 #[derive(Clone, Debug, PartialEq)]

@@ -5,7 +5,7 @@ use tribo_friction::FrictionModel;
 use tribo_friction::identify::GlsSample;
 use tribo_robot::Wrench;
 
-use crate::{CostAccumulator, CostMeasure};
+use tribo_trial::{CostAccumulator, CostMeasure};
 
 /// Speed below which a joint counts as standing [rad/s].
 pub(super) const STUCK_RAD_S: f64 = 0.004;

@@ -6,10 +6,9 @@ use tribo_friction::FrictionModel;
 use super::place::{Cell, Work};
 use super::settings::Study;
 use crate::reference_costs::compensated_cost;
-use crate::{
-    AbortReason, AnyTune, CampaignError, EstimatorError, InMemory, References, ValidTune, references, run_in_memory,
-};
+use crate::{AnyTune, CampaignError, InMemory, References, ValidTune, references, run_in_memory};
 use tribo_model::file_name;
+use tribo_trial::{AbortReason, EstimatorError};
 
 /// What came of a cell. No time and no machine is in it: who computes it makes no difference.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]

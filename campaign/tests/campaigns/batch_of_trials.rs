@@ -3,7 +3,8 @@
 //! Costs, parts, log, reason and time of an abort are compared as they print, where every bit of a number shows (0 and −0 differ too).
 
 use rayon::prelude::*;
-use tribo_campaign::{EstimatorName, TrialOutcome, TuneConfig, ValidTune, run_numbered};
+use tribo_campaign::{TuneConfig, ValidTune, run_numbered};
+use tribo_trial::{EstimatorName, TrialOutcome};
 
 /// More than cores, so that threads take several and in any order.
 const TRIALS: usize = 8;

@@ -1,13 +1,11 @@
 //! Logs of good trials are believed: one that is refused for nothing costs a robot's time, a warning for nothing an engineer's.
 
 use rayon::prelude::*;
-use tribo_campaign::scenario::TruthName;
-use tribo_campaign::{
-    AnyEstimator, AnyTune, Phases, TuneConfig, UserTrials, ValidTune, judge_log, noise_seed, recognise_trial,
-    simulate_log,
-};
+use tribo_campaign::{AnyTune, Phases, TuneConfig, UserTrials, ValidTune, judge_log, noise_seed, recognise_trial};
 use tribo_diagnose::{Diagnosable, Nominal};
 use tribo_logs::recognise::Fault;
+use tribo_trial::scenario::TruthName;
+use tribo_trial::{AnyEstimator, simulate_log};
 
 /// What is said of the log of a trial whose compensator believes this share of the true friction; none of one that was stopped.
 fn said<const N: usize>(tune: &ValidTune<N>, share: f64) -> Option<Vec<String>>

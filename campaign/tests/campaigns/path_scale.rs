@@ -1,6 +1,7 @@
 //! A trial whose tool goes further is held to limits that go with it.
 
-use tribo_campaign::{PenaltyLimits, TuneConfig};
+use tribo_campaign::TuneConfig;
+use tribo_trial::PenaltyLimits;
 
 #[test]
 fn limits_of_acceleration_and_error_go_with_the_path() {
@@ -14,7 +15,7 @@ fn limits_of_acceleration_and_error_go_with_the_path() {
     assert_eq!(trial("ur10e", Some(0.1)).limits, limits, "noise and stick-slip are those of a long path");
     let own = trial("ur10e", None);
     assert_eq!(own.limits, PenaltyLimits { acceleration_m_s2: 5.0 * 1.62, error_m: 0.04 * 1.62, ..limits });
-    let position = |trial: &tribo_campaign::Trial<6>| {
+    let position = |trial: &tribo_trial::Trial<6>| {
         let from_start = |time_s: f64| {
             (trial.reference.at(time_s).translation.vector - trial.reference.centre.translation.vector).norm()
         };

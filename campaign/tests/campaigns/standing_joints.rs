@@ -2,11 +2,11 @@
 
 use std::path::Path;
 
-use tribo_campaign::scenario::TruthName;
 use tribo_campaign::{Campaign, InMemory, Phases, TuneConfig, references, run_in_memory};
 use tribo_control::GuardSettings;
 use tribo_friction::JointFriction;
 use tribo_robot::presets;
+use tribo_trial::scenario::TruthName;
 
 /// A Panda whose wrist has so much dry friction (Nm) in its last two joints.
 fn truth(at: &Path, wrist_nm: [f64; 2]) -> TruthName {

@@ -4,7 +4,8 @@ use std::path::Path;
 use std::sync::Arc;
 
 use tribo_campaign::strategy::StrategyName;
-use tribo_campaign::{Campaign, CampaignResult, PenaltyLimits, TuneConfig, read_trial_log, trial_log_path};
+use tribo_campaign::{Campaign, CampaignResult, TuneConfig};
+use tribo_trial::{PenaltyLimits, read_trial_log, trial_log_path};
 use tribo_watch::{CampaignWatch, Surrogate, TrialSnapshot, loop_times, write_report};
 
 fn clock() -> String {

@@ -6,11 +6,11 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::thread::JoinHandle;
 use std::time::Instant;
 
-use tribo_campaign::{AnyEstimator, EstimatorName, LogEstimator};
 use tribo_dashboard::{LiveFeed, LiveSample, LiveTitle};
 use tribo_fci::{Connection, HeardState, sensor_frame};
 use tribo_model::AnyModel;
 use tribo_runtime::{LONGEST_GAP_PERIODS, MeasuredWrench};
+use tribo_trial::{AnyEstimator, EstimatorName, LogEstimator};
 
 use super::live::{heard, preset_of};
 use super::{named, show_robot, warn_not_cancelled};

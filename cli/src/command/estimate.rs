@@ -3,9 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use serde_json::{Map, Value, json};
-use tribo_campaign::{
-    Calibration, ContactPrior, EstimatorError, EstimatorName, LogEstimate, LogEstimator, SETTLE_S, TransmissionFriction,
-};
+use tribo_campaign::SETTLE_S;
 use tribo_diagnose::{BlockSettings, Diagnosable, FrictionReport, FrictionSettings, JointReport, Nominal};
 use tribo_friction::{FrictionModel, JointFriction};
 use tribo_logs::recognise::{self, Use};
@@ -13,6 +11,9 @@ use tribo_logs::{LogSummary, RobotLog, Table, write_table};
 use tribo_model::{AnyModel, ControllerModel, Model, SIGN_SMOOTHING_RAD_S};
 use tribo_robot::JointNames;
 use tribo_sim::{Effect, TorqueSide, panda_gaz_joints};
+use tribo_trial::{
+    Calibration, ContactPrior, EstimatorError, EstimatorName, LogEstimate, LogEstimator, TransmissionFriction,
+};
 
 use super::believe::{Refused, believe};
 use super::columns::joint_names;

@@ -5,12 +5,13 @@ use std::net::ToSocketAddrs;
 use std::path::Path;
 use std::sync::atomic::Ordering;
 
-use tribo_campaign::{AnyTune, Trial, ValidTune, follow_on};
+use tribo_campaign::{AnyTune, ValidTune};
 use tribo_fci::{Connection, ConnectionError, FciVersion, TorquePlant};
 use tribo_friction::FrictionModel;
 use tribo_logs::{LogColumns, LogError, RobotLog};
 use tribo_sim::TorqueSide;
 use tribo_sim::excitation::JointTrajectory;
+use tribo_trial::{Trial, follow_on};
 
 use crate::arguments::{Common, LiveDrive};
 use crate::failure::{BadInput, Stopped};

@@ -3,12 +3,13 @@
 use std::net::SocketAddr;
 
 use serde_json::json;
-use tribo_campaign::{Trial, TuneConfig};
+use tribo_campaign::TuneConfig;
 use tribo_fci::{
     ControlUnit, FciVersion, GripperServer, MoveEnd, Pace, ServeError, Server, ServerEvent, ServerSettings, model,
 };
 use tribo_model::PushesFile;
 use tribo_sim::{BoxFrictionPlant, Sensors, TorqueSide, WrenchPulses, not_simulated};
+use tribo_trial::Trial;
 
 use super::live::of_seven_joints;
 use super::{configured, set};

@@ -3,11 +3,12 @@
 use std::path::{Path, PathBuf};
 
 use serde_json::{Map, Value, json};
-use tribo_campaign::{AnyEstimator, AnyTune, ValidTune, follow, simulate_log};
+use tribo_campaign::{AnyTune, ValidTune};
 use tribo_friction::{FrictionModel, JointEffects};
 use tribo_logs::RobotLog;
 use tribo_model::{ControllerModel, ModelFile, NotCancelled, TrajectoryFile, TunedFile, YamlDocument};
 use tribo_sim::{WrenchPulses, not_simulated};
+use tribo_trial::{AnyEstimator, follow, simulate_log};
 
 use super::convert::{target_of, write_log};
 use super::live::{Link, confirm, of_seven_joints, preset_of, seen_from};

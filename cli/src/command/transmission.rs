@@ -1,9 +1,9 @@
 //! Friction of the gears, where `tribo estimate` finds torque on both of their sides.
 
 use serde_json::{Value, json};
-use tribo_campaign::TransmissionFriction;
 use tribo_logs::LogSummary;
 use tribo_robot::JointNames;
+use tribo_trial::TransmissionFriction;
 
 use crate::arguments::Common;
 use crate::output::{log_json, print, print_json, significant, table};
@@ -66,7 +66,7 @@ pub fn show(gears: &TransmissionFriction, names: &JointNames) {
 
 /// The same for programs.
 pub fn json(gears: &TransmissionFriction) -> Value {
-    let joint = |(number, joint): (usize, &tribo_campaign::TransmissionJoint)| {
+    let joint = |(number, joint): (usize, &tribo_trial::TransmissionJoint)| {
         let fit = joint.fit.as_ref().ok();
         json!({
             "joint": number,

@@ -7,12 +7,12 @@ use anyhow::Context;
 use serde_json::json;
 use tribo_campaign::strategy::BestTrial;
 use tribo_campaign::{
-    AgainstEkf, AnyTune, Campaign, CampaignError, CampaignResult, Changes, CostName, EstimatorName, ParameterSpace,
-    TuneConfig, against_ekf,
+    AgainstEkf, AnyTune, Campaign, CampaignError, CampaignResult, Changes, ParameterSpace, TuneConfig, against_ekf,
 };
 use tribo_model::FileError;
 use tribo_robot::JointNames;
 use tribo_sim::not_simulated;
+use tribo_trial::{CostName, EstimatorName};
 use tribo_watch::write_report;
 
 use super::{CAMPAIGNS, configured, expected, now, show_remarks, warn_not_cancelled};

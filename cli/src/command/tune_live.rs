@@ -5,12 +5,11 @@ use std::time::Instant;
 
 use serde_json::{Value, json};
 use tribo_campaign::strategy::BestTrial;
-use tribo_campaign::{
-    AnyEstimator, Asked, CampaignError, SentTorque, Told, Trial, UserCampaign, ValidTune, record_trial,
-};
+use tribo_campaign::{Asked, CampaignError, SentTorque, Told, UserCampaign, ValidTune};
 use tribo_fci::Connection;
 use tribo_friction::FrictionModel;
 use tribo_logs::RobotLog;
+use tribo_trial::{AnyEstimator, Trial, record_trial};
 use tribo_watch::refresh_report;
 
 use super::ask::on_own_robot;

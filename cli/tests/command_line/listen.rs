@@ -10,10 +10,10 @@ use std::path::Path;
 use std::process::{Child, Command, Stdio};
 
 use serde_json::{Value, json};
-use tribo_campaign::{EstimatorName, LogEstimator};
 use tribo_model::Model;
 use tribo_robot::SensorFrame;
 use tribo_sim::TorqueSide;
+use tribo_trial::{EstimatorName, LogEstimator};
 
 use crate::common::{Run, run, scratch, skipped};
 use crate::python_witness::python;

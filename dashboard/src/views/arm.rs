@@ -2,8 +2,8 @@
 
 use egui::{Color32, Pos2, Rect, RichText, Sense, Shape, Stroke, Ui, pos2, vec2};
 use nalgebra::Vector3;
-use tribo_campaign::EstimatorName;
 use tribo_figure::number::{fixed, significant};
+use tribo_trial::EstimatorName;
 use tribo_watch::arm_figures::ARROW_M_PER_N;
 
 use crate::live_snapshot::LiveSnapshot;

@@ -3,8 +3,8 @@
 use std::sync::Arc;
 
 use egui::{Grid, RichText, ScrollArea, Ui};
-use tribo_campaign::EstimatorName;
 use tribo_figure::number::significant;
+use tribo_trial::EstimatorName;
 
 use super::log::components;
 use crate::log_snapshot::LogSnapshot;

@@ -1,9 +1,9 @@
 //! Channels and wrench of a log, of any length.
 
 use egui::{RichText, ScrollArea, Ui};
-use tribo_campaign::EstimatorName;
 use tribo_figure::Signals;
 use tribo_figure::number::significant;
+use tribo_trial::EstimatorName;
 
 use super::signal_plot::{Curve, cells, signal_plot};
 use crate::layout::Layout;

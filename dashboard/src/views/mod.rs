@@ -23,7 +23,7 @@ pub use start::StartView;
 pub use trial::TrialView;
 
 use egui::{RichText, Ui};
-use tribo_campaign::EstimatorName;
+use tribo_trial::EstimatorName;
 
 /// A view that has nothing to show yet, and what to do about it.
 fn empty(ui: &mut Ui, what: &str, todo: &str) {

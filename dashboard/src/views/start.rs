@@ -184,8 +184,8 @@ fn next_directory(campaigns: &Path) -> String {
 
 #[cfg(test)]
 mod tests {
-    use tribo_campaign::EstimatorName;
     use tribo_campaign::strategy::StrategyName;
+    use tribo_trial::EstimatorName;
 
     use super::*;
 
@@ -203,7 +203,7 @@ mod tests {
         assert_eq!(estimators, EstimatorName::ALL.map(EstimatorName::as_str));
         assert_eq!(ROBOTS.iter().map(|(name, _)| *name).collect::<Vec<_>>(), tribo_robot::presets::NAMES);
         for (name, _) in TRUTHS {
-            let _: tribo_campaign::scenario::TruthName = named(name).expect("a truth");
+            let _: tribo_trial::scenario::TruthName = named(name).expect("a truth");
         }
     }
 }

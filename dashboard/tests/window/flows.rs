@@ -5,11 +5,12 @@ use std::path::Path;
 
 use crate::common::{FRAME_S, Window, campaign, options, settings, strict};
 use egui_kittest::kittest::{NodeT, Queryable};
-use tribo_campaign::scenario::{ModelError, TruthName};
-use tribo_campaign::{TuneConfig, TunedLaw, simulate_log};
+use tribo_campaign::{TuneConfig, TunedLaw};
 use tribo_dashboard::{Options, View};
 use tribo_ekf::{WrenchEkf, WrenchEkfSettings};
 use tribo_logs::write_parquet;
+use tribo_trial::scenario::{ModelError, TruthName};
+use tribo_trial::simulate_log;
 
 /// Start → pause → go on → finish → save a figure in every format.
 #[test]

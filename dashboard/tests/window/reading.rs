@@ -5,10 +5,10 @@ use std::path::{Path, PathBuf};
 use crate::common::{Window, campaign, options, settings};
 use egui::{Event, Shape, pos2};
 use egui_kittest::kittest::Queryable;
-use tribo_campaign::simulate_log;
 use tribo_dashboard::{Options, View};
 use tribo_ekf::{WrenchEkf, WrenchEkfSettings};
 use tribo_logs::write_parquet;
+use tribo_trial::simulate_log;
 
 /// A log of an arm whose friction nobody cancels.
 fn log(directory: &Path) -> PathBuf {

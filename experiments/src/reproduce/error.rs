@@ -5,8 +5,8 @@ use tribo_friction::thermal::{ThermalError, ThermalFitError};
 use tribo_logs::LogError;
 use tribo_residual::{BandFitError, BoxOutcome, ThermalSettingsError};
 
-use tribo_campaign::EstimatorError;
 use tribo_model::ConfigError;
+use tribo_trial::EstimatorError;
 
 /// Why an experiment stopped.
 #[derive(Debug, Error)]

@@ -14,10 +14,9 @@ use tribo_robot::{ControlTerms, EstimatorInput, LAMBDA_95, Wrench};
 use tribo_sim::{Pulse, Truth, WrenchPulses};
 
 use super::{ExperimentError, Quantity, SeedRun};
-use tribo_campaign::{
-    AnyEstimator, EstimatorName, Phases, Trial, TuneConfig, noise_seed, run_trial_observed, simulate_log,
-};
+use tribo_campaign::{Phases, TuneConfig, noise_seed};
 use tribo_model::FieldError;
+use tribo_trial::{AnyEstimator, EstimatorName, Trial, run_trial_observed, simulate_log};
 
 /// Ticks between two estimates: 250 Hz, as the paper's samples.
 const DECIMATION: u64 = 4;

@@ -9,9 +9,10 @@ use tribo_friction::VelocitySource;
 use tribo_runtime::TickRecord;
 
 use super::ExperimentError;
-use tribo_campaign::scenario::TruthName;
-use tribo_campaign::{Phases, Trial, TuneConfig, noise_seed};
+use tribo_campaign::{Phases, TuneConfig, noise_seed};
 use tribo_model::FieldError;
+use tribo_trial::Trial;
+use tribo_trial::scenario::TruthName;
 
 /// Deviation from the path, faster than 1 Hz, that one sees (m): half a millimetre more than stick-slip without compensation.
 const VISIBLE_M: f64 = 2e-3;

@@ -7,7 +7,6 @@ mod show;
 use std::path::Path;
 
 use serde_json::Value;
-use tribo_campaign::{ClosedLoopGain, closed_loop_gain};
 use tribo_diagnose::recognise::recognise;
 use tribo_diagnose::report::{ClosedLoop, Extras, ReportContext, document, html};
 use tribo_diagnose::{
@@ -16,6 +15,7 @@ use tribo_diagnose::{
 use tribo_logs::{ReadOptions, RobotLog};
 use tribo_model::{AnyModel, Model, ModelFile, not_cancelled_of};
 use tribo_robot::Arm;
+use tribo_trial::{ClosedLoopGain, closed_loop_gain};
 
 use super::believe::Refused;
 use super::columns::joint_names;

@@ -1,13 +1,13 @@
 //! A diagnosis on the terminal: the verdict first, then the evidence.
 
 use comfy_table::{CellAlignment, Table};
-use tribo_campaign::ClosedLoopGain;
 use tribo_diagnose::report::number::{
     fixed, percent, percent_with_interval, probability, quantity_and_unit, significant, with_interval,
 };
 use tribo_diagnose::report::{Extras, cause_at, finding_sentence, verdict_sentence};
 use tribo_diagnose::{Diagnosis, Finding, JointMisfit, Location};
 use tribo_robot::JointNames;
+use tribo_trial::ClosedLoopGain;
 
 use crate::output::{print, table};
 
@@ -189,7 +189,7 @@ fn show_elsewhere(diagnosis: &Diagnosis, gain: Option<&ClosedLoopGain>, extras: 
     }
     if let Some(gain) = gain {
         let mut rows = table(&["closed loop", "cost J [N + Nm]", "tracking [mm RMS]", "[mrad RMS]", "state"]);
-        let state = |aborted: Option<tribo_campaign::AbortReason>| {
+        let state = |aborted: Option<tribo_trial::AbortReason>| {
             aborted.map_or("complete".to_owned(), |reason| format!("failed: {reason}"))
         };
         let lines = [

@@ -9,12 +9,12 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{Sender, channel};
 use std::time::Duration;
 
-use tribo_campaign::{AnyEstimator, EstimatorName};
 use tribo_friction::FrictionModel;
 use tribo_model::{AnyModel, Model};
 use tribo_ros2::{
     ArmJoints, Heard, ListenSettings, Listened, Node, NodeSettings, TopicNames, Update, WrenchStream, listen,
 };
+use tribo_trial::{AnyEstimator, EstimatorName};
 
 use self::parameters::{FileWatch, Parameters, measured};
 use super::{named, warn_not_cancelled};

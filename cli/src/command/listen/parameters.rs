@@ -3,13 +3,13 @@
 use std::path::{Path, PathBuf};
 use std::time::SystemTime;
 
-use tribo_campaign::{AnyEstimator, EstimatorError, EstimatorName, LogEstimator};
 use tribo_friction::VelocitySource;
 use tribo_model::{
     AnyModel, ConfigError, FieldError, FileError, Model, ModelFile, NotCancelled, SIGN_SMOOTHING_RAD_S, TunedFile,
     YamlDocument,
 };
 use tribo_runtime::MeasuredWrench;
+use tribo_trial::{AnyEstimator, EstimatorError, EstimatorName, LogEstimator};
 
 use crate::arguments::Listen;
 use crate::failure::BadInput;

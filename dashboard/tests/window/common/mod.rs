@@ -8,8 +8,9 @@ use std::time::Duration;
 use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable;
 use tribo_campaign::strategy::StrategyName;
-use tribo_campaign::{Campaign, PenaltyLimits, TuneConfig};
+use tribo_campaign::{Campaign, TuneConfig};
 use tribo_dashboard::{Dashboard, LogSource, Options, View};
+use tribo_trial::PenaltyLimits;
 
 /// Time that passes from frame to frame (s).
 pub const FRAME_S: f32 = 0.1;

@@ -18,7 +18,7 @@ use tribo_model::FieldError;
 /// what was before.
 ///
 /// ```
-/// use tribo_campaign::ContactPrior;
+/// use tribo_trial::ContactPrior;
 ///
 /// let prior = ContactPrior::default();
 /// let expected = |force_n: f64| prior.expected(force_n, prior.force_sd_n, 1.25); // half-width 2.5 N

@@ -1,9 +1,8 @@
 //! A wrench estimator run over a measured log.
 
-use nalgebra::SVector;
 use serde_json::{Value, json};
 use tribo_friction::{Compensator, VelocitySource};
-use tribo_logs::{GAP_TOLERANCE, RobotLog, bursts};
+use tribo_logs::{GAP_TOLERANCE, RobotLog, bursts, row};
 use tribo_robot::{SensorFrame, Wrench, WrenchEstimate, WrenchEstimator};
 use tribo_runtime::{LONGEST_GAP_PERIODS, MeasuredWrench};
 
@@ -79,20 +78,16 @@ pub(crate) fn measured_wrench<const N: usize, E: WrenchEstimator<N>>(
     MeasuredWrench::new(controller_model.arm.clone(), compensator, estimator)
 }
 
-/// Row k of a log as a sample of the joint sensors.
-pub(crate) fn frame_at<const N: usize>(log: &RobotLog, k: usize) -> SensorFrame<N> {
+/// Row k of a log as a sample of the joint sensors (s, rad, rad/s, Nm).
+#[must_use]
+pub fn frame_at<const N: usize>(log: &RobotLog, k: usize) -> SensorFrame<N> {
     SensorFrame {
         time_s: log.time_s[k],
-        q: at(&log.q_rad, k),
-        qd: at(&log.dq_rad_s, k),
-        tau: at(&log.tau_j_nm, k),
-        theta: log.theta_rad.as_ref().map(|theta| at(theta, k)),
+        q: row(&log.q_rad, k).into(),
+        qd: row(&log.dq_rad_s, k).into(),
+        tau: row(&log.tau_j_nm, k).into(),
+        theta: log.theta_rad.as_ref().map(|theta| row(theta, k).into()),
     }
-}
-
-/// Row k of the columns, one per joint.
-pub(crate) fn at<const N: usize>(columns: &[Vec<f64>], k: usize) -> SVector<f64, N> {
-    SVector::from_fn(|j, _| columns[j][k])
 }
 
 /// Summary of a wrench along a log.

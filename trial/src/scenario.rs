@@ -81,12 +81,12 @@ pub struct LoadedTruth<const N: usize> {
 
 impl TruthName {
     /// What is meant where a file does not say.
-    pub(crate) fn unknown() -> Self {
+    pub fn unknown() -> Self {
         Self::Unknown
     }
 
     /// Whether nobody says.
-    pub(crate) fn is_unknown(&self) -> bool {
+    pub fn is_unknown(&self) -> bool {
         *self == Self::Unknown
     }
 
@@ -109,7 +109,7 @@ impl TruthName {
         content: Option<&ModelFile>,
     ) -> Result<LoadedTruth<N>, FieldError> {
         if let Some(file) = content {
-            let model = within("truth_content", file.validate())?;
+            let model = file.validate().map_err(|error| error.within("truth_content"))?;
             let truth = model.to_plant();
             return Ok(LoadedTruth { oracle: ControllerModel::of(truth.clone()), truth });
         }
@@ -137,11 +137,6 @@ impl TruthName {
 
 /// What goes where the friction published by gaz2019 does not.
 const GAZ: &str = "another truth: gaz is the friction of a Panda";
-
-/// Puts the field that holds a file before the field of the file that an error is about.
-pub(crate) fn within<T>(field: &str, result: Result<T, FieldError>) -> Result<T, FieldError> {
-    result.map_err(|error| FieldError { field: format!("{field}.{}", error.field), ..error })
-}
 
 /// Reads a model file into `content`, unless that holds it already: a campaign keeps the file it began with. Its numbers
 /// are checked where errors can still name file and line.
