@@ -5,9 +5,10 @@ use tribo_sim::Effect;
 
 use crate::DiagnoseError;
 use crate::confusable::same_torque;
-use crate::diagnosis::{CauseLabel, Diagnosis, Finding, JointMisfit, Location, Verdict};
+use crate::diagnosis::{Diagnosis, Finding, JointMisfit, Verdict};
 use crate::evaluated::{Before, Evaluated};
 use crate::judged::Judged;
+use crate::label::{CauseLabel, Location};
 use crate::next_experiment::next_experiment;
 use crate::noise_level::rms;
 use crate::plots;

@@ -9,6 +9,7 @@ use crate::column::{Column, subtracted};
 use crate::evidence::{free_gain, joint_fit};
 use crate::golden_section::golden_section;
 use crate::noise_level::robust_sd;
+use crate::push_window::PushWindow;
 use crate::regression_data::RegressionData;
 use crate::system::{System, dot};
 
@@ -24,17 +25,6 @@ const EDGE_S: f64 = 2e-3;
 const MOST_MOVES: usize = 12;
 /// Evidence per row of the window that is worth building its columns.
 const LEAST_EXPLAINED: f64 = 100.0;
-
-/// When somebody pushed.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct PushWindow {
-    /// The log.
-    pub log: usize,
-    /// Start (s), in time of the log.
-    pub start_s: f64,
-    /// End (s).
-    pub end_s: f64,
-}
 
 /// The window in which a constant wrench explains most of what the columns `given` leave.
 ///

@@ -12,8 +12,8 @@ use tribo_sim::Effect;
 
 use crate::cause::{Backlash, Candidate, transmitted_sign};
 use crate::column::add_scaled;
-use crate::diagnosis::CauseLabel;
 use crate::filter::central_difference;
+use crate::label::CauseLabel;
 use crate::least_squares::{Gain, fit_rows, inner};
 use crate::noise_level::rms;
 use crate::regression_data::RegressionData;

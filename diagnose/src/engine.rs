@@ -6,17 +6,18 @@ use tribo_robot::mass_matrix;
 use tribo_sim::Truth;
 
 use crate::cause_by_cause::{Question, cause_by_cause};
-use crate::contact_window::PushWindow;
-use crate::diagnosis::{CauseLabel, Diagnosis, JointMisfit, Location};
+use crate::diagnosis::{Diagnosis, JointMisfit};
 use crate::evaluated::Before;
-use crate::posterior::explain::{Given, explain};
-use crate::posterior::gate::{AS_WELL, Wrongness, regression, wrongness};
-use crate::posterior::problem::Problem;
-use crate::posterior::sign_width::sharper_sign;
-use crate::posterior::sticking::sticking;
+use crate::families::explain::{Given, explain};
+use crate::families::gate::{AS_WELL, Wrongness, regression, wrongness};
+use crate::label::{CauseLabel, Location};
+use crate::problem::Problem;
+use crate::push_window::PushWindow;
 use crate::regression_data::RegressionData;
 use crate::search::joints_and_kinds;
 use crate::settings::DiagnoseSettings;
+use crate::sign_width::sharper_sign;
+use crate::sticking::sticking;
 use crate::{DiagnoseError, Nominal};
 
 /// Fewest samples per joint after averaging.

@@ -1,8 +1,8 @@
 //! What a search for single causes ran on, for whoever draws conclusions from it.
 
 use crate::Nominal;
+use crate::baseline::PlainFits;
 use crate::deflection::DeflectionFinding;
-use crate::posterior::baseline::PlainFits;
 use crate::regression_data::RegressionData;
 use crate::ripple::RippleLine;
 use crate::significance::Chance;

@@ -9,12 +9,13 @@ use crate::DiagnoseError;
 use crate::cause::{Candidate, TorqueRipple};
 use crate::column::Column;
 use crate::deflection::DeflectionFinding;
-use crate::diagnosis::{Alternative, CauseLabel, Finding, Location, Parameter};
+use crate::diagnosis::{Alternative, Finding, Parameter};
 use crate::evaluated::Evaluated;
 use crate::evidence::joint_fit;
 use crate::held_out::{
     BlockGram, BlockSquares, HeldOut, TimeBlocks, gain_of_pairs, gain_with_interval, interval, plain_squares, resampled,
 };
+use crate::label::{CauseLabel, Location};
 use crate::parameters::parameters_of;
 use crate::plots;
 use crate::pruning::{LARGEST_P, torque_rms};

@@ -7,9 +7,9 @@ use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64;
 
 use crate::column::Column;
-use crate::diagnosis::CauseLabel;
+use crate::label::CauseLabel;
 use crate::least_squares::{inner, solve_ridge};
-use crate::posterior::split::THIRDS;
+use crate::split::THIRDS;
 use crate::system::System;
 
 /// Number of folds.

@@ -1,14 +1,15 @@
 //! From a finished search to findings, rivals and gains.
 
 use crate::DiagnoseError;
+use crate::baseline::PlainFits;
 use crate::column::subtracted;
-use crate::diagnosis::{CauseLabel, Finding, Rejected, Unseen};
+use crate::diagnosis::{Finding, Rejected, Unseen};
 use crate::evaluated::Evaluated;
 use crate::evidence::joint_fit;
 use crate::finding::{Fitted, Selected, deflection_finding, describe, finding_of, ripple_finding, squares};
 use crate::held_out::{HeldOut, gain_of_pairs, gain_with_interval, plain_squares};
+use crate::label::CauseLabel;
 use crate::noise_level::rms;
-use crate::posterior::baseline::PlainFits;
 use crate::pruning::{
     drop_chance, drop_lonely_pushes, drop_small, drop_stiction, drop_worthless, prefer_likelier, prefer_names,
     yield_to_unknown,

@@ -29,36 +29,53 @@
 //! Positions are the only motion signal used: qd and qdd are derivatives of smoothed q, which beats the logged dq.
 //! Leaves out: arms with other than six or seven revolute joints; causes that are not in [`CauseLabel`], which it calls unknown.
 
+mod arm_scale;
+mod band;
+mod baseline;
 mod blocks;
+mod body;
 mod cause;
 mod cause_by_cause;
 mod column;
+mod columns;
 mod conclusion;
 mod confusable;
 mod contact_window;
 mod deflection;
 mod diagnosable;
 mod diagnosis;
+mod distance;
 mod engine;
 mod error;
 mod evaluated;
 mod evidence;
+mod extremes;
+mod families;
 pub mod filter;
 mod finding;
+mod fit;
+mod found_arm;
 mod friction_report;
 mod golden_section;
 mod held_out;
+mod joint_columns;
+mod joint_term;
 mod judged;
+mod label;
 mod least_squares;
 mod logged_motion;
 mod model_residual;
+mod motion;
 mod next_experiment;
 mod noise_level;
 mod nominal;
 mod parameters;
 mod plots;
-mod posterior;
+mod posture;
+mod prior;
+mod problem;
 mod pruning;
+mod push_window;
 pub mod recognise;
 mod regression_data;
 mod regression_effects;
@@ -69,24 +86,35 @@ mod residual_error;
 mod ripple;
 mod rivals;
 mod search;
+mod selection;
 mod settings;
 mod short_rests;
+mod sign_width;
 mod signal_chain;
 mod significance;
+mod simulated;
+mod spd;
+mod split;
 mod stamps;
+mod standstill;
+mod sticking;
 mod system;
+mod tempering;
 mod torque_residual;
+mod unseen;
 mod validation;
 mod whitening;
+mod written;
 
 pub use blocks::{BlockSettings, Blocks, BlocksError, Split};
 pub use diagnosable::{Diagnosable, diagnose, diagnose_with_reference};
 pub use diagnosis::{
-    Alternative, CauseLabel, CrossJointPattern, Diagnosis, Finding, JointMisfit, Location, Parameter, Plot, Rejected,
-    Series, Unseen, Validation, Verdict,
+    Alternative, CrossJointPattern, Diagnosis, Finding, JointMisfit, Parameter, Plot, Rejected, Series, Unseen,
+    Validation, Verdict,
 };
 pub use error::DiagnoseError;
 pub use friction_report::{FrictionReport, FrictionSettings, HeldOut, HeldOutError, JointFitError, JointReport};
+pub use label::{CauseLabel, Location};
 pub use model_residual::ModelResidual;
 pub use next_experiment::NextExperiment;
 pub use noise_level::white_noise_sd;

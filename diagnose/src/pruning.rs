@@ -3,9 +3,9 @@
 use crate::column::Column;
 use crate::confusable::same_by_physics;
 use crate::contact_window::residual;
-use crate::diagnosis::{CauseLabel, Location};
 use crate::evidence::joint_fit;
 use crate::held_out::{BlockSquares, HeldOut};
+use crate::label::{CauseLabel, Location};
 use crate::least_squares::inner;
 use crate::noise_level::rms;
 use crate::rivals::RIVAL_EVIDENCE;

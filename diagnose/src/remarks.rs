@@ -1,8 +1,9 @@
 //! What surrounds the findings: the misfit of every joint, notes, assumptions, and what was rejected.
 
-use crate::diagnosis::{CauseLabel, Finding, JointMisfit, Rejected, Unseen};
+use crate::diagnosis::{Finding, JointMisfit, Rejected, Unseen};
 use crate::evidence::Conditional;
 use crate::held_out::BlockSquares;
+use crate::label::CauseLabel;
 use crate::noise_level::rms;
 use crate::plots;
 use crate::regression_data::RegressionData;

@@ -1,8 +1,9 @@
 //! Causes that would do as well.
 
 use crate::confusable::why;
-use crate::diagnosis::{Alternative, CauseLabel};
+use crate::diagnosis::Alternative;
 use crate::evidence::Conditional;
+use crate::label::CauseLabel;
 use crate::search::{LEAST_EVIDENCE, Search};
 
 /// Evidence within which a rival cannot be excluded.

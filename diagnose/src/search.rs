@@ -14,9 +14,9 @@ use rayon::prelude::*;
 
 use crate::cause::{Candidate, ExternalContact};
 use crate::contact_window::{best_window, sharpened};
-use crate::diagnosis::{CauseLabel, Location};
 use crate::evidence::{Conditional, Selection, gain_given};
 use crate::golden_section::golden_section;
+use crate::label::{CauseLabel, Location};
 use crate::least_squares::Gain;
 use crate::system::System;
 

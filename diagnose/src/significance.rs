@@ -6,8 +6,8 @@ use rand_pcg::Pcg64;
 use rayon::prelude::*;
 
 use crate::contact_window::residual;
-use crate::diagnosis::Location;
 use crate::evidence::Conditional;
+use crate::label::Location;
 use crate::least_squares::solve_truncated;
 use crate::search::Search;
 

@@ -4,7 +4,8 @@ use tribo_robot::gravity_torque;
 use tribo_sim::TorqueSide;
 
 use crate::MotionSample;
-use crate::diagnosis::{CauseLabel, Finding, Location};
+use crate::diagnosis::Finding;
+use crate::label::{CauseLabel, Location};
 use crate::regression_data::RegressionData;
 
 /// Period of the control loop of an arm (s), in which a torque is held and measured.

@@ -10,7 +10,7 @@ use rayon::prelude::*;
 
 use crate::cause::{Candidate, ExternalContact};
 use crate::column::Column;
-use crate::diagnosis::{CauseLabel, Location};
+use crate::label::{CauseLabel, Location};
 use crate::least_squares::{ROUNDING, inner};
 use crate::noise_level::{rms, robust_sd};
 use crate::regression_data::RegressionData;

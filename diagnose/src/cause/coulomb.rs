@@ -4,7 +4,7 @@ use tribo_sim::Effect;
 
 use super::Candidate;
 use crate::column::FineColumn;
-use crate::diagnosis::{CauseLabel, Location};
+use crate::label::{CauseLabel, Location};
 use crate::regression_data::RegressionData;
 
 /// `dFc tanh(qd/ε)`. Linear. Needs motion both ways: one way it is an offset.

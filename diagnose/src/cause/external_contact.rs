@@ -7,7 +7,7 @@ use tribo_sim::Effect;
 
 use super::Candidate;
 use crate::column::{Column, FineColumn};
-use crate::diagnosis::{CauseLabel, Location};
+use crate::label::{CauseLabel, Location};
 use crate::logged_motion::Burst;
 use crate::regression_data::RegressionData;
 

@@ -6,7 +6,7 @@ use tribo_sim::{Effect, oscillator_step};
 
 use super::{Candidate, RIGID_UNASKED, log_grid, only};
 use crate::column::FineColumn;
-use crate::diagnosis::{CauseLabel, Location};
+use crate::label::{CauseLabel, Location};
 use crate::regression_data::{RegressionData, smooth_in_time};
 
 /// The link lags the motor by δ, so its torque is that of another state:

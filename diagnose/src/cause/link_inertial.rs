@@ -8,7 +8,7 @@ use tribo_sim::Effect;
 
 use super::{Candidate, RIGID_UNASKED};
 use crate::column::{Column, FineColumn, combined};
-use crate::diagnosis::{CauseLabel, Location};
+use crate::label::{CauseLabel, Location};
 use crate::regression_data::RegressionData;
 
 /// `Y_k dπ_k`, Y_k the regressor of link k. Linear. Only what the joints feel of a link is identifiable: the least change

@@ -45,7 +45,7 @@ use nalgebra::SVector;
 use tribo_sim::Effect;
 
 use crate::column::{Column, FineColumn};
-use crate::diagnosis::{CauseLabel, Location};
+use crate::label::{CauseLabel, Location};
 use crate::regression_data::RegressionData;
 
 /// A cause at a place.

@@ -8,7 +8,7 @@ use tribo_sim::Effect;
 
 use super::{Candidate, RIGID_UNASKED};
 use crate::column::{Column, FineColumn, combined};
-use crate::diagnosis::{CauseLabel, Location};
+use crate::label::{CauseLabel, Location};
 use crate::regression_data::RegressionData;
 
 /// `Y_flange π`, π = [m, m c, I_o] in the flange frame: mass, first moments, inertia about the flange origin. Linear.

@@ -4,7 +4,7 @@ use tribo_sim::Effect;
 
 use super::Candidate;
 use crate::column::FineColumn;
-use crate::diagnosis::{CauseLabel, Location};
+use crate::label::{CauseLabel, Location};
 use crate::regression_data::RegressionData;
 
 /// `k (q − rest)`: columns 1 and q, the rest position from their ratio. Linear. On a small range it is an offset.

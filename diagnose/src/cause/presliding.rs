@@ -4,7 +4,7 @@ use tribo_sim::Effect;
 
 use super::{Candidate, log_grid};
 use crate::column::FineColumn;
-use crate::diagnosis::{CauseLabel, Location};
+use crate::label::{CauseLabel, Location};
 use crate::regression_data::RegressionData;
 
 /// `Fc (z − s)`, z the Dahl bristle ratio, profiled over its distance d:

@@ -4,7 +4,7 @@ use tribo_sim::{Effect, TorqueSide};
 
 use super::Candidate;
 use crate::column::FineColumn;
-use crate::diagnosis::{CauseLabel, Location};
+use crate::label::{CauseLabel, Location};
 use crate::regression_data::RegressionData;
 
 /// `dIr qdd`. Linear; motor-side torques only. On the first joint it equals the inertia of the first link.

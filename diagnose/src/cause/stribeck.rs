@@ -4,7 +4,7 @@ use tribo_sim::Effect;
 
 use super::{Candidate, log_grid};
 use crate::column::FineColumn;
-use crate::diagnosis::{CauseLabel, Location};
+use crate::label::{CauseLabel, Location};
 use crate::regression_data::RegressionData;
 
 /// `dF exp(−(qd/vs)²) tanh(qd/ε)`, profiled over vs. Confusable with Coulomb friction unless the joint also moves fast,

@@ -4,7 +4,7 @@ use tribo_sim::Effect;
 
 use super::Candidate;
 use crate::column::FineColumn;
-use crate::diagnosis::{CauseLabel, Location};
+use crate::label::{CauseLabel, Location};
 use crate::regression_data::RegressionData;
 
 /// `measured = (1 + g) true`: the column is the nominal torque of the joint. Linear. Where gravity dominates it is a

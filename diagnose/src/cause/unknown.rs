@@ -7,7 +7,7 @@ use tribo_sim::Effect;
 use super::Candidate;
 use super::presliding::bristle;
 use crate::column::FineColumn;
-use crate::diagnosis::{CauseLabel, Location};
+use crate::label::{CauseLabel, Location};
 use crate::regression_data::{RegressionData, Sample};
 
 /// A family of torques of one joint. When it beats every named cause, the verdict is `unknown` with its signature.

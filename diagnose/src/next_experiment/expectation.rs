@@ -8,7 +8,8 @@ use tribo_sim::Effect;
 use super::pair::Pair;
 use crate::cause::{Candidate, ExternalContact, TorqueRipple, candidate_of_effect, candidates};
 use crate::column::{Column, add_scaled};
-use crate::diagnosis::{CauseLabel, JointMisfit, Location};
+use crate::diagnosis::JointMisfit;
+use crate::label::{CauseLabel, Location};
 use crate::least_squares::solve_ridge;
 use crate::regression_data::RegressionData;
 

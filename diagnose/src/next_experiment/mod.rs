@@ -24,7 +24,8 @@ use self::expectation::{Run, SensorNoise, expected_evidence};
 use self::motion::Motion;
 use self::pair::Pair;
 use self::simulated::Arrangement;
-use crate::diagnosis::{CauseLabel, Finding, JointMisfit, Location};
+use crate::diagnosis::{Finding, JointMisfit};
+use crate::label::{CauseLabel, Location};
 use crate::regression_data::RegressionData;
 
 /// A safe motion of the library.

@@ -3,7 +3,8 @@
 use tribo_sim::Effect;
 
 use crate::confusable::same_torque;
-use crate::diagnosis::{CauseLabel, Finding, Location};
+use crate::diagnosis::Finding;
+use crate::label::{CauseLabel, Location};
 use crate::regression_data::RegressionData;
 
 /// A finding taken for true, and its rival.

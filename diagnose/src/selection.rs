@@ -4,9 +4,9 @@ use std::collections::BTreeMap;
 
 use rayon::prelude::*;
 
-use super::fit::{Fit, RELINEARISATIONS, fit};
-use super::prior::Family;
-use super::problem::{NormalEquations, Place, Problem};
+use crate::fit::{Fit, RELINEARISATIONS, fit};
+use crate::prior::Family;
+use crate::problem::{NormalEquations, Place, Problem};
 
 /// Evidence (nat) by which a family must make the log likelier. Ten, not three: what is left of a real log is no noise that any
 /// likelihood knows, and on logs of an independent simulator absent families drew up to 40 nats where velocity was noisy.

@@ -10,10 +10,10 @@
 
 use nalgebra::{Matrix3, Vector3};
 
-use super::joint_columns::JointColumns;
-use super::joint_term::JointTerm;
-use super::prior::PRESLIDING_RAD;
+use crate::joint_columns::JointColumns;
+use crate::joint_term::JointTerm;
 use crate::noise_level::robust_sd;
+use crate::prior::PRESLIDING_RAD;
 use crate::regression_data::RegressionData;
 
 /// Half of the time in which a standing joint has not moved (s).

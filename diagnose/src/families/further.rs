@@ -9,14 +9,15 @@
 
 use std::sync::Arc;
 
-use super::selection::LEAST_NATS;
-use super::tempering::kappa;
 use crate::cause_by_cause::{Question, cause_by_cause};
 use crate::column::subtracted;
-use crate::diagnosis::{CauseLabel, Finding};
+use crate::diagnosis::Finding;
+use crate::label::CauseLabel;
 use crate::logged_motion::LoggedMotion;
 use crate::noise_level::rms;
 use crate::regression_data::RegressionData;
+use crate::selection::LEAST_NATS;
+use crate::tempering::kappa;
 use crate::{DiagnoseError, DiagnoseSettings, Nominal};
 
 /// Labels that are looked for beyond the families.

@@ -9,10 +9,10 @@
 
 use nalgebra::{DMatrix, DVector};
 
-use super::fit::plain_state;
-use super::joint_term::JointTerm;
-use super::problem::{Place, Problem, State};
-use super::split::{Split, folds};
+use crate::fit::plain_state;
+use crate::joint_term::JointTerm;
+use crate::problem::{Place, Problem, State};
+use crate::split::{Split, folds};
 
 /// Singular values kept, relative to the largest of unit columns.
 const TRUNCATIONS: [f64; 10] = [0.1, 0.05, 0.03, 0.02, 0.01, 5e-3, 3e-3, 1e-3, 3e-4, 1e-4];

@@ -11,11 +11,11 @@
 
 use nalgebra::{DMatrix, DVector, SVector};
 
-use super::body::log_det;
-use super::prior::{Family, LINK_SCALE};
-use super::problem::{LARGEST_GAIN, NormalEquations, Place, Problem, State};
-use super::spd;
-use super::tempering::kappa;
+use crate::body::log_det;
+use crate::prior::{Family, LINK_SCALE};
+use crate::problem::{LARGEST_GAIN, NormalEquations, Place, Problem, State};
+use crate::spd;
+use crate::tempering::kappa;
 
 /// Families, pins and what is known of noise and scales when a fit begins.
 #[derive(Clone, Debug)]
@@ -403,7 +403,7 @@ pub(crate) fn feasible(problem: &Problem, equations: &NormalEquations, fit: &Fit
     let mut x = DVector::zeros(fit.active.len());
     for k in 0..links {
         if log_det(&problem.links[k]).is_none() {
-            let typical = super::body::parameters(&problem.typical[k]) - problem.links[k];
+            let typical = crate::body::parameters(&problem.typical[k]) - problem.links[k];
             x.rows_mut(block(k), 10).copy_from(&typical);
         }
     }
@@ -415,7 +415,7 @@ pub(crate) fn feasible(problem: &Problem, equations: &NormalEquations, fit: &Fit
         for k in 0..links {
             let pi = own(&x, k);
             let slope = log_det(&pi)?.1;
-            let metric = super::body::metric(&super::body::pseudo_inertia(&pi))?;
+            let metric = crate::body::metric(&crate::body::pseudo_inertia(&pi))?;
             for r in 0..10 {
                 gradient[block(k) + r] -= BARRIER * slope[r];
                 for c in 0..10 {
@@ -481,7 +481,7 @@ pub(crate) fn posterior(problem: &Problem, parts: &[usize], start: &Start) -> Op
             .iter()
             .filter_map(|i| {
                 let value = found.state[*i];
-                use super::joint_term::JointTerm;
+                use crate::joint_term::JointTerm;
                 match problem.places[*i] {
                     // Friction that came before the motion would drive it.
                     Place::Own(
@@ -534,7 +534,7 @@ const PLAIN_RIDGE: f64 = 1e-9;
 /// Coulomb + viscous + offset per joint by least squares: where the gains are made linear first, and the baseline that any
 /// user reaches in an afternoon.
 pub(crate) fn plain_state(problem: &Problem, parts: &[usize]) -> State {
-    use super::joint_term::JointTerm;
+    use crate::joint_term::JointTerm;
     let mut state = DVector::zeros(problem.places.len());
     for j in 0..problem.joints() {
         let columns = &problem.columns.joints[j];

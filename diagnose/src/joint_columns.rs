@@ -2,7 +2,7 @@
 
 use nalgebra::DMatrix;
 
-use super::joint_term::JointTerm;
+use crate::joint_term::JointTerm;
 
 /// First column of the tilt, of the delay, of the links, in the matrix of a joint.
 pub(crate) const TILT: usize = JointTerm::ALL.len();

@@ -3,14 +3,14 @@
 use nalgebra::DVector;
 use rayon::prelude::*;
 
-use super::band::Deviation;
-use super::baseline::Baselines;
-use super::fit::{Fit, posterior};
-use super::joint_term::JointTerm;
-use super::motion::Motion;
-use super::prior::Family;
-use super::problem::{Problem, State};
-use super::split::{Split, folds};
+use crate::band::Deviation;
+use crate::baseline::Baselines;
+use crate::fit::{Fit, posterior};
+use crate::joint_term::JointTerm;
+use crate::motion::Motion;
+use crate::prior::Family;
+use crate::problem::{Problem, State};
+use crate::split::{Split, folds};
 
 /// Squared residuals (Nm²) `[part][joint]` of models that were fitted without that part.
 pub(crate) struct Unseen {

@@ -4,14 +4,14 @@
 //! is and does: how its errors grow with the motion, only rows that are faster than all that was fitted show, and how they grow from one posture to
 //! another, only postures where nothing was fitted.
 
-use super::band::HeldOut;
-use super::columns::Rows;
-use super::distance::{MotionSpace, distance};
-use super::fit::{Fit, posterior};
-use super::motion::Motion;
-use super::posture::Posture;
-use super::problem::Problem;
-use super::unseen::deviations;
+use crate::band::HeldOut;
+use crate::columns::Rows;
+use crate::distance::{MotionSpace, distance};
+use crate::fit::{Fit, posterior};
+use crate::motion::Motion;
+use crate::posture::Posture;
+use crate::problem::Problem;
+use crate::unseen::deviations;
 
 /// Share of the rows that is held out.
 const SHARE: f64 = 1.0 / 3.0;

@@ -6,8 +6,8 @@
 //!
 //! Friction that bends, couplings and timing are wrong by more where an arm is faster: what a model leaves grows with m.
 
-use super::joint_term::JointTerm;
-use super::problem::Problem;
+use crate::joint_term::JointTerm;
+use crate::problem::Problem;
 
 /// Mean squares of speed and acceleration of each joint (rad²/s², rad²/s⁴), 0 where it does not move.
 #[derive(Clone, Debug, PartialEq)]

@@ -13,11 +13,11 @@ use nalgebra::SVector;
 use rayon::prelude::*;
 use tribo_robot::{Arm, rnea};
 
-use super::columns::Columns;
-use super::joint_columns::TILT;
-use super::joint_term::JointTerm;
-use super::problem::{Place, Problem, State};
 use crate::cause::base_tilt_columns;
+use crate::columns::Columns;
+use crate::joint_columns::TILT;
+use crate::joint_term::JointTerm;
+use crate::problem::{Place, Problem, State};
 use crate::regression_data::RegressionData;
 
 /// Puts the columns of an arm, without and with the payload, in the place of those of the model; `unloaded` says of each log whether the flange was bare.

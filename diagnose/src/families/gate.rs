@@ -2,14 +2,15 @@
 
 use nalgebra::{DMatrix, DVector};
 
-use super::baseline::PlainFits;
-use super::columns::{Columns, PARTS, push_weights};
-use super::fit::{Start, plain_state, posterior};
-use super::joint_term::JointTerm;
-use super::prior::{ArmScale, Family};
-use super::problem::{Place, Problem, State};
-use crate::contact_window::{PushWindow, dominant_window};
+use crate::baseline::PlainFits;
+use crate::columns::{Columns, PARTS, push_weights};
+use crate::contact_window::dominant_window;
+use crate::fit::{Start, plain_state, posterior};
+use crate::joint_term::JointTerm;
 use crate::noise_level::{rms, robust_sd};
+use crate::prior::{ArmScale, Family};
+use crate::problem::{Place, Problem, State};
+use crate::push_window::PushWindow;
 use crate::regression_data::RegressionData;
 
 /// μᵀ S⁻¹ μ of a joint's own friction and offset from which on they are surely others than the model's. Stiction of held joints

@@ -3,7 +3,7 @@
 use nalgebra::SVector;
 use tribo_sim::{SoftFriction, TorqueSide};
 
-use super::prior::{ArmScale, MOST_WAVES};
+use crate::prior::{ArmScale, MOST_WAVES};
 use crate::regression_data::RegressionData;
 
 impl ArmScale {

@@ -8,13 +8,13 @@
 //! Nothing is fitted: Coulomb friction is what the joint shows in motion. Where joints stick and the model does not know it, friction seems to
 //! turn round before the velocity does, which a negative delay or friction that bends then explains.
 
-use super::fit::{Start, posterior};
-use super::prior::Family;
-use super::problem::Problem;
-use super::sign_width::{is_shown, likelier, more_coulomb_nm};
 use crate::Nominal;
+use crate::fit::{Start, posterior};
+use crate::prior::Family;
+use crate::problem::Problem;
 use crate::regression_data::RegressionData;
 use crate::short_rests::bridge;
+use crate::sign_width::{is_shown, likelier, more_coulomb_nm};
 
 /// The model with joints that stick, where that makes the log likelier by 10 nat, and that of most joints that say anything.
 pub(crate) fn sticking<const N: usize>(data: &RegressionData<N>, problem: &Problem) -> Option<Nominal<N>> {

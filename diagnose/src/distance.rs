@@ -6,9 +6,9 @@
 //!
 //! A path that comes again is near; other postures and faster motions are far.
 
-use super::joint_term::JointTerm;
-use super::problem::Problem;
-use super::split::folds;
+use crate::joint_term::JointTerm;
+use crate::problem::Problem;
+use crate::split::folds;
 
 /// Position and velocity.
 const TERMS: [JointTerm; 2] = [JointTerm::Spring, JointTerm::Viscous];

@@ -1,6 +1,6 @@
 //! What is held out when models are asked about motion that they were not fitted to.
 
-use super::problem::Problem;
+use crate::problem::Problem;
 
 /// How parts are held out.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -2,10 +2,10 @@
 
 use tribo_sim::{Effect, SOFT_FRICTION_LEAD_S};
 
-use super::joint_term::{JointTerm, RIPPLES};
-use super::prior::{PAYLOAD_RADIUS_M, PRESLIDING_RAD};
-use super::problem::{Place, Problem, State};
 use crate::cause::tilt_of;
+use crate::joint_term::{JointTerm, RIPPLES};
+use crate::prior::{PAYLOAD_RADIUS_M, PRESLIDING_RAD};
+use crate::problem::{Place, Problem, State};
 use crate::regression_data::RegressionData;
 
 /// The effects that make the nominal model predict `(1 + g)(τ0 + A θ)`, one per parameter that is not zero, one per link.

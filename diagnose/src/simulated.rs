@@ -1,10 +1,10 @@
 //! Whether the logs are those of a simulator: friction that is a soft constraint, see [`tribo_sim::SoftFriction`].
 
-use super::fit::{Fit, fit};
-use super::joint_term::JointTerm;
-use super::prior::Family;
-use super::problem::{NormalEquations, Place, Problem};
-use super::selection::LEAST_NATS;
+use crate::fit::{Fit, fit};
+use crate::joint_term::JointTerm;
+use crate::prior::Family;
+use crate::problem::{NormalEquations, Place, Problem};
+use crate::selection::LEAST_NATS;
 
 /// Standard deviations by which the friction of a joint must lead its velocity.
 const SURE: f64 = 2.0;

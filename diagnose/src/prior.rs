@@ -1,7 +1,7 @@
 //! What is known of an arm before its log is read: the families of causes, how large each usually is, how rare.
 
-use super::joint_term::JointTerm;
-use crate::diagnosis::CauseLabel;
+use crate::joint_term::JointTerm;
+use crate::label::CauseLabel;
 
 /// Causes of one kind at all joints: one switch, one scale.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]

@@ -5,19 +5,20 @@ use std::f64::consts::SQRT_2;
 use nalgebra::DMatrix;
 use tribo_sim::Effect;
 
-use super::fit::Fit;
-use super::joint_term::{JointTerm, RIPPLES};
-use super::prior::{CURVE_WIDTHS, Family, PRESLIDING_RAD};
-use super::problem::{Place, Problem};
-use super::selection::Selection;
-use super::unseen::Unseen;
-use super::written::ripple;
 use crate::cause::tilt_of;
 use crate::confusable::why;
-use crate::diagnosis::{Alternative, CauseLabel, Finding, Location, Parameter, Plot, Series};
+use crate::diagnosis::{Alternative, Finding, Parameter, Plot, Series};
+use crate::fit::Fit;
 use crate::held_out::gain_of_pairs;
+use crate::joint_term::{JointTerm, RIPPLES};
+use crate::label::{CauseLabel, Location};
 use crate::parameters::parameters_of;
+use crate::prior::{CURVE_WIDTHS, Family, PRESLIDING_RAD};
+use crate::problem::{Place, Problem};
 use crate::regression_data::RegressionData;
+use crate::selection::Selection;
+use crate::unseen::Unseen;
+use crate::written::ripple;
 
 /// Standard deviations that a joint's torque of a family must be above zero.
 const SURE: f64 = 2.0;

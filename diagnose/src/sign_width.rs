@@ -9,14 +9,14 @@
 //! their friction, which presliding over a tenth of a milliradian or a Stribeck peak then explains. Fc is what the joint shows in motion, so
 //! nothing is fitted near rest; a wider sign is no candidate, since presliding and a simulator's soft friction have laws of their own.
 
-use super::fit::{Fit, Start, posterior};
-use super::joint_term::JointTerm;
-use super::prior::Family;
-use super::problem::{Place, Problem};
-use super::selection::LEAST_NATS;
-use super::tempering::{correlation_time, spectral_peak};
 use crate::Nominal;
+use crate::fit::{Fit, Start, posterior};
+use crate::joint_term::JointTerm;
+use crate::prior::Family;
+use crate::problem::{Place, Problem};
 use crate::regression_data::RegressionData;
+use crate::selection::LEAST_NATS;
+use crate::tempering::{correlation_time, spectral_peak};
 
 /// Each width over the one before.
 const STEP: f64 = 0.5;

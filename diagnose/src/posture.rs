@@ -6,8 +6,8 @@
 //!
 //! Weights, ripples and friction that goes with the load are known where an arm has been.
 
-use super::joint_term::JointTerm;
-use super::problem::Problem;
+use crate::joint_term::JointTerm;
+use crate::problem::Problem;
 
 /// Joints that vary by less have one position [rad].
 const STILL_RAD: f64 = 1e-3;

@@ -9,12 +9,12 @@
 
 use nalgebra::{DMatrix, DVector, Matrix3, Matrix4, SMatrix, Vector3};
 
-use super::body::{self, Parameters};
-use super::columns::Columns;
-use super::joint_columns::{DELAY, LINKS, TILT};
-use super::joint_term::JointTerm;
-use super::prior::{ArmScale, Family, PAYLOAD_RADIUS_M};
+use crate::body::{self, Parameters};
 use crate::cause::link_from_flange;
+use crate::columns::Columns;
+use crate::joint_columns::{DELAY, LINKS, TILT};
+use crate::joint_term::JointTerm;
+use crate::prior::{ArmScale, Family, PAYLOAD_RADIUS_M};
 use crate::regression_data::RegressionData;
 
 /// What a parameter stands for.

@@ -9,14 +9,14 @@ use rayon::prelude::*;
 use tribo_friction::law::{leading_sign, smooth_sign};
 use tribo_sim::{Effect, SOFT_FRICTION_LEAD_S};
 
-use super::joint_columns::{DELAY, JointColumns, LINKS, TILT};
-use super::joint_term::JointTerm;
-use super::prior::{ArmScale, PRESLIDING_RAD};
-use super::standstill;
 use crate::cause::{base_tilt_columns, bristle};
-use crate::contact_window::PushWindow;
 use crate::filter::central_difference;
+use crate::joint_columns::{DELAY, JointColumns, LINKS, TILT};
+use crate::joint_term::JointTerm;
+use crate::prior::{ArmScale, PRESLIDING_RAD};
+use crate::push_window::PushWindow;
 use crate::regression_data::RegressionData;
+use crate::standstill;
 
 /// Parts that each log is cut into; a third of them is a third of the log.
 pub(crate) const PARTS: usize = 12;
