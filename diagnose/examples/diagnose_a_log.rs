@@ -5,7 +5,8 @@
 //! The log is recorded from a simulated Panda that carries 0.5 kg and has 0.4 Nm more dry friction in joint 2 than the model says. A log of
 //! yours comes from `tribo_logs::read_log`.
 
-use tribo_diagnose::{DiagnoseSettings, Nominal, diagnose};
+use tribo_diagnose::{DiagnoseSettings, diagnose};
+use tribo_regression::Nominal;
 use tribo_robot::presets;
 use tribo_sim::excitation::{Envelope, Excitation};
 use tribo_sim::{Effect, Recording, TorqueSide, Truth, record};

@@ -5,24 +5,24 @@ use std::sync::Arc;
 use nalgebra::SVector;
 use tribo_logs::RobotLog;
 
-use crate::DiagnoseError;
-use crate::baseline::PlainFits;
-use crate::cause::{Candidate, candidates};
-use crate::column::{Column, subtracted};
 use crate::conclusion::conclude;
-use crate::deflection::deflections;
 use crate::diagnosis::Diagnosis;
 use crate::evaluated::{Before, Evaluated};
-use crate::evidence::joint_fit;
 use crate::judged::judge;
-use crate::label::CauseLabel;
-use crate::noise_level::rms;
-use crate::regression_data::RegressionData;
-use crate::ripple::{RippleLine, ripples};
 use crate::search::Search;
 use crate::settings::DiagnoseSettings;
 use crate::significance::Chance;
-use crate::system::{EvaluatedColumns, System};
+use tribo_posterior::PlainFits;
+use tribo_regression::CauseLabel;
+use tribo_regression::DiagnoseError;
+use tribo_regression::RegressionData;
+use tribo_regression::cause::{Candidate, candidates};
+use tribo_regression::deflection::deflections;
+use tribo_regression::evidence::joint_fit;
+use tribo_regression::ripple::{RippleLine, ripples};
+use tribo_regression::rms;
+use tribo_regression::{Column, subtracted};
+use tribo_regression::{EvaluatedColumns, System};
 
 /// What is asked of logs, cause by cause.
 pub(crate) struct Question<'q, const N: usize> {

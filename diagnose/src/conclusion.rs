@@ -3,19 +3,19 @@
 use tribo_logs::RobotLog;
 use tribo_sim::Effect;
 
-use crate::DiagnoseError;
 use crate::confusable::same_torque;
 use crate::diagnosis::{Diagnosis, Finding, JointMisfit, Verdict};
 use crate::evaluated::{Before, Evaluated};
 use crate::judged::Judged;
-use crate::label::{CauseLabel, Location};
 use crate::next_experiment::next_experiment;
-use crate::noise_level::rms;
 use crate::plots;
-use crate::regression_data::RegressionData;
 use crate::remarks::{misfits, note_on_baseline, notes_of};
 use crate::stamps::take_stamps;
 use crate::validation::validated;
+use tribo_regression::DiagnoseError;
+use tribo_regression::RegressionData;
+use tribo_regression::rms;
+use tribo_regression::{CauseLabel, Location};
 
 /// Residual over sensor noise in the band beyond which a joint without a finding has something unexplained.
 const UNEXPLAINED_OVER_NOISE: f64 = 3.0;

@@ -1,7 +1,7 @@
 //! Which causes physics confuses, and what separates them.
 
-use crate::Nominal;
-use crate::label::{CauseLabel, Location};
+use tribo_regression::Nominal;
+use tribo_regression::{CauseLabel, Location};
 
 /// Pairs of causes that look alike, and the sentence that a report gives.
 const PAIRS: [(CauseLabel, CauseLabel, &str); 22] = {

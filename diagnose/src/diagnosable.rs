@@ -5,7 +5,8 @@ use tribo_logs::recognise::Remark;
 
 use crate::recognise::by_the_arm;
 use crate::settings::DiagnoseSettings;
-use crate::{DiagnoseError, Diagnosis, Nominal, engine};
+use crate::{Diagnosis, engine};
+use tribo_regression::{DiagnoseError, Nominal};
 
 /// A [`Nominal`] model of six or of seven joints, which [`diagnose`](crate::diagnose) and
 /// [`recognise`](crate::recognise::recognise) take.

@@ -3,8 +3,8 @@
 use tribo_robot::JointNames;
 use tribo_sim::Effect;
 
-use crate::label::{CauseLabel, Location};
 use crate::next_experiment::NextExperiment;
+use tribo_regression::{CauseLabel, Location};
 
 /// The answer in one word.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

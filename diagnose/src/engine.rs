@@ -10,15 +10,15 @@ use crate::diagnosis::{Diagnosis, JointMisfit};
 use crate::evaluated::Before;
 use crate::families::explain::{Given, explain};
 use crate::families::gate::{AS_WELL, Wrongness, regression, wrongness};
-use crate::label::{CauseLabel, Location};
-use crate::problem::Problem;
-use crate::push_window::PushWindow;
-use crate::regression_data::RegressionData;
 use crate::search::joints_and_kinds;
 use crate::settings::DiagnoseSettings;
-use crate::sign_width::sharper_sign;
-use crate::sticking::sticking;
-use crate::{DiagnoseError, Nominal};
+use tribo_posterior::Problem;
+use tribo_posterior::sharper_sign;
+use tribo_posterior::sticking;
+use tribo_regression::PushWindow;
+use tribo_regression::RegressionData;
+use tribo_regression::{CauseLabel, Location};
+use tribo_regression::{DiagnoseError, Nominal};
 
 /// Fewest samples per joint after averaging.
 const LEAST_SAMPLES: usize = 40;

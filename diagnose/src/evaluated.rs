@@ -1,11 +1,11 @@
 //! What a search for single causes ran on, for whoever draws conclusions from it.
 
-use crate::Nominal;
-use crate::baseline::PlainFits;
-use crate::deflection::DeflectionFinding;
-use crate::regression_data::RegressionData;
-use crate::ripple::RippleLine;
 use crate::significance::Chance;
+use tribo_posterior::PlainFits;
+use tribo_regression::Nominal;
+use tribo_regression::RegressionData;
+use tribo_regression::deflection::DeflectionFinding;
+use tribo_regression::ripple::RippleLine;
 
 /// A model that is asked about, where the data have another in its place, and what it leaves (Nm).
 #[derive(Clone, Copy)]

@@ -5,25 +5,25 @@ use std::sync::Arc;
 use tribo_robot::JointNames;
 use tribo_sim::Effect;
 
-use crate::DiagnoseError;
-use crate::cause::{Candidate, TorqueRipple};
-use crate::column::Column;
-use crate::deflection::DeflectionFinding;
 use crate::diagnosis::{Alternative, Finding, Parameter};
 use crate::evaluated::Evaluated;
-use crate::evidence::joint_fit;
 use crate::held_out::{
     BlockGram, BlockSquares, HeldOut, TimeBlocks, gain_of_pairs, gain_with_interval, interval, plain_squares, resampled,
 };
-use crate::label::{CauseLabel, Location};
 use crate::parameters::parameters_of;
 use crate::plots;
 use crate::pruning::{LARGEST_P, torque_rms};
-use crate::regression_data::RegressionData;
-use crate::ripple::RippleLine;
 use crate::rivals::rivals;
 use crate::search::Search;
 use crate::significance::Chance;
+use tribo_regression::Column;
+use tribo_regression::DiagnoseError;
+use tribo_regression::RegressionData;
+use tribo_regression::cause::{Candidate, TorqueRipple};
+use tribo_regression::deflection::DeflectionFinding;
+use tribo_regression::evidence::joint_fit;
+use tribo_regression::ripple::RippleLine;
+use tribo_regression::{CauseLabel, Location};
 
 /// A selected cause with everything that is reported of it.
 pub(crate) struct Selected<const N: usize> {

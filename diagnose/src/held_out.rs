@@ -6,11 +6,11 @@ use nalgebra::{DMatrix, DVector};
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64;
 
-use crate::column::Column;
-use crate::label::CauseLabel;
-use crate::least_squares::{inner, solve_ridge};
-use crate::split::THIRDS;
-use crate::system::System;
+use tribo_posterior::THIRDS;
+use tribo_regression::CauseLabel;
+use tribo_regression::Column;
+use tribo_regression::System;
+use tribo_regression::least_squares::{inner, solve_ridge};
 
 /// Number of folds.
 const FOLDS: usize = 8;

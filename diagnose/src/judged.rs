@@ -1,15 +1,9 @@
 //! From a finished search to findings, rivals and gains.
 
-use crate::DiagnoseError;
-use crate::baseline::PlainFits;
-use crate::column::subtracted;
 use crate::diagnosis::{Finding, Rejected, Unseen};
 use crate::evaluated::Evaluated;
-use crate::evidence::joint_fit;
 use crate::finding::{Fitted, Selected, deflection_finding, describe, finding_of, ripple_finding, squares};
 use crate::held_out::{HeldOut, gain_of_pairs, gain_with_interval, plain_squares};
-use crate::label::CauseLabel;
-use crate::noise_level::rms;
 use crate::pruning::{
     drop_chance, drop_lonely_pushes, drop_small, drop_stiction, drop_worthless, prefer_likelier, prefer_names,
     yield_to_unknown,
@@ -17,6 +11,12 @@ use crate::pruning::{
 use crate::remarks::{assumptions_of, rejected};
 use crate::search::Search;
 use crate::significance::Chance;
+use tribo_posterior::PlainFits;
+use tribo_regression::CauseLabel;
+use tribo_regression::DiagnoseError;
+use tribo_regression::evidence::joint_fit;
+use tribo_regression::rms;
+use tribo_regression::subtracted;
 
 /// What a finished search says.
 pub(crate) struct Judged<const N: usize> {

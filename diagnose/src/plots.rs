@@ -3,15 +3,15 @@
 use nalgebra::{DMatrix, DVector};
 use tribo_robot::{Arm, JointNames, gravity_torque, inverse_dynamics_regressor};
 
-use crate::cause::Candidate;
-use crate::column::{Column, FineColumn, add_scaled};
-use crate::deflection::DeflectionFinding;
 use crate::diagnosis::{CrossJointPattern, Plot, Series};
-use crate::label::{CauseLabel, Location};
-use crate::least_squares::solve_truncated;
-use crate::regression_data::RegressionData;
 use crate::report::cause_at;
-use crate::ripple::RippleLine;
+use tribo_regression::RegressionData;
+use tribo_regression::cause::Candidate;
+use tribo_regression::deflection::DeflectionFinding;
+use tribo_regression::least_squares::solve_truncated;
+use tribo_regression::ripple::RippleLine;
+use tribo_regression::{CauseLabel, Location};
+use tribo_regression::{Column, FineColumn, add_scaled};
 
 /// Points of a cloud.
 const MOST_POINTS: usize = 1500;
@@ -296,7 +296,7 @@ pub(crate) fn cross_joint_pattern<const N: usize>(
         return CrossJointPattern::default();
     }
     // Unfiltered samples: motion is slow against the band, noise averages out.
-    let share = |count: usize, block: &dyn Fn(&crate::regression_data::Sample<N>) -> DMatrix<f64>| {
+    let share = |count: usize, block: &dyn Fn(&tribo_regression::Sample<N>) -> DMatrix<f64>| {
         let (mut square, mut score, mut total) = (DMatrix::zeros(count, count), DVector::zeros(count), 0.0);
         for at in &thin {
             let (x, y) = (block(at), DVector::from_fn(N, |j, _| at.measured_nm[j] - at.model_nm[j]));

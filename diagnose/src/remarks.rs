@@ -1,14 +1,14 @@
 //! What surrounds the findings: the misfit of every joint, notes, assumptions, and what was rejected.
 
 use crate::diagnosis::{Finding, JointMisfit, Rejected, Unseen};
-use crate::evidence::Conditional;
 use crate::held_out::BlockSquares;
-use crate::label::CauseLabel;
-use crate::noise_level::rms;
 use crate::plots;
-use crate::regression_data::RegressionData;
 use crate::search::{LEAST_EVIDENCE, Search};
 use crate::significance::Chance;
+use tribo_regression::CauseLabel;
+use tribo_regression::RegressionData;
+use tribo_regression::evidence::Conditional;
+use tribo_regression::rms;
 
 /// The misfit of every joint, from what is held out as RMS before and after (Nm).
 pub(crate) fn misfits_of_squares<const N: usize>(
@@ -130,7 +130,7 @@ pub(crate) fn rejected<const N: usize>(search: &Search<'_, '_, N>, findings: &[F
             None => all.push(Rejected { label, location, evidence, reason }),
         }
     }
-    for candidate in crate::cause::candidates::<N>() {
+    for candidate in tribo_regression::cause::candidates::<N>() {
         if let Some(reason) = candidate.unavailable(data) {
             all.push(Rejected { label: candidate.label(), location: candidate.location(), evidence: None, reason });
         }

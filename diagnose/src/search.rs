@@ -12,13 +12,13 @@ use std::sync::Arc;
 
 use rayon::prelude::*;
 
-use crate::cause::{Candidate, ExternalContact};
-use crate::contact_window::{best_window, sharpened};
-use crate::evidence::{Conditional, Selection, gain_given};
-use crate::golden_section::golden_section;
-use crate::label::{CauseLabel, Location};
-use crate::least_squares::Gain;
-use crate::system::System;
+use tribo_regression::System;
+use tribo_regression::cause::{Candidate, ExternalContact};
+use tribo_regression::contact_window::{best_window, sharpened};
+use tribo_regression::evidence::{Conditional, Selection, gain_given};
+use tribo_regression::golden_section;
+use tribo_regression::least_squares::Gain;
+use tribo_regression::{CauseLabel, Location};
 
 /// Time that two windows share over the time of either from which on they are one push.
 const SAME_PUSH: f64 = 0.5;
@@ -351,7 +351,7 @@ impl<'s, 'a, const N: usize> Search<'s, 'a, N> {
     /// What a candidate at any shape explains beyond the given columns.
     fn free_gain(&self, candidate: &dyn Candidate<N>, shape: &[f64], given: &[usize]) -> Gain {
         let columns = self.system.evaluate(candidate, shape);
-        crate::evidence::free_gain(self.system, &columns, given)
+        tribo_regression::evidence::free_gain(self.system, &columns, given)
     }
 
     /// Swaps, deletions and consolidations until nothing improves.
@@ -515,7 +515,7 @@ impl<'s, 'a, const N: usize> Search<'s, 'a, N> {
 
     /// Penalised evidence of a whole selection.
     fn total(&self, selected: &[usize]) -> f64 {
-        let given = crate::evidence::explained_by(self.system, &self.system.columns_of(selected));
+        let given = tribo_regression::evidence::explained_by(self.system, &self.system.columns_of(selected));
         let prices: f64 = selected
             .iter()
             .map(|g| {

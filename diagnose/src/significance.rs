@@ -5,11 +5,11 @@ use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64;
 use rayon::prelude::*;
 
-use crate::contact_window::residual;
-use crate::evidence::Conditional;
-use crate::label::Location;
-use crate::least_squares::solve_truncated;
 use crate::search::Search;
+use tribo_regression::Location;
+use tribo_regression::contact_window::residual;
+use tribo_regression::evidence::Conditional;
+use tribo_regression::least_squares::solve_truncated;
 
 /// Length of a block (s).
 const BLOCK_S: f64 = 0.25;
@@ -96,7 +96,7 @@ impl Chance {
                 let mut ratios = Vec::with_capacity(groups.len());
                 for (g, columns, square, norms) in &groups {
                     let score = DVector::from_fn(columns.len(), |i, _| projected[columns[i]]);
-                    let gain = solve_truncated(square, &score, norms, crate::least_squares::OWN_PART);
+                    let gain = solve_truncated(square, &score, norms, tribo_regression::least_squares::OWN_PART);
                     let asked = gain.directions > 0;
                     ratios.push(asked.then(|| gain.explained / gain.directions as f64));
                     if asked {

@@ -3,10 +3,10 @@
 use tribo_robot::gravity_torque;
 use tribo_sim::TorqueSide;
 
-use crate::MotionSample;
 use crate::diagnosis::Finding;
-use crate::label::{CauseLabel, Location};
-use crate::regression_data::RegressionData;
+use tribo_regression::MotionSample;
+use tribo_regression::RegressionData;
+use tribo_regression::{CauseLabel, Location};
 
 /// Period of the control loop of an arm (s), in which a torque is held and measured.
 const CONTROL_PERIOD_S: f64 = 1e-3;

@@ -3,12 +3,12 @@
 use tribo_logs::RobotLog;
 use tribo_sim::Effect;
 
-use crate::DiagnoseError;
-use crate::Nominal;
 use crate::diagnosis::Validation;
 use crate::held_out::gain_of_pairs;
-use crate::noise_level::rms;
-use crate::regression_data::RegressionData;
+use tribo_regression::DiagnoseError;
+use tribo_regression::Nominal;
+use tribo_regression::RegressionData;
+use tribo_regression::rms;
 
 /// Length of a block of the interval (s).
 const BLOCK_S: f64 = 2.0;

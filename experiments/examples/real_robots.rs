@@ -10,9 +10,10 @@ use std::collections::BTreeSet;
 use std::path::PathBuf;
 
 use serde_json::{Value, json};
-use tribo_diagnose::{Diagnosable, DiagnoseSettings, Diagnosis, Nominal, diagnose};
+use tribo_diagnose::{Diagnosable, DiagnoseSettings, Diagnosis, diagnose};
 use tribo_logs::{RobotLog, read_log};
 use tribo_model::{AnyModel, Model, ModelFile};
+use tribo_regression::Nominal;
 use tribo_sim::TorqueSide;
 
 /// A robot with its logs.

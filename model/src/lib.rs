@@ -37,6 +37,6 @@ pub use not_cancelled_of::not_cancelled_of;
 pub use pushes_file::{Push, PushesFile};
 pub use robot::{POSES, Robot, joints_of_preset};
 pub use trajectory_file::{TrajectoryFile, ViaPoint};
-pub use tribo_diagnose::SIGN_SMOOTHING_RAD_S;
+pub use tribo_regression::SIGN_SMOOTHING_RAD_S;
 pub use tuned_file::TunedFile;
 pub use yaml::{YamlDocument, file_name, read_text, to_yaml};

@@ -1,7 +1,7 @@
 //! A robot model, validated.
 
-use tribo_diagnose::{Nominal, SIGN_SMOOTHING_RAD_S};
 use tribo_friction::FrictionModel;
+use tribo_regression::{Nominal, SIGN_SMOOTHING_RAD_S};
 use tribo_robot::Arm;
 use tribo_sim::{Effect, TorqueSide, Truth};
 

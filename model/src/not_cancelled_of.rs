@@ -1,6 +1,7 @@
 //! What of an extended model no compensator cancels.
 
-use tribo_diagnose::{CauseLabel, Diagnosis};
+use tribo_diagnose::Diagnosis;
+use tribo_regression::CauseLabel;
 
 use crate::{ControllerModel, Model, not_cancelled_sentences};
 

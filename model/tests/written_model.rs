@@ -3,12 +3,10 @@
 #![allow(clippy::unwrap_used, clippy::panic, reason = "tests")]
 
 use nalgebra::SVector;
-use tribo_diagnose::{
-    DiagnoseSettings, Diagnosis, FrictionReport, FrictionSettings, JointMisfit, ModelResidual, Unseen, diagnose,
-    diagnose_with_reference,
-};
+use tribo_diagnose::{DiagnoseSettings, Diagnosis, JointMisfit, Unseen, diagnose, diagnose_with_reference};
 use tribo_logs::RobotLog;
 use tribo_model::{Model, ModelFile, YamlDocument, to_yaml};
+use tribo_regression::{FrictionReport, FrictionSettings, ModelResidual};
 use tribo_robot::presets;
 use tribo_sim::excitation::{Envelope, Excitation};
 use tribo_sim::{Effect, Recorder, Recording, SoftFriction, Truth, record};

@@ -8,8 +8,9 @@ use std::path::{Path, PathBuf};
 use pyo3::prelude::*;
 use tribo_campaign::{AnyTune, CampaignError, RecognisedTrial, TuneConfig, UserCampaign, judge_log, recognise_trial};
 use tribo_cli::now;
-use tribo_diagnose::{Diagnosable, Nominal};
+use tribo_diagnose::Diagnosable;
 use tribo_logs::recognise::Use;
+use tribo_regression::Nominal;
 use tribo_watch::refresh_report;
 
 use crate::failure::{bad, raised};

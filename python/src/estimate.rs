@@ -2,10 +2,11 @@
 
 use numpy::PyArrayDyn;
 use pyo3::prelude::*;
-use tribo_diagnose::{Diagnosable, Nominal, recognise::recognise as with_model};
+use tribo_diagnose::{Diagnosable, recognise::recognise as with_model};
 use tribo_logs::RobotLog;
 use tribo_logs::recognise::{Use, recognise};
 use tribo_model::{AnyModel, Model};
+use tribo_regression::Nominal;
 use tribo_trial::{ContactPrior, EstimatorName, LogEstimate, LogEstimator};
 
 use crate::arm::either;

@@ -1,7 +1,7 @@
 //! One hidden cause each: name, place, parameters, gain.
 
-use tribo_diagnose::CauseLabel;
 use tribo_experiments::hidden_effects::{Kind, Strength};
+use tribo_regression::CauseLabel;
 
 use crate::examine;
 

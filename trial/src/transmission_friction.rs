@@ -1,9 +1,9 @@
 //! Friction of the gears from a log with torque on both of their sides.
 
-use tribo_diagnose::filter::ZeroPhaseLowPass;
 use tribo_friction::identify::{JointTorqueFit, TorqueFitError, fit_columns};
 use tribo_friction::law::smooth_sign;
 use tribo_logs::{Resampling, RobotLog, resample};
+use tribo_regression::filter::ZeroPhaseLowPass;
 
 /// Band (Hz): no acceleration is needed here, whose noise keeps the residual of a whole arm at 10 Hz.
 const BAND_HZ: f64 = 15.0;
@@ -65,7 +65,7 @@ pub enum TransmissionError {
     Log(#[from] tribo_logs::LogError),
     /// The filter does not fit the rate.
     #[error(transparent)]
-    Filter(#[from] tribo_diagnose::filter::FilterError),
+    Filter(#[from] tribo_regression::filter::FilterError),
     /// No burst outlasts the ends that the filter spoils.
     #[error("friction of the gears needs a burst longer than {need_s:.2} s; the log has {bursts} shorter ones")]
     TooShort {

@@ -1,8 +1,9 @@
 //! What physics and the campaign say of the log of a trial, before it is judged.
 
-use tribo_diagnose::{Diagnosable, Nominal};
+use tribo_diagnose::Diagnosable;
 use tribo_logs::RobotLog;
 use tribo_logs::recognise::{Fault, Remark, recognise, without_impossible_rows};
+use tribo_regression::Nominal;
 
 use super::UserTrials;
 use super::trial_remarks::{reach, trial_remarks};

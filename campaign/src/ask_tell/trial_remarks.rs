@@ -1,10 +1,11 @@
 //! Whether the log of a trial can be what it says.
 
 use nalgebra::SVector;
-use tribo_diagnose::{Diagnosable, Nominal, recognise::recognise};
+use tribo_diagnose::{Diagnosable, recognise::recognise};
 use tribo_friction::FrictionModel;
 use tribo_logs::recognise::{Fault, Reach, Remark, Use, joints_named, travel};
 use tribo_logs::{LogColumns, RobotLog, row};
+use tribo_regression::Nominal;
 use tribo_robot::{Arm, gravity_torque};
 use tribo_sim::TorqueSide;
 

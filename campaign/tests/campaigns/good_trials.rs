@@ -2,8 +2,9 @@
 
 use rayon::prelude::*;
 use tribo_campaign::{AnyTune, Phases, TuneConfig, UserTrials, ValidTune, judge_log, noise_seed, recognise_trial};
-use tribo_diagnose::{Diagnosable, Nominal};
+use tribo_diagnose::Diagnosable;
 use tribo_logs::recognise::Fault;
+use tribo_regression::Nominal;
 use tribo_trial::scenario::TruthName;
 use tribo_trial::{AnyEstimator, simulate_log};
 

@@ -4,11 +4,12 @@ use std::path::{Path, PathBuf};
 
 use serde_json::{Map, Value, json};
 use tribo_campaign::SETTLE_S;
-use tribo_diagnose::{BlockSettings, Diagnosable, FrictionReport, FrictionSettings, JointReport, Nominal};
+use tribo_diagnose::Diagnosable;
 use tribo_friction::{FrictionModel, JointFriction};
 use tribo_logs::recognise::{self, Use};
 use tribo_logs::{LogSummary, RobotLog, Table, write_table};
 use tribo_model::{AnyModel, ControllerModel, Model, SIGN_SMOOTHING_RAD_S};
+use tribo_regression::{BlockSettings, FrictionReport, FrictionSettings, JointReport, Nominal};
 use tribo_robot::JointNames;
 use tribo_sim::{Effect, TorqueSide, panda_gaz_joints};
 use tribo_trial::{
@@ -241,7 +242,7 @@ fn show_torque(report: &FrictionReport, names: &JointNames, rigid: &str, model_l
         "offset [Nm]",
     ]);
     for joint in &report.joints {
-        let held_out = |pick: fn(&tribo_diagnose::HeldOut) -> f64| {
+        let held_out = |pick: fn(&tribo_regression::HeldOut) -> f64| {
             joint.held_out.as_ref().map_or("-".to_owned(), |held_out| significant(pick(held_out), 3))
         };
         let fit =

@@ -5,9 +5,10 @@ use std::path::Path;
 use serde_json::json;
 use tribo_campaign::strategy::BestTrial;
 use tribo_campaign::{JudgedLog, RecognisedTrial, Told, TuneConfig, UserCampaign, judge_log, recognise_trial};
-use tribo_diagnose::{Diagnosable, Nominal};
+use tribo_diagnose::Diagnosable;
 use tribo_logs::RobotLog;
 use tribo_logs::recognise::Use;
+use tribo_regression::Nominal;
 use tribo_trial::AbortReason;
 use tribo_watch::refresh_report;
 

@@ -10,9 +10,9 @@ use std::path::PathBuf;
 
 use crate::common::{run, scratch, skipped};
 use serde_json::Value;
-use tribo_diagnose::{FrictionReport, FrictionSettings, ResidualSettings, TorqueResidual};
 use tribo_friction::FrictionModel;
 use tribo_logs::read_log;
+use tribo_regression::{FrictionReport, FrictionSettings, ResidualSettings, TorqueResidual};
 use tribo_robot::presets;
 use tribo_sim::panda_gaz_joints;
 

@@ -5,20 +5,20 @@ use std::f64::consts::SQRT_2;
 use nalgebra::DMatrix;
 use tribo_sim::Effect;
 
-use crate::cause::tilt_of;
 use crate::confusable::why;
 use crate::diagnosis::{Alternative, Finding, Parameter, Plot, Series};
-use crate::fit::Fit;
 use crate::held_out::gain_of_pairs;
-use crate::joint_term::{JointTerm, RIPPLES};
-use crate::label::{CauseLabel, Location};
 use crate::parameters::parameters_of;
-use crate::prior::{CURVE_WIDTHS, Family, PRESLIDING_RAD};
-use crate::problem::{Place, Problem};
-use crate::regression_data::RegressionData;
-use crate::selection::Selection;
-use crate::unseen::Unseen;
-use crate::written::ripple;
+use tribo_posterior::Fit;
+use tribo_posterior::Selection;
+use tribo_posterior::Unseen;
+use tribo_posterior::ripple;
+use tribo_posterior::{CURVE_WIDTHS, Family, PRESLIDING_RAD};
+use tribo_posterior::{JointTerm, RIPPLES};
+use tribo_posterior::{Place, Problem};
+use tribo_regression::RegressionData;
+use tribo_regression::cause::tilt_of;
+use tribo_regression::{CauseLabel, Location};
 
 /// Standard deviations that a joint's torque of a family must be above zero.
 const SURE: f64 = 2.0;
@@ -246,7 +246,7 @@ impl<const N: usize> Answer<'_, N> {
     fn of_gains(&self) -> Option<Shown> {
         let value =
             |j: usize| self.problem.index(Place::Gain(j)).map_or((0.0, 0.0), |i| (self.fit.state[i], self.fit.sd(i)));
-        let rms = |x: &[f64]| crate::noise_level::rms(x);
+        let rms = |x: &[f64]| tribo_regression::rms(x);
         let size = |j: usize| value(j).0.abs() * rms(&self.data.measured_nm[j]);
         let shows = |j: &usize| value(*j).0.abs() > SURE * value(*j).1 && size(*j) > NOTABLE * self.left_nm(*j);
         let joints: Vec<usize> = (0..N).filter(shows).collect();
@@ -268,7 +268,7 @@ impl<const N: usize> Answer<'_, N> {
             .map(|j| {
                 let loaded = parts.iter().filter(|part| self.problem.loaded(**part)).copied().collect::<Vec<usize>>();
                 let weights = self.problem.change(&only, j, true);
-                crate::noise_level::rms(&self.problem.columns.combined(j, &weights, &loaded))
+                tribo_regression::rms(&self.problem.columns.combined(j, &weights, &loaded))
             })
             .collect()
     }

@@ -9,16 +9,17 @@
 
 use std::sync::Arc;
 
+use crate::DiagnoseSettings;
 use crate::cause_by_cause::{Question, cause_by_cause};
-use crate::column::subtracted;
 use crate::diagnosis::Finding;
-use crate::label::CauseLabel;
-use crate::logged_motion::LoggedMotion;
-use crate::noise_level::rms;
-use crate::regression_data::RegressionData;
-use crate::selection::LEAST_NATS;
-use crate::tempering::kappa;
-use crate::{DiagnoseError, DiagnoseSettings, Nominal};
+use tribo_posterior::LEAST_NATS;
+use tribo_posterior::kappa;
+use tribo_regression::CauseLabel;
+use tribo_regression::LoggedMotion;
+use tribo_regression::RegressionData;
+use tribo_regression::rms;
+use tribo_regression::subtracted;
+use tribo_regression::{DiagnoseError, Nominal};
 
 /// Labels that are looked for beyond the families.
 const BEYOND: [CauseLabel; 5] = [

@@ -2,16 +2,16 @@
 
 use nalgebra::{DMatrix, DVector};
 
-use crate::baseline::PlainFits;
-use crate::columns::{Columns, PARTS, push_weights};
-use crate::contact_window::dominant_window;
-use crate::fit::{Start, plain_state, posterior};
-use crate::joint_term::JointTerm;
-use crate::noise_level::{rms, robust_sd};
-use crate::prior::{ArmScale, Family};
-use crate::problem::{Place, Problem, State};
-use crate::push_window::PushWindow;
-use crate::regression_data::RegressionData;
+use tribo_posterior::JointTerm;
+use tribo_posterior::PlainFits;
+use tribo_posterior::{ArmScale, Family};
+use tribo_posterior::{Columns, PARTS, push_weights};
+use tribo_posterior::{Place, Problem, State};
+use tribo_posterior::{Start, plain_state, posterior};
+use tribo_regression::PushWindow;
+use tribo_regression::RegressionData;
+use tribo_regression::contact_window::dominant_window;
+use tribo_regression::{rms, robust_sd};
 
 /// μᵀ S⁻¹ μ of a joint's own friction and offset from which on they are surely others than the model's. Stiction of held joints
 /// reaches some hundreds, a fifth of a joint's friction thousands.

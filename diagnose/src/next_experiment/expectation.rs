@@ -6,12 +6,12 @@ use nalgebra::{DMatrix, DVector, SVector};
 use tribo_sim::Effect;
 
 use super::pair::Pair;
-use crate::cause::{Candidate, ExternalContact, TorqueRipple, candidate_of_effect, candidates};
-use crate::column::{Column, add_scaled};
 use crate::diagnosis::JointMisfit;
-use crate::label::{CauseLabel, Location};
-use crate::least_squares::solve_ridge;
-use crate::regression_data::RegressionData;
+use tribo_regression::RegressionData;
+use tribo_regression::cause::{Candidate, ExternalContact, TorqueRipple, candidate_of_effect, candidates};
+use tribo_regression::least_squares::solve_ridge;
+use tribo_regression::{CauseLabel, Location};
+use tribo_regression::{Column, add_scaled};
 
 /// Density of what the model cannot know (Nm² s), white in the band:
 ///

@@ -6,7 +6,7 @@ use tribo_sim::excitation::ViaPoints;
 use super::motion::{Motion, PEAK_SPEED};
 use super::pair::Pair;
 use super::simulated::{CYCLE_EVERY_S, KNOWN_KG, session_s};
-use crate::label::CauseLabel;
+use tribo_regression::CauseLabel;
 
 /// Evidence that decides.
 const DECISIVE: f64 = 10.0;

@@ -25,8 +25,8 @@ use self::motion::Motion;
 use self::pair::Pair;
 use self::simulated::Arrangement;
 use crate::diagnosis::{Finding, JointMisfit};
-use crate::label::{CauseLabel, Location};
-use crate::regression_data::RegressionData;
+use tribo_regression::RegressionData;
+use tribo_regression::{CauseLabel, Location};
 
 /// A safe motion of the library.
 #[derive(Clone, Debug, PartialEq)]

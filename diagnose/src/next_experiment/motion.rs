@@ -6,7 +6,7 @@ use rand_pcg::Pcg64;
 use tribo_sim::excitation::{Envelope, ViaPoints};
 
 use super::pair::Pair;
-use crate::label::CauseLabel;
+use tribo_regression::CauseLabel;
 
 /// A motion of minimum-jerk moves that rest at every via point, as a trajectory file plays it:
 ///

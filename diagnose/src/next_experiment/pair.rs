@@ -4,8 +4,8 @@ use tribo_sim::Effect;
 
 use crate::confusable::same_torque;
 use crate::diagnosis::Finding;
-use crate::label::{CauseLabel, Location};
-use crate::regression_data::RegressionData;
+use tribo_regression::RegressionData;
+use tribo_regression::{CauseLabel, Location};
 
 /// A finding taken for true, and its rival.
 #[derive(Clone, Debug, PartialEq)]

@@ -5,7 +5,7 @@ use tribo_sim::excitation::Envelope;
 
 use super::motion::Motion;
 use super::pair::Pair;
-use crate::regression_data::RegressionData;
+use tribo_regression::RegressionData;
 
 /// Part of the way from the posture to the nearer joint limit that is used [-].
 const ROOM_SHARE: f64 = 0.8;

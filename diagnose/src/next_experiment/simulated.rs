@@ -7,8 +7,8 @@ use tribo_sim::{Effect, Recorder, Recording, Session, Truth};
 
 use super::motion::Motion;
 use super::pair::Pair;
-use crate::Nominal;
-use crate::regression_data::RegressionData;
+use tribo_regression::Nominal;
+use tribo_regression::RegressionData;
 
 /// The log at hand, and what is taken for true.
 #[derive(Clone, Copy)]

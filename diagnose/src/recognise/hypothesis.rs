@@ -5,7 +5,7 @@ use tribo_robot::{Arm, presets};
 use tribo_sim::TorqueSide;
 
 use super::samples::Instant;
-use crate::Nominal;
+use tribo_regression::Nominal;
 
 /// One thing that may be wrong.
 #[derive(Clone, Debug, PartialEq)]

@@ -21,8 +21,8 @@ use tribo_logs::recognise::Remark;
 use self::fit::{Columns, Fit, MOVES, fit};
 use self::hypothesis::{Change, Hypothesis};
 use self::samples::Samples;
-use crate::Nominal;
 pub use crate::diagnosable::recognise;
+use tribo_regression::Nominal;
 
 /// Gain (nats) from which a hypothesis is named.
 ///

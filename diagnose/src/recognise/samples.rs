@@ -4,9 +4,9 @@ use nalgebra::SVector;
 use tribo_logs::{Resampling, RobotLog, resample};
 use tribo_robot::{Arm, gravity_torque};
 
-use crate::repeats::without_repeats;
-use crate::torque_residual::{motion_of, smoothed};
-use crate::{ResidualSettings, SignalChain};
+use tribo_regression::without_repeats;
+use tribo_regression::{ResidualSettings, SignalChain};
+use tribo_regression::{motion_of, smoothed};
 
 /// Cut-off of the smoother (Hz): the motion of an arm.
 const BAND_HZ: f64 = 8.0;

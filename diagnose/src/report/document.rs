@@ -2,7 +2,8 @@
 
 use serde_json::{Map, Value, json};
 
-use crate::{Alternative, CauseLabel, Diagnosis, Finding, JointMisfit, Location, NextExperiment, Rejected, Unseen};
+use crate::{Alternative, Diagnosis, Finding, JointMisfit, NextExperiment, Rejected, Unseen};
+use tribo_regression::{CauseLabel, Location};
 
 /// What a run has to say besides the diagnosis.
 #[derive(Clone, Debug, Default, PartialEq)]

@@ -4,9 +4,10 @@ use tribo_robot::JointNames;
 use tribo_sim::Effect;
 
 use crate::{
-    Alternative, CauseLabel, CrossJointPattern, Diagnosis, Finding, JointMisfit, Location, NextExperiment, Parameter,
-    Plot, Rejected, Series, Unseen, Validation, Verdict,
+    Alternative, CrossJointPattern, Diagnosis, Finding, JointMisfit, NextExperiment, Parameter, Plot, Rejected, Series,
+    Unseen, Validation, Verdict,
 };
+use tribo_regression::{CauseLabel, Location};
 
 /// Text that must never reach a page as it is.
 pub const NASTY: &str = "<script>alert('1')</script> & \"two\"";

@@ -9,7 +9,8 @@
 use tribo_figure::number::{fixed, percent_with_interval, significant, with_interval};
 use tribo_robot::JointNames;
 
-use crate::{CauseLabel, Diagnosis, Finding, Location, Parameter, Verdict};
+use crate::{Diagnosis, Finding, Parameter, Verdict};
+use tribo_regression::{CauseLabel, Location};
 
 /// The answer in one or two sentences.
 pub fn verdict_sentence(diagnosis: &Diagnosis) -> String {

@@ -1,12 +1,12 @@
 //! Logs whose truth is known in closed form: sinusoids in every joint, rigid torque by RNEA, friction by its law.
 
 use nalgebra::SVector;
-use tribo_diagnose::{
+use tribo_friction::{FrictionModel, law::CoulombViscous};
+use tribo_logs::{LogColumns, RobotLog};
+use tribo_regression::{
     BlockSettings, BlocksError, FrictionReport, FrictionSettings, HeldOutError, JointFitError, ResidualError,
     ResidualSettings, TorqueResidual,
 };
-use tribo_friction::{FrictionModel, law::CoulombViscous};
-use tribo_logs::{LogColumns, RobotLog};
 use tribo_robot::{Arm, JointNames, presets, rnea};
 
 type Vector = SVector<f64, 7>;

@@ -1,8 +1,9 @@
 //! An arm whose log creeps, and which then moves six to ten times as fast: what bends its friction is seen, how it goes on is not.
 
-use tribo_diagnose::{DiagnoseSettings, Nominal, diagnose};
+use tribo_diagnose::{DiagnoseSettings, diagnose};
 use tribo_friction::FrictionModel;
 use tribo_logs::RobotLog;
+use tribo_regression::Nominal;
 use tribo_robot::presets;
 use tribo_sim::excitation::{Envelope, Excitation, JointState, JointTrajectory};
 use tribo_sim::{Effect, Recording, Truth, record};

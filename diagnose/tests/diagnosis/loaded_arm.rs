@@ -1,8 +1,9 @@
 //! Friction and the torque of a tilted base go with what an arm carries, which its model does not know: the fit took the load of the model, the written file that of the
 //! payload, and dry friction and tilt of the file were too large by the difference.
 
-use tribo_diagnose::{CauseLabel, DiagnoseSettings, Nominal, diagnose};
+use tribo_diagnose::{DiagnoseSettings, diagnose};
 use tribo_friction::FrictionModel;
+use tribo_regression::{CauseLabel, Nominal};
 use tribo_robot::presets;
 use tribo_sim::excitation::{Envelope, Excitation};
 use tribo_sim::{Effect, Recording, Truth, record};

@@ -1,8 +1,9 @@
 //! What is proposed where a log leaves a question open, and whether it answers it.
 
 use nalgebra::SVector;
-use tribo_diagnose::{CauseLabel, DiagnoseSettings, Location, Nominal, Verdict, diagnose};
+use tribo_diagnose::{DiagnoseSettings, Verdict, diagnose};
 use tribo_logs::{LogColumns, RobotLog};
+use tribo_regression::{CauseLabel, Location, Nominal};
 use tribo_robot::presets;
 use tribo_sim::excitation::{JointTrajectory, ViaPoints};
 use tribo_sim::{Effect, Recording, Truth, record};

@@ -2,8 +2,9 @@
 
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-use tribo_diagnose::{CauseLabel, DiagnoseSettings, Location, Nominal, diagnose};
+use tribo_diagnose::{DiagnoseSettings, diagnose};
 use tribo_friction::FrictionModel;
+use tribo_regression::{CauseLabel, Location, Nominal};
 use tribo_robot::presets;
 use tribo_sim::excitation::{Envelope, Excitation};
 use tribo_sim::{Effect, Recording, Truth, record};

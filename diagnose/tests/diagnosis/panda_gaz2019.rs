@@ -7,9 +7,9 @@
 use std::io::Write;
 use std::path::PathBuf;
 
-use tribo_diagnose::{FrictionReport, FrictionSettings, ResidualSettings, TorqueResidual};
 use tribo_friction::{FrictionModel, law::GazSigmoid};
 use tribo_logs::read_log;
+use tribo_regression::{FrictionReport, FrictionSettings, ResidualSettings, TorqueResidual};
 use tribo_robot::presets;
 
 const SD_RIGID_NM: [f64; 7] = [0.38, 0.45, 0.41, 0.61, 0.33, 0.18, 0.28];

@@ -1,7 +1,8 @@
 //! Plain fits stand beside every answer, whatever the verdict, on the parts that the answer was held out from.
 
-use tribo_diagnose::{DiagnoseSettings, Diagnosis, Nominal, Verdict, diagnose};
+use tribo_diagnose::{DiagnoseSettings, Diagnosis, Verdict, diagnose};
 use tribo_logs::RobotLog;
+use tribo_regression::Nominal;
 use tribo_robot::presets;
 use tribo_sim::excitation::{Envelope, Excitation};
 use tribo_sim::{Effect, Recording, Truth, record};

@@ -7,7 +7,7 @@
 use crate::python_witness::{answer, numbers, python};
 use rand::{RngExt, SeedableRng};
 use serde_json::{Value, json};
-use tribo_diagnose::filter::{ZeroPhaseLowPass, central_difference};
+use tribo_regression::filter::{ZeroPhaseLowPass, central_difference};
 
 const SCIPY: &str = r#"
 import json, math, sys, numpy as np

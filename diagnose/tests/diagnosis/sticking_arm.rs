@@ -1,8 +1,9 @@
 //! An arm whose joints stick where they turn back.
 
 use nalgebra::SVector;
-use tribo_diagnose::{CauseLabel, DiagnoseSettings, Diagnosis, Nominal, diagnose};
+use tribo_diagnose::{DiagnoseSettings, Diagnosis, diagnose};
 use tribo_friction::FrictionModel;
+use tribo_regression::{CauseLabel, Nominal};
 use tribo_robot::{Arm, presets};
 use tribo_sim::excitation::{JointState, JointTrajectory};
 use tribo_sim::{Effect, Recording, Truth, record};

@@ -3,9 +3,9 @@
 use nalgebra::SVector;
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64;
-use tribo_diagnose::Nominal;
 use tribo_friction::FrictionModel;
 use tribo_logs::RobotLog;
+use tribo_regression::Nominal;
 use tribo_robot::presets;
 use tribo_sim::excitation::{Envelope, Excitation};
 use tribo_sim::{AnyTypicalFriction, Effect, Recording, TorqueSide, Truth, record};

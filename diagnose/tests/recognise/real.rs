@@ -3,9 +3,10 @@
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
-use tribo_diagnose::{Diagnosable, Nominal};
+use tribo_diagnose::Diagnosable;
 use tribo_friction::FrictionModel;
 use tribo_logs::read_log;
+use tribo_regression::Nominal;
 use tribo_robot::urdf;
 use tribo_robot::{Arm, presets};
 use tribo_sim::TorqueSide;

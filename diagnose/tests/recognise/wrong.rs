@@ -1,8 +1,9 @@
 //! Good logs, each mutilated in one way.
 
-use tribo_diagnose::{Diagnosable, Nominal};
+use tribo_diagnose::Diagnosable;
 use tribo_logs::recognise::{Fault, Severity};
 use tribo_logs::{LogColumns, RobotLog};
+use tribo_regression::Nominal;
 use tribo_robot::presets;
 use tribo_sim::TorqueSide;
 

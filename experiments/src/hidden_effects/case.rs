@@ -3,8 +3,8 @@
 use std::collections::BTreeSet;
 
 use nalgebra::SVector;
-use tribo_diagnose::{CauseLabel, Nominal};
 use tribo_logs::RobotLog;
+use tribo_regression::{CauseLabel, Nominal};
 use tribo_sim::{Effect, RecordingError};
 
 use super::calibration::Calibrated;

@@ -1,6 +1,7 @@
 //! What an answer claims, joint by joint.
 
-use tribo_diagnose::{CauseLabel, Diagnosis, Finding, Location};
+use tribo_diagnose::{Diagnosis, Finding};
+use tribo_regression::{CauseLabel, Location};
 use tribo_sim::Effect;
 
 use super::{HiddenCase, World};

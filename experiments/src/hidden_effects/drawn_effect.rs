@@ -2,7 +2,7 @@
 
 use std::f64::consts::TAU;
 
-use tribo_diagnose::{CauseLabel, Nominal};
+use tribo_regression::{CauseLabel, Nominal};
 use tribo_sim::Effect;
 
 use super::chance::Chance;

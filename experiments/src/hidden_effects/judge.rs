@@ -1,7 +1,8 @@
 //! An answer against what was hidden.
 
-use tribo_diagnose::{CauseLabel, Diagnosis, Nominal, ResidualError, ResidualSettings, TorqueResidual, Verdict};
+use tribo_diagnose::{Diagnosis, Verdict};
 use tribo_logs::RobotLog;
+use tribo_regression::{CauseLabel, Nominal, ResidualError, ResidualSettings, TorqueResidual};
 use tribo_sim::Effect;
 
 use super::claim::{Claim, claims, is_background, is_background_cause, names, place, right_value};

@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-use tribo_diagnose::CauseLabel;
+use tribo_regression::CauseLabel;
 
 /// RMS of the hidden torque over the torque noise in the band, on the joint where that is largest.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]

@@ -8,7 +8,7 @@
 //! judgements per cause and strength.
 //!
 //! ```
-//! use tribo_diagnose::CauseLabel;
+//! use tribo_regression::CauseLabel;
 //! use tribo_experiments::hidden_effects::{HiddenCase, Kind, Strength, World};
 //!
 //! let case = HiddenCase::draw(7, Kind::Single(CauseLabel::Coulomb, Strength::Strong), World::Identified)?;

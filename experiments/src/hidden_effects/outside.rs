@@ -3,8 +3,8 @@
 use std::f64::consts::TAU;
 
 use nalgebra::SVector;
-use tribo_diagnose::Nominal;
 use tribo_friction::law::smooth_sign;
+use tribo_regression::Nominal;
 use tribo_robot::rnea;
 use tribo_sim::ExtraTorque;
 use tribo_sim::excitation::JointTrajectory;

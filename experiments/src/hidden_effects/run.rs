@@ -2,7 +2,8 @@
 
 use std::time::Instant;
 
-use tribo_diagnose::{CauseLabel, DiagnoseError, DiagnoseSettings, Diagnosis, diagnose};
+use tribo_diagnose::{DiagnoseSettings, Diagnosis, diagnose};
+use tribo_regression::{CauseLabel, DiagnoseError};
 use tribo_sim::RecordingError;
 
 use super::{HiddenCase, Judgement, Kind, Strength, World};
@@ -89,7 +90,7 @@ pub enum CaseError {
     Diagnosis(#[from] DiagnoseError),
     /// No residual.
     #[error(transparent)]
-    Residual(#[from] tribo_diagnose::ResidualError),
+    Residual(#[from] tribo_regression::ResidualError),
 }
 
 /// Draws the case, hands log and nominal model to the diagnosis, and judges the answer.

@@ -3,9 +3,9 @@
 use std::f64::consts::TAU;
 
 use nalgebra::{Matrix3, Vector3};
-use tribo_diagnose::{CauseLabel, Nominal};
 use tribo_friction::FrictionModel;
 use tribo_friction::law::{CoulombViscous, JointFriction, Stribeck};
+use tribo_regression::{CauseLabel, Nominal};
 use tribo_robot::{Payload, presets};
 use tribo_sim::excitation::{Chain, Envelope, Excitation, JointTrajectory};
 use tribo_sim::{Recording, Session, TorqueSide, Truth};

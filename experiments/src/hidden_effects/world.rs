@@ -1,9 +1,9 @@
 //! How right the nominal model is but for what is hidden.
 
 use nalgebra::{SVector, Vector3};
-use tribo_diagnose::Nominal;
 use tribo_friction::FrictionModel;
 use tribo_friction::law::CoulombViscous;
+use tribo_regression::Nominal;
 use tribo_robot::{Arm, presets};
 use tribo_sim::{Effect, SoftFriction, Truth};
 

@@ -120,7 +120,7 @@ pub fn write_text(path: &Path, text: &str) -> anyhow::Result<()> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use tribo_diagnose::{CauseLabel, Location};
+    use tribo_regression::{CauseLabel, Location};
 
     #[test]
     fn a_trajectory_comes_back() {

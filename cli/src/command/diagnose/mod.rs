@@ -9,11 +9,10 @@ use std::path::Path;
 use serde_json::Value;
 use tribo_diagnose::recognise::recognise;
 use tribo_diagnose::report::{ClosedLoop, Extras, ReportContext, document, html};
-use tribo_diagnose::{
-    CauseLabel, Diagnosable, DiagnoseError, DiagnoseSettings, Diagnosis, Nominal, Verdict, diagnose_with_reference,
-};
+use tribo_diagnose::{Diagnosable, DiagnoseSettings, Diagnosis, Verdict, diagnose_with_reference};
 use tribo_logs::{ReadOptions, RobotLog};
 use tribo_model::{AnyModel, Model, ModelFile, not_cancelled_of};
+use tribo_regression::{CauseLabel, DiagnoseError, Nominal};
 use tribo_robot::Arm;
 use tribo_trial::{ClosedLoopGain, closed_loop_gain};
 

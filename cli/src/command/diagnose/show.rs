@@ -5,7 +5,8 @@ use tribo_diagnose::report::number::{
     fixed, percent, percent_with_interval, probability, quantity_and_unit, significant, with_interval,
 };
 use tribo_diagnose::report::{Extras, cause_at, finding_sentence, verdict_sentence};
-use tribo_diagnose::{Diagnosis, Finding, JointMisfit, Location};
+use tribo_diagnose::{Diagnosis, Finding, JointMisfit};
+use tribo_regression::Location;
 use tribo_robot::JointNames;
 use tribo_trial::ClosedLoopGain;
 
