@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex};
 
 use rayon::prelude::*;
-use tribo_logs::seal_of;
+use tribo_files::seal_of;
 
 use crate::campaign_directory::{Changes, RunBy, create, open};
 use crate::chooser::Chooser;

@@ -11,7 +11,7 @@
 use std::path::Path;
 
 use serde_json::{Value, json};
-use tribo_logs::write_atomic;
+use tribo_files::write_atomic;
 
 use crate::CampaignError;
 use crate::config::TRIALS;

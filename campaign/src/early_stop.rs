@@ -5,7 +5,7 @@ use std::path::Path;
 
 use serde::{Deserialize, Serialize};
 use tribo_bayesopt::StopRule;
-use tribo_logs::write_atomic;
+use tribo_files::write_atomic;
 
 use crate::friction_limit::{Allowance, FrictionLimit};
 use crate::strategy::{FinishedTrial, LogSource, Past, Strategy, StrategyError};

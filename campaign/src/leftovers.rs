@@ -1,6 +1,6 @@
 //! What a kill in the middle of an atomic write leaves behind.
 //!
-//! `tribo_logs::write_atomic` writes to `.NAME.RANDOM.tmp` beside its target and renames. A process killed in between
+//! `tribo_files::write_atomic` writes to `.NAME.RANDOM.tmp` beside its target and renames. A process killed in between
 //! leaves that file; nobody reads it, and whoever holds the campaign next removes it.
 
 use std::path::Path;

@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use serde::{Deserialize, Serialize};
-use tribo_logs::write_atomic;
+use tribo_files::write_atomic;
 
 use crate::References;
 use tribo_model::{FileError, YamlDocument, to_yaml};

@@ -2,8 +2,8 @@
 
 use std::path::Path;
 
+use tribo_files::write_atomic;
 use tribo_friction::Compensator;
-use tribo_logs::write_atomic;
 use tribo_model::{FileError, TunedFile, read_text, to_yaml};
 
 use crate::ValidTune;

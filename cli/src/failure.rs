@@ -4,7 +4,7 @@ use tribo_campaign::CampaignError;
 use tribo_campaign::strategy::StrategyError;
 use tribo_export::ExportError;
 use tribo_fci::ConnectionError;
-use tribo_logs::LogError;
+use tribo_files::LogError;
 use tribo_model::{ConfigError, FileError};
 use tribo_ros2::ListenError;
 

@@ -6,7 +6,7 @@ use std::sync::{Mutex, PoisonError};
 
 use tribo_diagnose::report::{ReportContext, html};
 use tribo_diagnose::{DiagnoseSettings, Diagnosis, diagnose};
-use tribo_logs::write_atomic;
+use tribo_files::write_atomic;
 use tribo_model::AnyModel;
 
 use crate::log_snapshot::LogSnapshot;

@@ -17,12 +17,12 @@ use rusqlite::types::ValueRef;
 use rusqlite::{Connection, OpenFlags, Row};
 
 use crate::arm_rows::{Candidate, Chosen, Rows, Wanted};
-use crate::error::LogError;
 use crate::format::LogFormat;
 use crate::log::RobotLog;
 use crate::message_source::Source;
-use crate::source::{LogFile, RawBytes};
 use crate::summary::LogSummary;
+use tribo_files::LogError;
+use tribo_files::{LogFile, RawBytes};
 
 /// First bytes of an SQLite database.
 pub(crate) const SQLITE_MAGIC: &[u8] = b"SQLite format 3\0";

@@ -12,21 +12,21 @@ use std::io::BufRead;
 use std::path::Path;
 use std::rc::Rc;
 
-use crate::atomic::replace;
 use crate::canonical_csv::canonical_rows;
 use crate::csv_rows::CsvRows;
 use crate::detect::{detect, read_heard};
 use crate::differentiated::lacks_velocity;
-use crate::error::LogError;
 use crate::format::LogFormat;
 use crate::libfranka::libfranka_rows;
 use crate::log::{MIN_ROWS, finite_duration};
-use crate::parquet_table::ROWS_PER_GROUP;
 use crate::read_options::ReadOptions;
 use crate::recognise::{Remark, Severity, recognise};
-use crate::source::LogFile;
 use crate::summary::LogSummary;
 use crate::write_log::{LogTarget, Sink, write_log};
+use tribo_files::LogError;
+use tribo_files::LogFile;
+use tribo_files::ROWS_PER_GROUP;
+use tribo_files::replace;
 
 /// Reads the log at `from` and writes it to `to`. `progress` hears the part that is read, 0 to 1, and stops by saying false.
 ///

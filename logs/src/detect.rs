@@ -21,8 +21,6 @@ use bytes::Bytes;
 use crate::arm_rows::Wanted;
 use crate::bag_log::{SQLITE_MAGIC, bag};
 use crate::canonical_csv::canonical;
-use crate::csv_lines::{BYTE_ORDER_MARK, header_names};
-use crate::error::{LogError, shown};
 use crate::foreign::{ColumnMap, NPY_MAGIC, ZIP_MAGIC, foreign, instead, is_text_table};
 use crate::format::LogFormat;
 use crate::kinova_gen3::{is_kinova_gen3, kinova_gen3};
@@ -33,9 +31,11 @@ use crate::panda_gaz::{is_panda_gaz, read_panda_gaz};
 use crate::parquet_log::parquet;
 use crate::quantity::Quantity;
 use crate::read_options::ReadOptions;
-use crate::source::{LogFile, peek};
 use crate::stretches::Stretches;
 use crate::summary::LogSummary;
+use tribo_files::csv_lines::{BYTE_ORDER_MARK, header_names};
+use tribo_files::{LogError, shown};
+use tribo_files::{LogFile, peek};
 
 /// Tells the format of a file or directory.
 ///

@@ -8,9 +8,9 @@
 //! rows that there are; a gap is not crossed. Encoder noise of 10 µrad becomes 0.4 mrad/s at 1 kHz.
 
 use crate::bursts::{GAP_TOLERANCE, bursts, median_period_s};
-use crate::error::LogError;
 use crate::log::LogColumns;
 use crate::quantity::Quantity;
+use tribo_files::LogError;
 
 /// Half a window (s), and in rows at least and at most.
 const HALF_S: f64 = 0.01;

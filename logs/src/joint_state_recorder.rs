@@ -8,10 +8,10 @@ use mcap::records::MessageHeader;
 use mcap::{McapResult, WriteOptions, Writer};
 use tempfile::NamedTempFile;
 
-use crate::atomic::{AtomicFile, failed};
-use crate::error::LogError;
 use crate::joint_state::{JOINT_STATE, JOINT_STATE_FIELDS, JointState};
 use crate::mcap_write::told;
+use tribo_files::LogError;
+use tribo_files::{AtomicFile, failed};
 
 /// Writes joint states as they come. The file appears whole, when it is finished.
 ///

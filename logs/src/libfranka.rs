@@ -24,15 +24,15 @@
 use std::io::BufRead;
 use std::path::Path;
 
-use crate::csv_lines::Lines;
 use crate::csv_rows::{Clock, CsvRows};
-use crate::error::LogError;
 use crate::format::LogFormat;
 use crate::header::Header;
 use crate::log::RobotLog;
 use crate::quantity::Quantity;
-use crate::source::LogFile;
 use crate::summary::LogSummary;
+use tribo_files::LogError;
+use tribo_files::LogFile;
+use tribo_files::csv_lines::Lines;
 
 /// The column between state and command in the legacy header.
 const LEGACY_MARK: &str = "sent commands";

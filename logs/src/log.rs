@@ -9,8 +9,8 @@
 
 use std::ops::{Deref, Range};
 
-use crate::error::LogError;
 use crate::quantity::Quantity;
+use tribo_files::LogError;
 
 /// The fewest rows that make a log: one period.
 pub(crate) const MIN_ROWS: usize = 2;

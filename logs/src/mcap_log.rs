@@ -21,13 +21,13 @@ use mcap::sans_io::LinearReaderOptions;
 use mcap::{Channel, McapError};
 
 use crate::arm_rows::{Candidate, Chosen, Rows, Wanted};
-use crate::decoder::guarded;
-use crate::error::LogError;
 use crate::format::LogFormat;
 use crate::log::RobotLog;
 use crate::message_source::Source;
-use crate::source::{Counted, LogFile};
 use crate::summary::LogSummary;
+use tribo_files::LogError;
+use tribo_files::guarded;
+use tribo_files::{Counted, LogFile};
 
 /// First bytes of an MCAP file.
 pub(crate) const MCAP_MAGIC: [u8; 5] = [0x89, b'M', b'C', b'A', b'P'];

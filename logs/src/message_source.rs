@@ -14,9 +14,9 @@
 
 use serde_json::Value;
 
-use crate::cdr::{Cdr, Slot};
 use crate::quantity::{MAX_JOINTS, Quantity};
-use crate::ros2_layout::{Node, bind, expand};
+use tribo_files::ros2_layout::{Node, bind, expand};
+use tribo_files::{Cdr, Slot};
 
 /// The quantities and where they may be; a path with several leaves is written once for each.
 const PATHS: [(Quantity, &[&[&str]]); 11] = [

@@ -3,14 +3,14 @@
 use std::path::Path;
 
 use crate::differentiated::{differentiate, lacks_velocity};
-use crate::error::LogError;
 use crate::format::LogFormat;
 use crate::header::Header;
 use crate::log::RobotLog;
-use crate::parquet_table::{Table, table_of};
 use crate::quantity::Quantity;
-use crate::source::LogFile;
 use crate::summary::LogSummary;
+use tribo_files::LogError;
+use tribo_files::LogFile;
+use tribo_files::{Table, table_of};
 
 /// Value of the metadata key `schema`.
 const SCHEMA: &str = "tribo.log/1";
@@ -18,7 +18,7 @@ const SCHEMA: &str = "tribo.log/1";
 /// Reads a log from Parquet: columns in any order, unknown ones reported.
 ///
 /// # Errors
-/// Those of [`read_table`](crate::read_table), and errors of the content with the file name.
+/// Those of [`read_table`](tribo_files::read_table), and errors of the content with the file name.
 pub fn read_parquet(path: impl AsRef<Path>) -> Result<(RobotLog, LogSummary), LogError> {
     parquet(&LogFile::new(path.as_ref()))
 }
@@ -30,7 +30,7 @@ pub(crate) fn parquet(file: &LogFile) -> Result<(RobotLog, LogSummary), LogError
     let mut table = table_of(file, &canonical)?;
     let skipped = std::mem::take(&mut table.skipped_columns);
     let names: Vec<String> = table.columns.iter().map(|(name, _)| name.clone()).collect();
-    let (log, mut unknown) = table.into_log().map_err(|error| error.in_file(path))?;
+    let (log, mut unknown) = log_of_table(table).map_err(|error| error.in_file(path))?;
     unknown.extend(skipped);
     let mut summary = LogSummary::new(LogFormat::Parquet, &log, 0, unknown);
     if !names.iter().any(|name| name == &Quantity::Velocity.column_name(0)) {
@@ -51,21 +51,19 @@ impl From<&RobotLog> for Table {
     }
 }
 
-impl Table {
-    /// The log in the table, and the names of the columns that are not canonical.
-    ///
-    /// # Errors
-    /// [`LogError::DuplicateColumn`], [`LogError::MissingColumns`], and those of
-    /// [`LogColumns::validate`](crate::LogColumns::validate).
-    pub fn into_log(mut self) -> Result<(RobotLog, Vec<String>), LogError> {
-        let names: Vec<String> = self.columns.iter().map(|(name, _)| name.clone()).collect();
-        let header = Header::from_names(&names)?;
-        let take = |&position: &usize| std::mem::take(&mut self.columns[position].1);
-        let columns = header.positions.iter().map(take).collect();
-        let mut columns = header.assemble(columns);
-        if lacks_velocity(&header.quantities) && columns.q_rad.iter().all(|q| q.len() == columns.rows()) {
-            differentiate(&mut columns);
-        }
-        Ok((columns.validate()?, header.unknown))
+/// The log in a table, and the names of the columns that are not canonical.
+///
+/// # Errors
+/// [`LogError::DuplicateColumn`], [`LogError::MissingColumns`], and those of
+/// [`LogColumns::validate`](crate::LogColumns::validate).
+pub fn log_of_table(mut table: Table) -> Result<(RobotLog, Vec<String>), LogError> {
+    let names: Vec<String> = table.columns.iter().map(|(name, _)| name.clone()).collect();
+    let header = Header::from_names(&names)?;
+    let take = |&position: &usize| std::mem::take(&mut table.columns[position].1);
+    let columns = header.positions.iter().map(take).collect();
+    let mut columns = header.assemble(columns);
+    if lacks_velocity(&header.quantities) && columns.q_rad.iter().all(|q| q.len() == columns.rows()) {
+        differentiate(&mut columns);
     }
+    Ok((columns.validate()?, header.unknown))
 }

@@ -3,14 +3,14 @@
 use std::io::{Seek, Write};
 use std::path::Path;
 
-use crate::atomic::{Output, failed, replace};
-use crate::csv_writer::CsvWriter;
-use crate::error::LogError;
 use crate::log::RobotLog;
 use crate::mcap_write::McapWriter;
 use crate::parquet_log::table_metadata;
-use crate::parquet_table::TableWriter;
 use crate::quantity::Quantity;
+use tribo_files::CsvWriter;
+use tribo_files::LogError;
+use tribo_files::TableWriter;
+use tribo_files::{Output, failed, replace};
 
 /// What the columns of a CSV file are called.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
@@ -52,7 +52,7 @@ impl LogTarget {
 /// Writes a log. The file appears whole or not at all.
 ///
 /// # Errors
-/// Those of [`write_atomic`](crate::write_atomic).
+/// Those of [`write_atomic`](tribo_files::write_atomic).
 pub fn write_log(path: impl AsRef<Path>, log: &RobotLog, target: LogTarget) -> Result<(), LogError> {
     let path = path.as_ref();
     replace(path, |file| write_whole(file, path, log, target))
@@ -83,7 +83,7 @@ fn write_whole(out: &mut dyn Output, name: &Path, log: &RobotLog, target: LogTar
 /// Writes a log as canonical CSV, gzip if the name ends in `.gz`. The file appears whole or not at all.
 ///
 /// # Errors
-/// Those of [`write_atomic`](crate::write_atomic).
+/// Those of [`write_atomic`](tribo_files::write_atomic).
 pub fn write_csv(path: impl AsRef<Path>, log: &RobotLog) -> Result<(), LogError> {
     write_log(path, log, LogTarget::Csv(ColumnNames::Canonical))
 }
@@ -91,7 +91,7 @@ pub fn write_csv(path: impl AsRef<Path>, log: &RobotLog) -> Result<(), LogError>
 /// Writes a log as Parquet. The file appears whole or not at all.
 ///
 /// # Errors
-/// Those of [`write_atomic`](crate::write_atomic).
+/// Those of [`write_atomic`](tribo_files::write_atomic).
 pub fn write_parquet(path: impl AsRef<Path>, log: &RobotLog) -> Result<(), LogError> {
     write_log(path, log, LogTarget::Parquet)
 }
@@ -99,7 +99,7 @@ pub fn write_parquet(path: impl AsRef<Path>, log: &RobotLog) -> Result<(), LogEr
 /// Writes a log as MCAP. The file appears whole or not at all.
 ///
 /// # Errors
-/// Those of [`write_atomic`](crate::write_atomic).
+/// Those of [`write_atomic`](tribo_files::write_atomic).
 pub fn write_mcap(path: impl AsRef<Path>, log: &RobotLog) -> Result<(), LogError> {
     write_log(path, log, LogTarget::Mcap)
 }

@@ -75,7 +75,7 @@ pub enum FileError {
     },
     /// A stored trial log or another binary file is damaged.
     #[error(transparent)]
-    Log(#[from] tribo_logs::LogError),
+    Log(#[from] tribo_files::LogError),
 }
 
 impl FileError {

@@ -6,8 +6,8 @@ use nalgebra::SVector;
 use numpy::PyArrayDyn;
 use pyo3::prelude::*;
 use tribo_export::{Format, export};
+use tribo_files::write_atomic;
 use tribo_friction::{Bristles, Compensator, CompensatorInput};
-use tribo_logs::write_atomic;
 use tribo_model::{ControllerModel, TunedFile, YamlDocument, to_yaml};
 
 use crate::failure::{bad, raised};

@@ -7,8 +7,9 @@ use pyo3::prelude::*;
 use pyo3::types::PyAny;
 use tribo_diagnose::report::{Extras, ReportContext, document, finding_sentence, html, verdict_sentence};
 use tribo_diagnose::{DiagnoseSettings, Diagnosis, diagnose_with_reference, recognise::recognise as with_model};
+use tribo_files::write_atomic;
+use tribo_logs::RobotLog;
 use tribo_logs::recognise::{Use, recognise};
-use tribo_logs::{RobotLog, write_atomic};
 use tribo_model::{AnyModel, not_cancelled_of};
 use tribo_regression::{DiagnoseError, Nominal};
 

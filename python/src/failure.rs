@@ -5,7 +5,7 @@ use std::io::ErrorKind;
 
 use pyo3::PyErr;
 use pyo3::exceptions::{PyFileNotFoundError, PyOSError, PyValueError};
-use tribo_logs::LogError;
+use tribo_files::LogError;
 
 /// `FileNotFoundError` of a file that is not there, `OSError` where the operating system refused something else, else `ValueError`; the
 /// message is the library's.

@@ -3,7 +3,8 @@
 use std::path::{Path, PathBuf};
 
 use pyo3::prelude::*;
-use tribo_logs::{RobotLog, write_atomic};
+use tribo_files::write_atomic;
+use tribo_logs::RobotLog;
 use tribo_model::{
     AnyModel, FrictionSection, JointParameters, LawName, ModelChoice, ModelFile, PayloadSection, to_yaml,
 };

@@ -21,7 +21,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let report = FrictionReport::of(&residual, None, &FrictionSettings::default());
     println!("joint   RMS of the rigid model's residual   the same less fitted friction, unseen blocks   dry friction");
     for joint in &report.joints {
-        let (fit, unseen) = (joint.fit.clone()?, joint.held_out.clone()?);
+        let (fit, unseen) = (joint.fit?, joint.held_out?);
         println!(
             "{:<7} {:<35.3} {:<46.3} {:.3} Nm",
             joint.joint, joint.rms_rigid_nm, unseen.rms_fit_test_nm, fit.coulomb_nm

@@ -1,6 +1,6 @@
 //! Why a log has no torque residual.
 
-use tribo_logs::LogError;
+use tribo_files::LogError;
 
 use crate::filter::FilterError;
 

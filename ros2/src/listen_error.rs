@@ -1,6 +1,6 @@
 //! Why nobody listens any more.
 
-use tribo_logs::LogError;
+use tribo_files::LogError;
 
 use crate::Unusable;
 

@@ -4,7 +4,8 @@ use std::path::Path;
 use std::sync::mpsc::{Sender, channel};
 use std::thread::JoinHandle;
 
-use tribo_logs::{JointState, JointStateRecorder, LogError};
+use tribo_files::LogError;
+use tribo_logs::{JointState, JointStateRecorder};
 
 /// Joint states on their way to a file.
 pub(crate) struct Recording {

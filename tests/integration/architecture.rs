@@ -1,7 +1,7 @@
 //! Crates point one way (ARCHITECTURE.md, Direction), and files keep a friendly size.
 //!
 //! ```text
-//! robot friction bayesopt logs figure  ←  control ekf residual sim  ←  runtime regression  ←  posterior  ←  diagnose
+//! robot friction bayesopt files figure  ←  logs  ←  control ekf residual sim  ←  runtime regression  ←  posterior  ←  diagnose
 //!     ←  model  ←  trial export fci ros2  ←  campaign  ←  watch bench experiments  ←  dashboard  ←  cli
 //! ```
 //!
@@ -13,8 +13,9 @@ use std::process::Command;
 use serde::Deserialize;
 
 /// The table: a crate may use crates of a lower layer, and of its own layer only where [`SIDEWAYS`] says so.
-const LAYERS: [&[&str]; 12] = [
-    &["robot", "friction", "bayesopt", "logs", "figure"],
+const LAYERS: [&[&str]; 13] = [
+    &["robot", "friction", "bayesopt", "files", "figure"],
+    &["logs"],
     &["control", "ekf", "residual", "sim"],
     &["runtime", "regression"],
     &["posterior"],

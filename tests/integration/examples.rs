@@ -27,6 +27,7 @@ const EXAMPLES: &[(&str, &[&str])] = &[
     ("wrench_of_messages", &["1.0 s   fz   0.01 N   76 bytes", "2.0 s   fz  10.00 N", "panda_joint1 panda_joint2"]),
     ("arm_with_friction", &["0.40          0.40        0.0000", "at rest: true"]),
     ("ten_seconds_of_ticks", &["no compensation         4.", "all of the friction     0.2"]),
+    ("whole_or_not_there", &["read back: 3 rows", "torn: ", "damaged or cut off"]),
     // The friction that the log was recorded with: 0.6 Nm and 0.9 Nm.
     ("residual_of_a_log", &["0.600 Nm", "0.900 Nm"]),
     // A gain of 1.04 is hidden in joint 3.

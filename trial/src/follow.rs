@@ -2,8 +2,9 @@
 
 use nalgebra::SVector;
 use tribo_control::{JointTarget, JointTracking, TorqueLimiter};
+use tribo_files::LogError;
 use tribo_friction::{Bristles, Compensator, CompensatorInput, FrictionModel};
-use tribo_logs::{LogError, RobotLog};
+use tribo_logs::RobotLog;
 use tribo_robot::{ControlTerms, Plant, SensorFrame, Wrench};
 use tribo_runtime::TickFault;
 use tribo_sim::BoxFrictionPlant;

@@ -1,7 +1,8 @@
 //! A simulated run as a canonical log.
 
 use nalgebra::SVector;
-use tribo_logs::{LogColumns, LogError, RobotLog};
+use tribo_files::LogError;
+use tribo_logs::{LogColumns, RobotLog};
 use tribo_robot::{SensorFrame, Wrench};
 
 /// Collects ticks at the full rate: measured q, dq and tau_J, theta of robots with two encoders per joint, the commanded

@@ -1,7 +1,8 @@
 //! One trial recorded as a robot log.
 
+use tribo_files::LogError;
 use tribo_friction::FrictionModel;
-use tribo_logs::{LogError, RobotLog};
+use tribo_logs::RobotLog;
 use tribo_robot::{Plant, WrenchEstimator};
 
 use crate::log_recorder::LogRecorder;

@@ -62,7 +62,7 @@ impl TransmissionJoint {
 pub enum TransmissionError {
     /// The log could not be resampled.
     #[error(transparent)]
-    Log(#[from] tribo_logs::LogError),
+    Log(#[from] tribo_files::LogError),
     /// The filter does not fit the rate.
     #[error(transparent)]
     Filter(#[from] tribo_regression::filter::FilterError),

@@ -9,7 +9,8 @@
 use std::path::{Path, PathBuf};
 
 use nalgebra::{SMatrix, SVector};
-use tribo_logs::{Quantity, Table, read_table, seal_of, write_table};
+use tribo_files::{Table, read_table, seal_of, write_table};
+use tribo_logs::Quantity;
 
 use crate::TrialLog;
 use tribo_model::FileError;

@@ -9,7 +9,7 @@ use tribo_figure::Figure;
 use tribo_figure::escape::{escape, escape_sentence};
 use tribo_figure::number::{fixed, quantity_and_unit, significant};
 use tribo_figure::page::{self, figures, section, table};
-use tribo_logs::write_atomic;
+use tribo_files::write_atomic;
 
 use super::{
     CampaignSnapshot, CampaignWatch, LoopTimes, Surrogate, TrialSnapshot, WatchedTrial, any_loop_times, arm_figures,

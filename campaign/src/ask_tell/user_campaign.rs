@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 use serde_json::{Value, json};
-use tribo_logs::seal_of;
+use tribo_files::seal_of;
 
 use super::{JudgedLog, Learnt, UserTrials};
 use crate::campaign_directory::{Changes, RunBy, check_trials, create, open};

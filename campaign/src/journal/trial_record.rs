@@ -15,7 +15,7 @@ use tribo_trial::{AbortReason, Cost};
 pub(crate) struct Ended<'a> {
     /// Time of the failure since the start of the judged part (s), where it is known.
     pub aborted_at_s: Option<f64>,
-    /// Seal of its log ([`tribo_logs::seal_of`]); none of a trial that left no log.
+    /// Seal of its log ([`tribo_files::seal_of`]); none of a trial that left no log.
     pub seal: Option<String>,
     /// The words of whoever reported a failure.
     pub reported: Option<&'a str>,

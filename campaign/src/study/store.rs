@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use serde::{Deserialize, Serialize};
 use serde_json::json;
-use tribo_logs::{write_atomic, write_new};
+use tribo_files::{write_atomic, write_new};
 
 use super::{Cell, CellResult, Study};
 use crate::first_difference;

@@ -5,7 +5,7 @@ use std::path::Path;
 use serde_json::json;
 use tribo_campaign::{AnyTune, Asked, CampaignError, TuneConfig, UserCampaign, UserTrials, first_difference};
 use tribo_export::{Exported, export};
-use tribo_logs::write_atomic;
+use tribo_files::write_atomic;
 
 use super::{configured, named, now, opened, set};
 use crate::arguments::{Ask, CampaignSettings, Common};

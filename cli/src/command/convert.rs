@@ -4,7 +4,8 @@ use std::path::Path;
 
 use serde_json::{Value, json};
 use tribo_campaign::switched_off_without;
-use tribo_logs::{ColumnNames, LogError, LogSummary, LogTarget, Mapping, RobotLog, convert_by};
+use tribo_files::LogError;
+use tribo_logs::{ColumnNames, LogSummary, LogTarget, Mapping, RobotLog, convert_by};
 
 use super::believe::remarks_json;
 use super::columns::show_proposal;

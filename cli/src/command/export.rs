@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use anyhow::Context;
 use serde_json::json;
 use tribo_export::{Exported, export, export_robot};
-use tribo_logs::write_atomic;
+use tribo_files::write_atomic;
 use tribo_model::{AnyModel, FileError, ModelChoice, TunedFile};
 use tribo_watch::{CampaignSnapshot, CampaignWatch};
 

@@ -7,8 +7,9 @@ use std::sync::atomic::Ordering;
 
 use tribo_campaign::{AnyTune, ValidTune};
 use tribo_fci::{Connection, ConnectionError, FciVersion, TorquePlant};
+use tribo_files::LogError;
 use tribo_friction::FrictionModel;
-use tribo_logs::{LogColumns, LogError, RobotLog};
+use tribo_logs::{LogColumns, RobotLog};
 use tribo_sim::TorqueSide;
 use tribo_sim::excitation::JointTrajectory;
 use tribo_trial::{Trial, follow_on};

@@ -1,7 +1,7 @@
 //! `tribo completions` and `tribo man`.
 
 use clap::CommandFactory;
-use tribo_logs::write_atomic;
+use tribo_files::write_atomic;
 use tribo_model::FileError;
 
 use crate::arguments::{Arguments, Common, Man};

@@ -5,7 +5,7 @@ use std::path::Path;
 use serde_json::json;
 use tribo_campaign::study::{Shard, Study, StudyRow, StudyStore, StudySummary, run_shard, study_page};
 use tribo_diagnose::report::number::probability;
-use tribo_logs::write_atomic;
+use tribo_files::write_atomic;
 use tribo_model::FileError;
 
 use crate::arguments::{Common, Study as Arguments};

@@ -156,7 +156,7 @@ fn ten_thousand_messages_become_ten_thousand_wrenches() {
 }
 
 fn columns(path: &Path) -> (std::collections::HashMap<String, Vec<f64>>, usize) {
-    let table = tribo_logs::read_table(path).unwrap();
+    let table = tribo_files::read_table(path).unwrap();
     let rows = table.columns.first().map_or(0, |(_, values)| values.len());
     (table.columns.into_iter().collect(), rows)
 }

@@ -1,8 +1,8 @@
 //! Why an experiment stopped.
 
 use thiserror::Error;
+use tribo_files::LogError;
 use tribo_friction::thermal::{ThermalError, ThermalFitError};
-use tribo_logs::LogError;
 use tribo_residual::{BandFitError, BoxOutcome, ThermalSettingsError};
 
 use tribo_model::ConfigError;

@@ -17,11 +17,11 @@ use super::select::{Labels, by_number_or_name};
 use super::table::{Cells, Column, ForeignTable, Loaded};
 use super::unit::Unit;
 use crate::differentiated::differentiate;
-use crate::error::{LogError, visible};
 use crate::joint_order::arm_joints;
 use crate::log::{LogColumns, RobotLog};
 use crate::quantity::{MAX_JOINTS, Quantity};
 use crate::summary::LogSummary;
+use tribo_files::{LogError, visible};
 
 /// Stamps from here on (s) are counted from the first.
 const EPOCH_S: f64 = 1e8;

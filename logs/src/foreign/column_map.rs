@@ -14,8 +14,8 @@ use std::fmt;
 use std::str::FromStr;
 
 use super::unit::Unit;
-use crate::error::LogError;
 use crate::quantity::Quantity;
+use tribo_files::LogError;
 
 /// The longest text of a map (bytes).
 const LONGEST: usize = 1 << 16;
@@ -262,7 +262,7 @@ fn split(text: &str, separator: char) -> Vec<&str> {
 
 /// An error of a map.
 pub(crate) fn bad(entry: &str, detail: String) -> LogError {
-    LogError::BadMap { entry: crate::error::shown(entry.as_bytes()), detail }
+    LogError::BadMap { entry: tribo_files::shown(entry.as_bytes()), detail }
 }
 
 impl FromStr for ColumnMap {

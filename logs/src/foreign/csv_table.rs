@@ -14,10 +14,10 @@ use std::ops::Range;
 
 use super::table::{Cells, Column, ForeignTable, Kind, LARGE, Loaded};
 use super::unit::spelled;
-use crate::csv_lines::{Lines, split_cells};
-use crate::error::LogError;
 use crate::format::LogFormat;
-use crate::source::LogFile;
+use tribo_files::LogError;
+use tribo_files::LogFile;
+use tribo_files::csv_lines::{Lines, split_cells};
 
 /// Separators, in the order in which they are tried.
 const DELIMITERS: [u8; 4] = [b';', b'\t', b',', b' '];
@@ -218,7 +218,7 @@ fn is_missing(cell: &str) -> bool {
 
 /// A finite number.
 fn number(cell: &str, delimiter: u8) -> Option<f64> {
-    crate::csv_lines::parse_number(cell.as_bytes(), delimiter)
+    tribo_files::csv_lines::parse_number(cell.as_bytes(), delimiter)
 }
 
 /// A cell less the base of its column; the first cell decides whether there is one.

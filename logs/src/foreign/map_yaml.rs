@@ -20,7 +20,7 @@ use serde::Deserialize;
 
 use super::column_map::{ColumnMap, Columns, Entry, allowed_keys, entry, quantity_of};
 use super::unit::Unit;
-use crate::error::LogError;
+use tribo_files::LogError;
 
 /// The longest file (bytes).
 const LONGEST: u64 = 1 << 20;

@@ -24,11 +24,9 @@ pub use unit::Unit;
 
 pub(crate) use npz::{NPY_MAGIC, ZIP_MAGIC};
 
-use crate::error::LogError;
 use crate::format::LogFormat;
 use crate::log::RobotLog;
 use crate::quantity::Quantity;
-use crate::source::LogFile;
 use crate::summary::LogSummary;
 use csv_table::CsvTable;
 use npz::NumpyFile;
@@ -36,6 +34,8 @@ use parquet_columns::ParquetColumns;
 use propose::{Undecided, propose};
 use select::listed;
 use table::ForeignTable;
+use tribo_files::LogError;
+use tribo_files::LogFile;
 
 /// Whether a text file begins as a table of numbers.
 pub(crate) fn is_text_table(file: &LogFile) -> Result<bool, LogError> {

@@ -15,11 +15,11 @@ use npyz::{DType, NpyHeader, Order};
 use zip::ZipArchive;
 
 use super::table::{Cells, Column, ForeignTable, Kind, LARGE, Loaded};
-use crate::decoder::guarded;
-use crate::error::LogError;
 use crate::format::LogFormat;
-use crate::limited::Limited;
-use crate::source::LogFile;
+use tribo_files::Limited;
+use tribo_files::LogError;
+use tribo_files::LogFile;
+use tribo_files::guarded;
 
 /// First bytes of an array, and of an archive of arrays.
 pub(crate) const NPY_MAGIC: &[u8] = b"\x93NUMPY";

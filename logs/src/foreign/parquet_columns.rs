@@ -17,13 +17,13 @@ use parquet::file::reader::{FileReader, Length, SerializedFileReader};
 use parquet::schema::types::ColumnDescriptor;
 
 use super::table::{Cells, Column, ForeignTable, Kind, LARGE, Loaded};
-use crate::decoder::guarded;
-use crate::error::LogError;
 use crate::format::LogFormat;
-use crate::parquet_bytes::ParquetBytes;
-use crate::parquet_pages;
-use crate::parquet_table::most_cells;
-use crate::source::LogFile;
+use tribo_files::LogError;
+use tribo_files::LogFile;
+use tribo_files::ParquetBytes;
+use tribo_files::guarded;
+use tribo_files::most_cells;
+use tribo_files::parquet_pages;
 
 /// The most entries of a list column, and columns of a file.
 const MOST_ENTRIES: usize = 1 << 8;

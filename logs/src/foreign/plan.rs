@@ -8,8 +8,8 @@ use super::select::{Found, Labels, find, in_order, no_such, ordered};
 use super::table::{Column, Kind};
 use super::unit::{Dimension, Unit};
 use super::words::{Meaning, meaning};
-use crate::error::LogError;
 use crate::quantity::Quantity;
+use tribo_files::LogError;
 
 /// Where time comes from.
 #[derive(Debug, Clone, PartialEq)]
@@ -142,7 +142,7 @@ impl Plan {
 
 fn numbers_only(found: &[usize], columns: &[Column]) -> Result<(), String> {
     match found.iter().find(|&&column| columns[column].kind == Kind::Text) {
-        Some(&text) => Err(format!("column `{}` holds text, no numbers", crate::error::visible(&columns[text].name))),
+        Some(&text) => Err(format!("column `{}` holds text, no numbers", tribo_files::visible(&columns[text].name))),
         None => Ok(()),
     }
 }

@@ -1,7 +1,7 @@
 //! A foreign table: its columns by name first, the cells of those that are wanted later.
 
-use crate::error::LogError;
 use crate::format::LogFormat;
+use tribo_files::LogError;
 
 /// What the cells of a column are.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

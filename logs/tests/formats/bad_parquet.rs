@@ -10,7 +10,8 @@ use parquet::data_type::{ByteArray, ByteArrayType, DoubleType, FloatType, Int64T
 use parquet::file::properties::WriterProperties;
 use parquet::file::writer::SerializedFileWriter;
 use parquet::schema::parser::parse_message_type;
-use tribo_logs::{LogError, Table, read_log, read_parquet, read_table, write_parquet, write_table};
+use tribo_files::{LogError, Table, read_table, write_table};
+use tribo_logs::{read_log, read_parquet, write_parquet};
 
 fn log_bytes() -> Vec<u8> {
     let directory = tempfile::tempdir().unwrap();

@@ -8,7 +8,8 @@ use std::path::Path;
 use std::rc::Rc;
 
 use crate::common::{bits, libfranka_csv, pack, relative, synthetic_log};
-use tribo_logs::{ColumnNames, LogError, LogTarget, convert, detect, read_log, read_log_watched, write_csv, write_log};
+use tribo_files::LogError;
+use tribo_logs::{ColumnNames, LogTarget, convert, detect, read_log, read_log_watched, write_csv, write_log};
 
 const TARGETS: [(&str, LogTarget); 5] = [
     ("out.csv", LogTarget::Csv(ColumnNames::Canonical)),

@@ -5,9 +5,8 @@
 use std::fs;
 
 use crate::common::{bits, synthetic_log};
-use tribo_logs::{
-    LogFormat, Quantity, ReadOptions, Table, read, read_log, read_table, write_csv, write_parquet, write_table,
-};
+use tribo_files::{Table, read_table, write_table};
+use tribo_logs::{LogFormat, Quantity, ReadOptions, log_of_table, read, read_log, write_csv, write_parquet};
 
 #[test]
 fn logs_survive_csv_gzip_and_parquet_bit_for_bit() {
@@ -100,6 +99,6 @@ fn a_log_in_a_table_tells_its_schema_and_its_columns() {
     let table = Table::from(&log);
     assert_eq!(table.metadata_value("schema"), Some("tribo.log/1"));
     assert!(log.has(Quantity::Torque) && !log.has(Quantity::ExternalWrench));
-    let (read, unknown) = table.into_log().unwrap();
+    let (read, unknown) = log_of_table(table).unwrap();
     assert_eq!((read, unknown), (log, Vec::new()));
 }

@@ -1,7 +1,7 @@
 //! The covariance of a wrench as `std_msgs/msg/Float64MultiArray`, since no message of ROS 2 has a wrench with its covariance.
 
 use nalgebra::Matrix6;
-use tribo_logs::CdrWriter;
+use tribo_files::CdrWriter;
 
 /// Its name in DDS.
 pub const COVARIANCE_TYPE: &str = "std_msgs::msg::dds_::Float64MultiArray_";

@@ -1,6 +1,6 @@
 //! `diagnostic_msgs/msg/DiagnosticArray`, what `rqt_robot_monitor` shows.
 
-use tribo_logs::CdrWriter;
+use tribo_files::CdrWriter;
 
 /// Its name in DDS.
 pub const DIAGNOSTIC_TYPE: &str = "diagnostic_msgs::msg::dds_::DiagnosticArray_";

@@ -1,6 +1,6 @@
 //! `geometry_msgs/msg/WrenchStamped`.
 
-use tribo_logs::CdrWriter;
+use tribo_files::CdrWriter;
 use tribo_robot::Wrench;
 
 /// Its name in DDS.

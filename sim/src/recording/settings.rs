@@ -1,7 +1,7 @@
 //! How a log is taken.
 
 use thiserror::Error;
-use tribo_logs::LogError;
+use tribo_files::LogError;
 
 use crate::{EffectError, TorqueSide};
 

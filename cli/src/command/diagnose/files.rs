@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use tribo_diagnose::NextExperiment;
-use tribo_logs::write_atomic;
+use tribo_files::write_atomic;
 use tribo_model::{ModelFile, TrajectoryFile, ViaPoint, YamlDocument, to_yaml};
 use tribo_robot::Arm;
 

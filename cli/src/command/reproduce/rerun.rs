@@ -5,7 +5,7 @@ use std::path::Path;
 use indicatif::{ProgressBar, ProgressStyle};
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
-use tribo_logs::write_atomic;
+use tribo_files::write_atomic;
 use tribo_model::{FieldError, FileError, YamlDocument, read_text};
 
 use crate::arguments::{Common, Reproduce};

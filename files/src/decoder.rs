@@ -13,7 +13,7 @@ thread_local! {
 ///
 /// The process has one place that tells of panics, so the first call puts a word before it: panics of a thread that decodes are
 /// left out, all others go on to whoever was there. `decode` must leave nothing half changed behind.
-pub(crate) fn guarded<T>(decode: impl FnOnce() -> T) -> Option<T> {
+pub fn guarded<T>(decode: impl FnOnce() -> T) -> Option<T> {
     static QUIET: Once = Once::new();
     QUIET.call_once(|| {
         let tell = take_hook();

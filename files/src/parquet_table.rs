@@ -37,7 +37,7 @@ use crate::source::LogFile;
 const PROGRAM: &str = "tribo-logs";
 
 /// Rows of a group: a minute at 1 kHz, 31 MB in 60 columns. Trials and most logs are one group.
-pub(crate) const ROWS_PER_GROUP: usize = 1 << 16;
+pub const ROWS_PER_GROUP: usize = 1 << 16;
 
 /// The most cells believed per byte of a file: a log of an arm that stands still, all constant but for its stamps, has 140.
 const CELLS_PER_BYTE: u64 = 1 << 10;
@@ -52,7 +52,7 @@ const LARGE_CELLS: u64 = 1 << 26;
 const LEAST_CELLS: u64 = 1 << 20;
 
 /// The most cells that a file of so many bytes may ask memory for.
-pub(crate) fn most_cells(bytes: u64) -> u64 {
+pub fn most_cells(bytes: u64) -> u64 {
     let large = bytes.saturating_mul(CELLS_PER_BYTE_OF_LARGE).max(LARGE_CELLS);
     bytes.saturating_mul(CELLS_PER_BYTE).min(large).max(LEAST_CELLS)
 }
@@ -133,7 +133,7 @@ fn write_table_to(path: &Path, table: &Table) -> Result<(), LogError> {
 }
 
 /// A table being written, group by group.
-pub(crate) struct TableWriter<'o> {
+pub struct TableWriter<'o> {
     writer: SerializedFileWriter<Sealer<'o>>,
 }
 
@@ -202,7 +202,7 @@ fn read_table_of(path: &Path) -> Result<Table, LogError> {
 }
 
 /// Reads the columns of a table whose name is `wanted`. The other columns of numbers are there and empty; names may be there twice.
-pub(crate) fn table_of(file: &LogFile, wanted: &dyn Fn(&str) -> bool) -> Result<Table, LogError> {
+pub fn table_of(file: &LogFile, wanted: &dyn Fn(&str) -> bool) -> Result<Table, LogError> {
     let path = file.path;
     let io = |source| LogError::io(path, "read", source);
     let mut bytes = file.open("Parquet")?;

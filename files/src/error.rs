@@ -292,7 +292,7 @@ impl LogError {
     }
 
     /// An error of the operating system, with missing files told apart.
-    pub(crate) fn io(path: &Path, action: &'static str, source: io::Error) -> Self {
+    pub fn io(path: &Path, action: &'static str, source: io::Error) -> Self {
         let path = path.to_path_buf();
         match source.kind() {
             io::ErrorKind::NotFound => Self::NotFound { path },
@@ -305,7 +305,7 @@ impl LogError {
 }
 
 /// A name out of a file as it can be shown: on one line, control characters written out.
-pub(crate) fn visible(name: &str) -> String {
+pub fn visible(name: &str) -> String {
     if name.chars().any(char::is_control) {
         name.chars().flat_map(char::escape_debug).collect()
     } else {
@@ -319,7 +319,7 @@ fn listed(names: &[String]) -> String {
 }
 
 /// The text of a cell as it can be shown: at most 40 characters, no control characters.
-pub(crate) fn shown(bytes: &[u8]) -> String {
+pub fn shown(bytes: &[u8]) -> String {
     const LONGEST: usize = 40;
     let text = String::from_utf8_lossy(bytes);
     let mut short: String = text.chars().take(LONGEST).flat_map(char::escape_debug).collect();

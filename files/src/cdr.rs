@@ -13,13 +13,15 @@ use crate::ros2_layout::{Count, Kind, Node};
 
 /// What the fields bound to one slot held.
 #[derive(Debug, Clone, Default, PartialEq)]
-pub(crate) struct Slot {
+pub struct Slot {
+    /// Numbers, in the order of the message.
     pub numbers: Vec<f64>,
+    /// Texts, likewise.
     pub texts: Vec<String>,
 }
 
 /// A cursor over the bytes of one message.
-pub(crate) struct Cdr<'m> {
+pub struct Cdr<'m> {
     /// The message without its first four bytes.
     bytes: &'m [u8],
     place: usize,

@@ -9,7 +9,7 @@ const LEAST_TEXT_BYTES: u64 = 256 << 20;
 const TEXT_PER_BYTE: u64 = 32;
 
 /// A reader of unpacked bytes that ends with an error where a file of so many bytes holds more than the larger of both limits.
-pub(crate) struct Limited<R> {
+pub struct Limited<R> {
     unpacked: R,
     packed_bytes: u64,
     most_bytes: u64,

@@ -17,7 +17,7 @@ enum Text<'o> {
 }
 
 /// A CSV file being written.
-pub(crate) struct CsvWriter<'o> {
+pub struct CsvWriter<'o> {
     text: Text<'o>,
     line: Vec<u8>,
 }

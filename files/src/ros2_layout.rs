@@ -18,28 +18,43 @@ const MOST_NODES: usize = 10_000;
 
 /// Type of a field without its array.
 #[derive(Debug, Clone, PartialEq)]
-pub(crate) enum Kind {
+pub enum Kind {
+    /// `bool`, one byte.
     Bool,
+    /// `int8`.
     I8,
+    /// `uint8`, `byte`, `char`.
     U8,
+    /// `int16`.
     I16,
+    /// `uint16`.
     U16,
+    /// `int32`.
     I32,
+    /// `uint32`.
     U32,
+    /// `int64`.
     I64,
+    /// `uint64`.
     U64,
+    /// `float32`.
     F32,
+    /// `float64`.
     F64,
+    /// `string`.
     Text,
-    /// Read over only.
+    /// `wstring`, read over only.
     WideText,
+    /// Another message, field by field.
     Struct(Vec<Node>),
 }
 
 /// How often a field is there.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) enum Count {
+pub enum Count {
+    /// Once.
     One,
+    /// An array of this length.
     Fixed(usize),
     /// A length in front, bounded or not.
     Sequence,
@@ -47,15 +62,19 @@ pub(crate) enum Count {
 
 /// A field, and the slot that takes its values.
 #[derive(Debug, Clone, PartialEq)]
-pub(crate) struct Node {
+pub struct Node {
+    /// Its name in the message.
     pub name: String,
+    /// Its type.
     pub kind: Kind,
+    /// How often it is there.
     pub count: Count,
+    /// The slot that takes its values; `None` reads over them.
     pub slot: Option<usize>,
 }
 
 /// The fields of a message, or why the definition is not understood.
-pub(crate) fn expand(schema_name: &str, definition: &str) -> Result<Vec<Node>, String> {
+pub fn expand(schema_name: &str, definition: &str) -> Result<Vec<Node>, String> {
     let root = short_name(schema_name);
     let mut types: HashMap<String, Vec<&str>> = HashMap::new();
     let mut current = root.clone();
@@ -75,7 +94,7 @@ pub(crate) fn expand(schema_name: &str, definition: &str) -> Result<Vec<Node>, S
 }
 
 /// Gives the field at `path` (names joined by dots) to a slot; whether there is such a field, outside arrays of messages.
-pub(crate) fn bind(nodes: &mut [Node], path: &str, slot: usize) -> bool {
+pub fn bind(nodes: &mut [Node], path: &str, slot: usize) -> bool {
     let (name, rest) = path.split_once('.').map_or((path, None), |(name, rest)| (name, Some(rest)));
     let Some(node) = nodes.iter_mut().find(|node| node.name == name) else { return false };
     match (&mut node.kind, rest) {

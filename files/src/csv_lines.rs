@@ -10,13 +10,13 @@ use std::path::Path;
 use crate::error::{LogError, shown};
 
 /// What some editors and spreadsheets put before UTF-8 text.
-pub(crate) const BYTE_ORDER_MARK: &[u8] = b"\xef\xbb\xbf";
+pub const BYTE_ORDER_MARK: &[u8] = b"\xef\xbb\xbf";
 
 /// The longest line accepted. A row of numbers has a few kilobytes; a file without line ends is no CSV.
 const LONGEST_LINE_BYTES: u64 = 1 << 20;
 
 /// The lines with content of a text file, one buffer for all.
-pub(crate) struct Lines<'p, R> {
+pub struct Lines<'p, R> {
     reader: R,
     buffer: Vec<u8>,
     /// The name that errors show.
@@ -28,6 +28,7 @@ pub(crate) struct Lines<'p, R> {
 }
 
 impl<'p, R: BufRead> Lines<'p, R> {
+    /// Lines of `reader`; errors name `path`.
     pub fn new(reader: R, path: &'p Path) -> Self {
         Self { reader, buffer: Vec::new(), path, number: 0, ended: true }
     }
@@ -86,9 +87,10 @@ impl<'p, R: BufRead> Lines<'p, R> {
 }
 
 /// Which cells of every line are read, and what errors call them.
-pub(crate) struct RowLayout {
+pub struct RowLayout {
     /// Cells in a line.
     pub cell_count: usize,
+    /// Comma, semicolon or tab.
     pub delimiter: u8,
     /// Name of each column read, and its position in a line.
     pub columns: Vec<(String, usize)>,
@@ -119,7 +121,7 @@ impl RowLayout {
 }
 
 /// Splits a line into cells, spaces and quotes removed. `false` if a quote is not closed.
-pub(crate) fn split_cells(line: &[u8], delimiter: u8, cells: &mut Vec<Range<usize>>) -> bool {
+pub fn split_cells(line: &[u8], delimiter: u8, cells: &mut Vec<Range<usize>>) -> bool {
     cells.clear();
     let (mut start, mut quoted) = (0, false);
     for (k, &byte) in line.iter().enumerate() {
@@ -136,7 +138,7 @@ pub(crate) fn split_cells(line: &[u8], delimiter: u8, cells: &mut Vec<Range<usiz
 
 /// Column names and delimiter of a header line: semicolon if it has one, else comma, else tabulator. `None` if a quote is not closed
 /// or the names are not UTF-8.
-pub(crate) fn header_names(line: &[u8]) -> Option<(Vec<String>, u8)> {
+pub fn header_names(line: &[u8]) -> Option<(Vec<String>, u8)> {
     let delimiter = *[b';', b',', b'\t'].iter().find(|delimiter| line.contains(delimiter)).unwrap_or(&b',');
     let mut cells = Vec::new();
     if !split_cells(line, delimiter, &mut cells) {
@@ -147,7 +149,7 @@ pub(crate) fn header_names(line: &[u8]) -> Option<(Vec<String>, u8)> {
 }
 
 /// A finite number, with decimal comma where the delimiter leaves the comma free.
-pub(crate) fn parse_number(cell: &[u8], delimiter: u8) -> Option<f64> {
+pub fn parse_number(cell: &[u8], delimiter: u8) -> Option<f64> {
     let text = std::str::from_utf8(cell).ok()?;
     let value = if delimiter != b',' && text.contains(',') { text.replacen(',', ".", 1).parse() } else { text.parse() };
     value.ok().filter(|v: &f64| v.is_finite())

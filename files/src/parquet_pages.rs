@@ -36,7 +36,7 @@ pub(crate) fn check(file: &ParquetBytes, chunk: &ColumnChunkMetaData, rows: u64)
 }
 
 /// As [`check`], of values that take up to `bytes` unpacked, such as names.
-pub(crate) fn check_sized(
+pub fn check_sized(
     file: &ParquetBytes,
     chunk: &ColumnChunkMetaData,
     rows: u64,

@@ -12,8 +12,10 @@ use crate::source::RawBytes;
 
 /// What the decoder reads from: one type, so that the decoder is compiled once. Clones share the file.
 #[derive(Clone)]
-pub(crate) enum ParquetBytes {
+pub enum ParquetBytes {
+    /// On disk.
     File(Arc<File>),
+    /// In memory.
     Memory(Bytes),
 }
 

@@ -17,7 +17,7 @@ use tempfile::{Builder, NamedTempFile};
 use crate::error::LogError;
 
 /// What a writer writes into, whatever it is: one type, so that writers are compiled once.
-pub(crate) trait Output: Write + Seek + Send {}
+pub trait Output: Write + Seek + Send {}
 
 impl<T: Write + Seek + Send> Output for T {}
 
@@ -25,7 +25,7 @@ impl<T: Write + Seek + Send> Output for T {}
 ///
 /// ```
 /// let directory = tempfile::tempdir()?;
-/// tribo_logs::write_atomic(directory.path().join("a.txt"), |file| file.write_all(b"whole"))?;
+/// tribo_files::write_atomic(directory.path().join("a.txt"), |file| file.write_all(b"whole"))?;
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 ///
@@ -61,17 +61,14 @@ pub fn write_new(
 }
 
 /// [`write_atomic`] for writers that seek and have errors of their own.
-pub(crate) fn replace(
-    path: &Path,
-    write: impl FnOnce(&mut dyn Output) -> Result<(), LogError>,
-) -> Result<(), LogError> {
+pub fn replace(path: &Path, write: impl FnOnce(&mut dyn Output) -> Result<(), LogError>) -> Result<(), LogError> {
     let target = resolve(path)?;
     let temporary = written(&target, write)?;
     named(temporary, &target)
 }
 
 /// A file that somebody fills little by little and that replaces the one at its path at the end.
-pub(crate) struct AtomicFile {
+pub struct AtomicFile {
     target: PathBuf,
 }
 
@@ -182,7 +179,7 @@ fn sync_directory(_: &Path) -> io::Result<()> {
 }
 
 /// An error of the disk.
-pub(crate) fn failed(path: &Path, action: &'static str, source: io::Error) -> LogError {
+pub fn failed(path: &Path, action: &'static str, source: io::Error) -> LogError {
     LogError::Io { path: path.to_path_buf(), action, source }
 }
 

@@ -19,7 +19,7 @@ pub(crate) const GZIP_MAGIC: [u8; 2] = [0x1f, 0x8b];
 const BUFFER_BYTES: usize = 1 << 16;
 
 /// The bytes of a log, in a file or in memory, and how much of them has been read.
-pub(crate) struct LogFile<'p> {
+pub struct LogFile<'p> {
     /// The file; of bytes in memory the name that errors show.
     pub path: &'p Path,
     /// The content, where it is in memory.
@@ -134,8 +134,10 @@ impl<'p> LogFile<'p> {
 }
 
 /// Bytes from their start, as they are.
-pub(crate) enum RawBytes {
+pub enum RawBytes {
+    /// On disk.
     File(File),
+    /// In memory.
     Memory(Cursor<Bytes>),
 }
 
@@ -158,7 +160,7 @@ impl Seek for RawBytes {
 }
 
 /// Bytes that count what is read of them.
-pub(crate) struct Counted {
+pub struct Counted {
     raw: RawBytes,
     length: u64,
     taken: Rc<Cell<u64>>,
@@ -181,7 +183,7 @@ impl Read for Counted {
 }
 
 /// The next bytes of a reader, without taking them.
-pub(crate) fn peek<'a>(path: &Path, reader: &'a mut dyn BufRead) -> Result<&'a [u8], LogError> {
+pub fn peek<'a>(path: &Path, reader: &'a mut dyn BufRead) -> Result<&'a [u8], LogError> {
     reader.fill_buf().map_err(|source| LogError::io(path, "read", source))
 }
 
