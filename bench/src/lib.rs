@@ -20,7 +20,7 @@ mod verdict;
 pub use any_tune::{any_bench, any_real_time};
 pub use dynamics::DynamicsTimes;
 pub use estimators::EstimatorTimes;
-pub use interference::{Interference, idle_gaps};
+pub use interference::Interference;
 pub use optimiser::OptimiserTimes;
 pub use real_time::{AfterFault, RealTimeReport, RealTimeSettings, Stall, real_time};
 pub use report::{BenchReport, BenchSettings, bench};

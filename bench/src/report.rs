@@ -5,10 +5,10 @@ use std::time::Duration;
 use serde::Serialize;
 use tribo_runtime::allowed_cores;
 
-use super::interference::DISTURBANCE_US;
+use super::interference::{DISTURBANCE_US, idle_gaps};
 use super::{
     BenchError, DynamicsTimes, EstimatorTimes, Interference, OptimiserTimes, Percentiles, Rights, TickTimes,
-    TrialTimes, Verdict, idle_gaps, tick_times,
+    TrialTimes, Verdict, tick_times,
 };
 use tribo_campaign::ValidTune;
 

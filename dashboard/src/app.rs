@@ -9,7 +9,7 @@ use tribo_campaign::journal::Clock;
 use crate::export;
 use crate::export_request;
 use crate::help;
-use crate::layout::Layout;
+use crate::layout::{Layout, Recent};
 use crate::live_feed::LiveFeed;
 use crate::log_snapshot::LogSource;
 use crate::source::{Needs, Source};
@@ -54,6 +54,8 @@ pub struct Dashboard {
     layout: Layout,
     saved: Layout,
     path: String,
+    /// Campaign and log that were shown last.
+    shown: [Recent; 2],
     help: bool,
     starting: bool,
     installed: bool,
@@ -82,6 +84,7 @@ impl Dashboard {
             saved: layout.clone(),
             layout,
             path,
+            shown: Default::default(),
             help: false,
             starting: options.open.is_none() && options.live.is_none(),
             installed: false,
@@ -178,8 +181,13 @@ impl Dashboard {
 
     fn keys(&mut self, ctx: &Context) {
         for file in ctx.input(|input| input.raw.dropped_files.clone()) {
-            self.path = file.path().display().to_string();
-            self.open(ctx);
+            let path = file.path().display().to_string();
+            if self.start.takes(&path) {
+                (self.source.problem, self.starting) = (None, true);
+            } else {
+                self.path = path;
+                self.open_path(ctx);
+            }
         }
         if ctx.text_edit_focused() {
             return;
@@ -214,8 +222,12 @@ impl Dashboard {
         ctx.set_theme(if dark { Theme::Dark } else { Theme::Light });
     }
 
-    fn open(&mut self, ctx: &Context) {
-        let source = LogSource { path: PathBuf::from(self.path.trim()), ..LogSource::default() };
+    /// Opens what the field of the path says.
+    fn open_path(&mut self, ctx: &Context) {
+        self.open(ctx, LogSource { path: PathBuf::from(self.path.trim()), ..LogSource::default() });
+    }
+
+    fn open(&mut self, ctx: &Context, source: LogSource) {
         let is_log = !source.path.join("campaign.yaml").exists() && source.path.is_file();
         self.source.open(ctx, source);
         self.starting = false;
@@ -247,18 +259,39 @@ impl Dashboard {
                 if ui.button(name).on_hover_text("Change the theme (T)").clicked() {
                     self.toggle_theme(&ui.ctx().clone());
                 }
+                if let Some(Recent { path, model }) = self.recent(ui) {
+                    let source = LogSource { path: PathBuf::from(&path), model, ..LogSource::default() };
+                    self.path = path;
+                    self.open(&ui.ctx().clone(), source);
+                }
                 if ui.button("Open").clicked() {
-                    self.open(&ui.ctx().clone());
+                    self.open_path(&ui.ctx().clone());
                 }
                 let hint = "campaign directory or log";
                 let width = (ui.available_width() - 8.0).clamp(80.0, 420.0);
                 let label = ui.add(egui::TextEdit::singleline(&mut self.path).hint_text(hint).desired_width(width));
                 if label.lost_focus() && ui.input(|input| input.key_pressed(Key::Enter)) {
-                    self.open(&ui.ctx().clone());
+                    self.open_path(&ui.ctx().clone());
                 }
             });
         });
         ui.add_space(4.0);
+    }
+
+    /// The menu of what was open before, and what is chosen of it.
+    fn recent(&self, ui: &mut Ui) -> Option<Recent> {
+        let mut chosen = None;
+        ui.add_enabled_ui(!self.layout.recent.is_empty(), |ui| {
+            ui.menu_button("Recent", |ui| {
+                for recent in &self.layout.recent {
+                    if ui.button(&recent.path).clicked() {
+                        chosen = Some(recent.clone());
+                        ui.close();
+                    }
+                }
+            });
+        });
+        chosen
     }
 
     fn status(&mut self, ui: &mut Ui) {
@@ -327,8 +360,20 @@ impl Dashboard {
 
     /// Saves the layout when it has changed.
     fn remember(&mut self, ctx: &Context) {
-        if self.source.snapshot().campaign.is_some() || self.source.snapshot().log.is_some() {
-            self.layout.path.clone_from(&self.path);
+        let snapshot = self.source.snapshot();
+        let campaign = snapshot
+            .campaign
+            .as_ref()
+            .map(|campaign| Recent { path: campaign.directory.display().to_string(), ..Recent::default() });
+        let log = snapshot
+            .log
+            .as_ref()
+            .map(|log| Recent { path: log.source.path.display().to_string(), model: log.source.model.clone() });
+        for (shown, open) in self.shown.iter_mut().zip([campaign, log]) {
+            if let Some(open) = open.filter(|open| open != shown) {
+                self.layout.opened(open.clone());
+                *shown = open;
+            }
         }
         let size = ctx.content_rect().size();
         self.layout.size = [size.x, size.y];

@@ -14,7 +14,7 @@ const KEYS: [(&str, &str); 12] = [
     ("double click", "all of it again"),
     ("pointer on a curve", "its values; a failed trial tells its reason"),
     ("name in a legend", "hide and show a curve"),
-    ("drop on the window", "open a campaign directory or a log"),
+    ("drop on the window", "open a campaign directory or a log; tune a robot (URDF, MJCF)"),
 ];
 
 /// The overlay.

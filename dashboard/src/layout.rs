@@ -3,6 +3,7 @@
 use std::path::Path;
 
 use serde::{Deserialize, Serialize};
+use tribo_model::ModelChoice;
 use tribo_trial::EstimatorName;
 
 use crate::view::View;
@@ -25,6 +26,18 @@ pub struct Layout {
     pub size: [f32; 2],
     /// What was open.
     pub path: String,
+    /// Campaigns and logs that were open, the last one first.
+    pub recent: Vec<Recent>,
+}
+
+/// A campaign or a log that was open.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default)]
+pub struct Recent {
+    /// Where it is.
+    pub path: String,
+    /// The robot of a log.
+    pub model: ModelChoice,
 }
 
 impl Default for Layout {
@@ -37,11 +50,23 @@ impl Default for Layout {
             estimator: EstimatorName::default(),
             size: [1280.0, 800.0],
             path: String::new(),
+            recent: Vec::new(),
         }
     }
 }
 
+/// Paths that are remembered.
+const MOST_RECENT: usize = 10;
+
 impl Layout {
+    /// Remembers what is open.
+    pub fn opened(&mut self, open: Recent) {
+        self.path.clone_from(&open.path);
+        self.recent.retain(|recent| recent.path != open.path);
+        self.recent.insert(0, open);
+        self.recent.truncate(MOST_RECENT);
+    }
+
     /// The layout of a file; a missing or foreign one is as good as none.
     pub fn read(path: &Path) -> Self {
         std::fs::read_to_string(path).ok().and_then(|text| serde_json::from_str(&text).ok()).unwrap_or_default()
@@ -58,6 +83,21 @@ impl Layout {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn remembers_what_was_open_each_path_once() {
+        let mut layout = Layout::default();
+        let open = |path: &str, robot: Option<&str>| Recent {
+            path: path.to_owned(),
+            model: ModelChoice { robot: robot.map(str::to_owned), ..ModelChoice::default() },
+        };
+        layout.opened(open("a", None));
+        layout.opened(open("b", None));
+        layout.opened(open("a", Some("ur5e")));
+        assert_eq!((&layout.recent, layout.path.as_str()), (&vec![open("a", Some("ur5e")), open("b", None)], "a"));
+        (0..20).for_each(|k| layout.opened(open(&k.to_string(), None)));
+        assert_eq!((layout.recent.len(), layout.recent[0].path.as_str()), (MOST_RECENT, "19"));
+    }
 
     #[test]
     fn comes_back_and_forgives() {

@@ -35,7 +35,7 @@ pub(crate) fn check(file: &ParquetBytes, chunk: &ColumnChunkMetaData, rows: u64)
     check_sized(file, chunk, rows, 0)
 }
 
-/// As [`check`], of values that take up to `bytes` unpacked, such as names.
+/// As `check`, of values that take up to `bytes` unpacked, such as names.
 pub fn check_sized(
     file: &ParquetBytes,
     chunk: &ColumnChunkMetaData,

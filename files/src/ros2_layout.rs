@@ -7,7 +7,7 @@
 //! ```
 //!
 //! The tree says in which order and with which type the fields lie in the bytes of a message, whatever the version of the
-//! message is; [`Cdr`](crate::cdr::Cdr) reads the bytes. A definition may expand to [`MOST_NODES`] fields, which stops
+//! message is; [`Cdr`](crate::cdr::Cdr) reads the bytes. A definition may expand to `MOST_NODES` fields, which stops
 //! one that contains itself.
 //! Leaves out: `IDL:` definitions, default values, which no bytes depend on.
 

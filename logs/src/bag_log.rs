@@ -43,15 +43,7 @@ const LONGEST_MESSAGE: i32 = 1 << 24;
 /// The most topics of a bag.
 const MOST_TOPICS: usize = 1 << 12;
 
-/// Reads the one topic of a bag that says most about an arm.
-///
-/// # Errors
-/// As [`read_mcap`](crate::read_mcap).
-pub fn read_bag(path: impl AsRef<Path>) -> Result<(RobotLog, LogSummary), LogError> {
-    bag(&LogFile::new(path.as_ref()), Wanted::default())
-}
-
-/// Reads a bag.
+/// Reads the one topic of a bag that says most about an arm; errors as those of an MCAP file.
 pub(crate) fn bag(file: &LogFile, wanted: Wanted) -> Result<(RobotLog, LogSummary), LogError> {
     let path = file.path;
     let damaged = |error: rusqlite::Error| {

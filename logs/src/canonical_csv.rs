@@ -36,14 +36,6 @@ pub(crate) fn canonical(file: &LogFile, most_rows: Option<usize>) -> Result<(Rob
     canonical_rows(reader, file.path, if packed { LogFormat::CsvGz } else { LogFormat::Csv })?.into_log(most_rows)
 }
 
-/// Reads canonical CSV text; `path` is the name that errors show.
-///
-/// # Errors
-/// As [`read_csv`].
-pub fn read_csv_from(reader: impl BufRead, path: &Path) -> Result<(RobotLog, LogSummary), LogError> {
-    canonical_rows(reader, path, LogFormat::Csv)?.into_log(None)
-}
-
 /// The rows of canonical CSV text, header read.
 pub(crate) fn canonical_rows<R: BufRead>(
     reader: R,

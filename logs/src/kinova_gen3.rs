@@ -25,7 +25,6 @@
 
 use std::f64::consts::{PI, TAU};
 use std::io::BufRead;
-use std::path::Path;
 
 use crate::csv_rows::{Clock, CsvRows};
 use crate::format::LogFormat;
@@ -60,17 +59,8 @@ pub(crate) fn is_kinova_gen3(names: &[String]) -> bool {
     [INDEX, "Position1", "TorqueSm1", "TorqueCur1"].iter().all(|wanted| names.iter().any(|name| name == wanted))
 }
 
-/// Reads one CSV file of the data set, plain or gzip.
-///
-/// # Errors
-/// [`LogError::MissingColumns`] and [`LogError::DuplicateColumn`] for the header, [`LogError::NotLogged`] for a joint
-/// without `TorqueCur`, otherwise as [`read_csv`](crate::read_csv); an index that is no whole number is
-/// [`LogError::BadLine`].
-pub fn read_kinova_gen3(path: impl AsRef<Path>) -> Result<(RobotLog, LogSummary), LogError> {
-    kinova_gen3(&LogFile::new(path.as_ref()))
-}
-
-/// Reads one CSV of the data set, plain or gzip.
+/// Reads one CSV of the data set, plain or gzip: [`LogError::NotLogged`] for a joint without `TorqueCur`, [`LogError::BadLine`] for an
+/// index that is no whole number, otherwise as [`read_csv`](crate::read_csv).
 pub(crate) fn kinova_gen3(file: &LogFile) -> Result<(RobotLog, LogSummary), LogError> {
     let path = file.path;
     let (mut columns, end) = rows(file)?.into_columns(None)?;

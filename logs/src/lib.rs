@@ -6,7 +6,7 @@
 //! ```
 //!
 //! [`RobotLog`] is columnar and always valid: at least two rows, finite cells, columns of one length, strictly
-//! increasing time. Every way a file can be wrong is a [`LogError`] that names the file, the line or row, the column
+//! increasing time. Every way a file can be wrong is a `LogError` that names the file, the line or row, the column
 //! and the value. [`LogSummary`] says what was read, dropped, missing and not understood.
 //! Files are written atomically: a reader sees the old content or the new one, never a part.
 //! SI units and radians; degrees Celsius for temperatures; wrenches in the base frame, force first.
@@ -57,19 +57,15 @@ mod stretches;
 mod summary;
 mod write_log;
 
-pub use bag_log::read_bag;
 pub use bursts::{GAP_TOLERANCE, bursts, median_period_s};
-pub use canonical_csv::{read_csv, read_csv_from};
+pub use canonical_csv::read_csv;
 pub use convert::{convert, convert_by};
 pub use detect::{detect, read, read_from, read_log, read_log_from, read_log_watched, read_watched};
 pub use foreign::{ColumnMap, MappedColumn, Mapping, Unit};
 pub use format::LogFormat;
 pub use joint_state::{JointState, JointStateReader};
 pub use joint_state_recorder::JointStateRecorder;
-pub use kinova_gen3::read_kinova_gen3;
-pub use libfranka::read_libfranka;
 pub use log::{LogColumns, RobotLog, row};
-pub use mcap_log::read_mcap;
 pub use panda_gaz::read_panda_gaz;
 pub use parquet_log::{log_of_table, read_parquet};
 pub use quantity::Quantity;

@@ -22,14 +22,11 @@
 //! Source: libfranka, `src/log.cpp` up to 0.9 (legacy until 0.3) and `src/logging/robot_state_log.cpp` since.
 
 use std::io::BufRead;
-use std::path::Path;
 
 use crate::csv_rows::{Clock, CsvRows};
 use crate::format::LogFormat;
 use crate::header::Header;
-use crate::log::RobotLog;
 use crate::quantity::Quantity;
-use crate::summary::LogSummary;
 use tribo_files::LogError;
 use tribo_files::LogFile;
 use tribo_files::csv_lines::Lines;
@@ -71,14 +68,6 @@ const LEFT_OUT: [&str; 9] = [
 /// Whether a header is of this family: the reader then says what is wrong with it.
 pub(crate) fn is_libfranka(names: &[String]) -> bool {
     names.iter().any(|name| name == "state.q[0]" || name == LEGACY_MARK)
-}
-
-/// Reads one file of `logToCSV`, plain or gzip.
-///
-/// # Errors
-/// As [`read_csv`](crate::read_csv); missing columns are called by their libfranka names.
-pub fn read_libfranka(path: impl AsRef<Path>) -> Result<(RobotLog, LogSummary), LogError> {
-    libfranka_rows(&LogFile::new(path.as_ref()))?.into_log(None)
 }
 
 /// The rows of a file, header read. Where only the command tells the torque, the file is read before up to the first row that

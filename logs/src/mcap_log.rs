@@ -46,16 +46,8 @@ const CELLS_PER_BYTE: usize = 64;
 /// The most cells believed of a small file.
 const LEAST_CELLS: usize = 1 << 20;
 
-/// Reads the one channel of an MCAP file that says most about an arm.
-///
-/// # Errors
-/// [`LogError::NoReadableTopic`] with the reason for each topic, [`LogError::BadMessage`] with topic, number and field,
-/// [`LogError::Corrupt`] for a damaged or cut file, and those of opening it.
-pub fn read_mcap(path: impl AsRef<Path>) -> Result<(RobotLog, LogSummary), LogError> {
-    mcap(&LogFile::new(path.as_ref()), Wanted::default())
-}
-
-/// Reads MCAP.
+/// Reads the one channel of an MCAP file that says most about an arm: [`LogError::NoReadableTopic`] with the reason for each topic,
+/// [`LogError::BadMessage`] with topic, number and field, [`LogError::Corrupt`] for a damaged or cut file.
 pub(crate) fn mcap(file: &LogFile, wanted: Wanted) -> Result<(RobotLog, LogSummary), LogError> {
     // Whatever a damaged file makes the decoder do, it ends here; everything it touched is dropped with it.
     guarded(|| read_best_channel(file, wanted))

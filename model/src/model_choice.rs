@@ -2,6 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
+use serde::{Deserialize, Serialize};
 use tribo_logs::RobotLog;
 use tribo_sim::TorqueSide;
 
@@ -10,7 +11,8 @@ use crate::{AnyModel, FileError, ModelFile};
 
 /// A model file, or a robot by name, URDF or MJCF, or neither: then the number of joints of the logs decides, seven being a
 /// Panda's. A robot without a model file is bare, without friction.
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(default)]
 pub struct ModelChoice {
     /// The model file.
     pub model: Option<PathBuf>,

@@ -41,7 +41,7 @@ fn segment(samples: usize) -> usize {
 }
 
 /// How often a residual of correlation time `time` (samples) says the same again, cycle after cycle; 1 of one that never does. A robot that
-/// repeats its path repeats the error of its model. Shorter cycles than the segments of [`spectral_peak`] are seen there.
+/// repeats its path repeats the error of its model. Shorter cycles than the segments of `spectral_peak` are seen there.
 pub fn repetition(x: &[f64], time: f64) -> f64 {
     // Means over half a correlation time hold all that comes again.
     let block = ((0.5 * time).round() as usize).max(x.len().div_ceil(MOST_MEANS)).max(1);

@@ -64,7 +64,7 @@ pub use golden_section::golden_section;
 pub use label::{CauseLabel, Location};
 pub use logged_motion::LoggedMotion;
 pub use model_residual::ModelResidual;
-pub use noise_level::{rms, robust_sd, white_noise_sd};
+pub use noise_level::{rms, robust_sd};
 pub use nominal::{Nominal, SIGN_SMOOTHING_RAD_S};
 pub use push_window::PushWindow;
 pub use regression_data::{RegressionData, Sample};

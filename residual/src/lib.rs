@@ -50,19 +50,19 @@ mod momentum;
 mod qp;
 mod thermal;
 
-pub use band::{BandFitError, BandOf, JointBandFit, SPEED_CLASSES, band_coverage, identify_band};
+pub use band::{BandFitError, BandOf, JointBandFit, band_coverage, identify_band};
 pub use double_encoder::{
     Approach, CalibrationError, DeflectionGp, DeflectionMean, DoubleEncoderEstimator, DoubleEncoderModel,
-    DoubleEncoderSettings, FEWEST_LOADS, FEWEST_POSES, LoadSample, LoadedRest, Rest, RestWrench, Rests, StiffnessCurve,
-    StopOperator, ValidDoubleEncoder, calibrate, fit_stiffness,
+    DoubleEncoderSettings, LoadSample, LoadedRest, Rest, RestWrench, Rests, StiffnessCurve, ValidDoubleEncoder,
+    calibrate,
 };
 pub use friction_left::FrictionLeft;
 pub use momentum::{MomentumEstimator, MomentumObserver, MomentumSettings, OBSERVER_GAIN_RAD_S};
 pub use qp::{
     BandObserver, BoxOutcome, BoxQp, BoxSolution, ForceEstimate, ForceLimit, ForcePrior, ForceProblem, ForceSolver,
-    PIVOT_LIMIT, QpEstimator, QpSettings, Side, diagonal_prior, stack_opposed,
+    QpEstimator, QpSettings, Side, diagonal_prior, stack_opposed,
 };
 pub use thermal::{
-    ContactGate, ContactSettings, FrictionSample, Innovation, MAX_WINDOW, ObserverGain, ObserverSettings,
-    TemperatureObserver, ThermalEstimator, ThermalSettings, ThermalSettingsError,
+    ContactGate, ContactSettings, FrictionSample, Innovation, ObserverGain, ObserverSettings, TemperatureObserver,
+    ThermalEstimator, ThermalSettings, ThermalSettingsError,
 };

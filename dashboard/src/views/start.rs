@@ -61,6 +61,7 @@ const VELOCITIES: Choices = &[
 #[derive(Debug)]
 pub struct StartView {
     robot: &'static str,
+    robot_file: String,
     strategy: &'static str,
     law: &'static str,
     truth: &'static str,
@@ -79,6 +80,7 @@ impl StartView {
         let defaults = TuneConfig::default();
         Self {
             robot: ROBOTS[0].0,
+            robot_file: String::new(),
             strategy: STRATEGIES[0].0,
             law: LAWS[0].0,
             truth: TRUTHS[0].0,
@@ -105,6 +107,11 @@ impl StartView {
             ui.group(|ui| {
                 Grid::new("campaign").num_columns(2).spacing([16.0, 8.0]).show(ui, |ui| {
                     choose(ui, "Robot", &mut self.robot, ROBOTS);
+                    let label = ui.label("Or a robot file");
+                    let hint = "URDF or MJCF of six or seven joints; it can be dropped here";
+                    let path = egui::TextEdit::singleline(&mut self.robot_file).hint_text(hint).desired_width(472.0);
+                    ui.add(path).labelled_by(label.id);
+                    ui.end_row();
                     choose(ui, "Friction law", &mut self.law, LAWS);
                     choose(ui, "Estimator", &mut self.estimator, ESTIMATORS);
                     choose(ui, "Strategy", &mut self.strategy, STRATEGIES);
@@ -135,9 +142,22 @@ impl StartView {
         started
     }
 
+    /// Whether a file that is dropped on the window is a robot; the form then shows it.
+    pub fn takes(&mut self, path: &str) -> bool {
+        let is_robot = Path::new(path)
+            .extension()
+            .is_some_and(|extension| ["urdf", "xml", "mjcf"].iter().any(|robot| extension.eq_ignore_ascii_case(robot)));
+        if is_robot {
+            path.clone_into(&mut self.robot_file);
+        }
+        is_robot
+    }
+
     fn config(&self) -> Result<TuneConfig, String> {
+        let file = self.robot_file.trim();
+        let robot = if file.is_empty() { self.robot } else { file };
         Ok(TuneConfig {
-            robot: Some(self.robot.to_owned()),
+            robot: Some(robot.to_owned()),
             strategy: named(self.strategy)?,
             friction: named(self.law)?,
             residual: named(self.estimator)?,

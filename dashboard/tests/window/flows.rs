@@ -44,6 +44,28 @@ fn a_campaign_from_start_to_export() {
     assert!(dir.path().join("campaigns/0001/report.html").exists());
 }
 
+/// A campaign on a robot that only a file describes; a file that is none is refused with its name.
+#[test]
+fn a_campaign_on_a_robot_of_ones_own() {
+    let dir = tempfile::tempdir().unwrap();
+    let urdf = dir.path().join("mine.urdf");
+    std::fs::write(&urdf, tribo_robot::urdf::to_urdf(&tribo_robot::presets::xarm6())).unwrap();
+    let start = |robot: &str| {
+        let mut window = Window::open(options(dir.path(), None, View::Campaign));
+        window.harness.get_by_label("Or a robot file").focus();
+        window.frames(2);
+        window.harness.get_by_label("Or a robot file").type_text(robot);
+        window.harness.get_by_label("Trials").set_value_accesskit(1.0);
+        window.frames(3);
+        window.click("Start");
+        window
+    };
+    start("nowhere.urdf").must_show("nowhere.urdf");
+    start(&urdf.display().to_string()).wait_for("1 of 1 trials");
+    let settings = std::fs::read_to_string(dir.path().join("campaigns/0001/campaign.yaml")).unwrap();
+    assert!(settings.contains("mine.urdf"), "{settings}");
+}
+
 /// Stop leaves a campaign that can be gone on with, to the same result.
 #[test]
 fn stop_and_resume() {

@@ -5,9 +5,10 @@ use std::path::{Path, PathBuf};
 use crate::common::{Window, campaign, options, settings};
 use egui::{Event, Shape, pos2};
 use egui_kittest::kittest::Queryable;
-use tribo_dashboard::{Options, View};
+use tribo_dashboard::{LogSource, Options, View};
 use tribo_ekf::{WrenchEkf, WrenchEkfSettings};
 use tribo_logs::write_parquet;
+use tribo_model::ModelChoice;
 use tribo_trial::simulate_log;
 
 /// A log of an arm whose friction nobody cancels.
@@ -128,4 +129,24 @@ fn the_layout_is_remembered() {
     assert_ne!(window.shows("Light"), dark);
     window.click("Open");
     window.must_show("panda, trial 0");
+}
+
+/// What was open is in a menu, a log with the robot that it was opened with.
+#[test]
+fn recent_logs_come_back_with_their_robot() {
+    let dir = tempfile::tempdir().unwrap();
+    let (log, one) = (log(dir.path()), campaign(&dir.path().join("one"), settings(1)));
+    let layout = Some(dir.path().join("config/dashboard.json"));
+    let fr3 = ModelChoice { robot: Some("fr3".to_owned()), ..ModelChoice::default() };
+    let open = Some(LogSource { path: log.clone(), model: fr3, ..LogSource::default() });
+    let window = Window::open(Options { open, layout: layout.clone(), ..options(dir.path(), None, View::Log) });
+    window.must_show("the bare fr3");
+    drop(window);
+
+    let mut window = Window::open(Options { layout, ..options(dir.path(), Some(&one), View::Campaign) });
+    window.must_show("1 of 1 trials");
+    window.click("Recent");
+    window.must_show(&one.display().to_string());
+    window.click(&log.display().to_string());
+    window.must_show("the bare fr3");
 }

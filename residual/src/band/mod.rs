@@ -6,4 +6,4 @@ mod likelihood;
 mod nelder_mead;
 
 pub use band_of::BandOf;
-pub use identify::{BandFitError, JointBandFit, SPEED_CLASSES, band_coverage, identify_band};
+pub use identify::{BandFitError, JointBandFit, band_coverage, identify_band};

@@ -11,7 +11,7 @@ mod stiffness_curve;
 mod stiffness_fit;
 mod stop_operator;
 
-pub use calibrate::{FEWEST_POSES, calibrate};
+pub use calibrate::calibrate;
 pub use deflection_gp::DeflectionGp;
 pub use error::CalibrationError;
 pub use estimator::DoubleEncoderEstimator;
@@ -19,5 +19,5 @@ pub use model::{DoubleEncoderModel, RestWrench};
 pub use rest::{LoadedRest, Rest, Rests};
 pub use settings::{DeflectionMean, DoubleEncoderSettings, ValidDoubleEncoder};
 pub use stiffness_curve::StiffnessCurve;
-pub use stiffness_fit::{FEWEST_LOADS, LoadSample, fit_stiffness};
-pub use stop_operator::{Approach, StopOperator};
+pub use stiffness_fit::LoadSample;
+pub use stop_operator::Approach;

@@ -14,7 +14,7 @@ pub struct LoadSample {
     /// Torque of the load about the joint (Nm), eq. (17).
     pub torque_nm: f64,
     /// Change of the direction of the joint's motion, [−2, 2]: under a load the link gives way, and its stiction turns
-    /// against it; see [`super::StopOperator`].
+    /// against it; see `stop_operator.rs`.
     pub direction_change: f64,
     /// Change of the direction of loading, [−2, 2].
     pub loading_change: f64,

@@ -23,7 +23,7 @@ pub enum BoxOutcome {
     Converged,
     /// The covariance is not positive definite, or a number is not finite.
     NotPositiveDefinite,
-    /// [`PIVOT_LIMIT`] active sets were tried.
+    /// A thousand active sets were tried.
     PivotLimit,
 }
 

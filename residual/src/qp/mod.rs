@@ -11,6 +11,6 @@ mod force;
 mod subset_factor;
 
 pub use band_observer::{BandObserver, stack_opposed};
-pub use box_qp::{BoxOutcome, BoxQp, BoxSolution, PIVOT_LIMIT, Side};
+pub use box_qp::{BoxOutcome, BoxQp, BoxSolution, Side};
 pub use estimator::{QpEstimator, QpSettings, diagonal_prior};
 pub use force::{ForceEstimate, ForceLimit, ForcePrior, ForceProblem, ForceSolver};

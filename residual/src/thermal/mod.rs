@@ -8,6 +8,6 @@ mod settings_error;
 
 pub use contact_gate::{ContactGate, ContactSettings};
 pub use estimator::ThermalEstimator;
-pub use observer::{FrictionSample, Innovation, MAX_WINDOW, ObserverGain, ObserverSettings, TemperatureObserver};
+pub use observer::{FrictionSample, Innovation, ObserverGain, ObserverSettings, TemperatureObserver};
 pub use settings::ThermalSettings;
 pub use settings_error::ThermalSettingsError;

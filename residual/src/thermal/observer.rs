@@ -23,7 +23,7 @@ pub enum ObserverGain {
 /// Settings of [`TemperatureObserver`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ObserverSettings {
-    /// N: samples in an RMS value, 1 to [`MAX_WINDOW`].
+    /// N: samples in an RMS value, 1 to 64.
     pub window: usize,
     /// η or Kalman.
     pub gain: ObserverGain,
