@@ -460,7 +460,7 @@ const PINNINGS: usize = 8;
 
 /// The posterior of some families over some parts, bilinear in the gains, every link a body, signs as physics has them.
 ///
-/// A payload of negative mass, a spring that pushes, friction that falls with the load, viscous friction below zero, a rotor of negative inertia and a torque
+/// A payload of negative mass, a spring that pushes, friction that falls with the load, dry or viscous friction below zero, a rotor of negative inertia and a torque
 /// signal that is off by more than half do not exist: such a family or parameter is left out and everything fitted anew. Returns the state that the last equations were
 /// linear about too.
 pub fn posterior(problem: &Problem, parts: &[usize], start: &Start) -> Option<(Fit, State)> {
@@ -491,6 +491,10 @@ pub fn posterior(problem: &Problem, parts: &[usize], start: &Start) -> Option<(F
                         _,
                         JointTerm::Spring | JointTerm::Load | JointTerm::Presliding(_) | JointTerm::Lead(_),
                     ) if value < 0.0 => Some((*i, 0.0)),
+                    // It would drive a joint that is slow enough; what grows with speed from nothing bends.
+                    Place::Own(j, JointTerm::Coulomb) if problem.dry_nm[j] + value < 0.0 => {
+                        Some((*i, -problem.dry_nm[j]))
+                    }
                     // It would drive a joint that is fast enough; what falls with speed within the log bends.
                     Place::Own(j, JointTerm::Viscous) if problem.viscous_nm_s_per_rad[j] + value < 0.0 => {
                         Some((*i, -problem.viscous_nm_s_per_rad[j]))

@@ -83,6 +83,8 @@ pub struct Problem {
     pub typical: Vec<Matrix4<f64>>,
     /// What the model already has of rotors: none may become negative.
     pub rotor_kg_m2: Vec<f64>,
+    /// What the model already has of dry friction (Nm): friction drives no joint, however slowly it turns.
+    pub dry_nm: Vec<f64>,
     /// What the model already has of viscous friction [Nm s/rad]: friction drives no joint, however fast it turns.
     pub viscous_nm_s_per_rad: Vec<f64>,
     /// How strong the arm is, joint by joint: what priors are relative to.
@@ -162,6 +164,7 @@ impl Problem {
             precision,
             links: arm.links.iter().map(body::of_link).collect(),
             typical,
+            dry_nm: (0..N).map(|j| data.nominal.dry_nm(j)).collect(),
             viscous_nm_s_per_rad: (0..N).map(|j| data.nominal.viscous_nm_s(j)).collect(),
             rotor_kg_m2: arm.rotor_inertia_kg_m2.iter().copied().collect(),
             scale,
@@ -179,6 +182,7 @@ impl Problem {
             precision: self.precision.clone(),
             links: self.links.clone(),
             typical: self.typical.clone(),
+            dry_nm: self.dry_nm.clone(),
             viscous_nm_s_per_rad: self.viscous_nm_s_per_rad.clone(),
             rotor_kg_m2: self.rotor_kg_m2.clone(),
             scale: self.scale.clone(),

@@ -82,7 +82,7 @@ pub(super) fn bits(log: &RobotLog) -> Vec<(String, Vec<u64>)> {
     log.named().into_iter().map(|(name, column)| (name, column.iter().map(|value| value.to_bits()).collect())).collect()
 }
 
-/// The input with the checksum that belongs to it, if it has the place for one (`logs/src/seal.rs`).
+/// The input with the checksum that belongs to it, if it has the place for one (`files/src/seal.rs`).
 fn resealed(input: &[u8]) -> Option<Vec<u8>> {
     if input.get(4..12)? != b"TRIBOCRC" || input.len() < 20 {
         return None;

@@ -28,8 +28,8 @@ const EXAMPLES: &[(&str, &[&str])] = &[
     ("arm_with_friction", &["0.40          0.40        0.0000", "at rest: true"]),
     ("ten_seconds_of_ticks", &["no compensation         4.", "all of the friction     0.2"]),
     ("whole_or_not_there", &["read back: 3 rows", "torn: ", "damaged or cut off"]),
-    // The friction that the log was recorded with: 0.6 Nm and 0.9 Nm.
-    ("residual_of_a_log", &["0.600 Nm", "0.900 Nm"]),
+    // The friction that the log was recorded with.
+    ("residual_of_a_log", &["0.900 Nm", "0.550 Nm", "0.400 Nm"]),
     // A gain of 1.04 is hidden in joint 3.
     ("what_an_arm_lacks", &["CoulombViscous: ", "Gain: ", "gain of joint 3: +0.04"]),
     // 0.5 kg and 0.4 Nm are hidden in the log.

@@ -3,7 +3,7 @@
 use tribo_friction::identify::{JointTorqueFit, TorqueFitError, fit_columns};
 use tribo_friction::law::smooth_sign;
 use tribo_logs::{Resampling, RobotLog, resample};
-use tribo_regression::filter::ZeroPhaseLowPass;
+use tribo_regression::{filter::ZeroPhaseLowPass, rms};
 
 /// Band (Hz): no acceleration is needed here, whose noise keeps the residual of a whole arm at 10 Hz.
 const BAND_HZ: f64 = 15.0;
@@ -139,10 +139,6 @@ impl Signals {
         });
         TransmissionJoint { rms_before_nm: rms(&self.lost_nm), fit }
     }
-}
-
-fn rms(values: &[f64]) -> f64 {
-    (values.iter().map(|v| v * v).sum::<f64>() / values.len().max(1) as f64).sqrt()
 }
 
 #[cfg(test)]

@@ -108,7 +108,7 @@ impl StartView {
                 Grid::new("campaign").num_columns(2).spacing([16.0, 8.0]).show(ui, |ui| {
                     choose(ui, "Robot", &mut self.robot, ROBOTS);
                     let label = ui.label("Or a robot file");
-                    let hint = "URDF or MJCF of six or seven joints; it can be dropped here";
+                    let hint = "URDF, MJCF or model file; it can be dropped here";
                     let path = egui::TextEdit::singleline(&mut self.robot_file).hint_text(hint).desired_width(472.0);
                     ui.add(path).labelled_by(label.id);
                     ui.end_row();
@@ -144,9 +144,9 @@ impl StartView {
 
     /// Whether a file that is dropped on the window is a robot; the form then shows it.
     pub fn takes(&mut self, path: &str) -> bool {
-        let is_robot = Path::new(path)
-            .extension()
-            .is_some_and(|extension| ["urdf", "xml", "mjcf"].iter().any(|robot| extension.eq_ignore_ascii_case(robot)));
+        let is_robot = Path::new(path).extension().is_some_and(|extension| {
+            ["urdf", "xml", "mjcf", "yaml", "yml"].iter().any(|robot| extension.eq_ignore_ascii_case(robot))
+        });
         if is_robot {
             path.clone_into(&mut self.robot_file);
         }
@@ -155,14 +155,16 @@ impl StartView {
 
     fn config(&self) -> Result<TuneConfig, String> {
         let file = self.robot_file.trim();
+        // A model file says which robot it is, and its friction is what is simulated.
+        let is_model = [".yaml", ".yml"].iter().any(|end| file.ends_with(end));
         let robot = if file.is_empty() { self.robot } else { file };
         Ok(TuneConfig {
-            robot: Some(robot.to_owned()),
+            robot: (!is_model).then(|| robot.to_owned()),
             strategy: named(self.strategy)?,
             friction: named(self.law)?,
             residual: named(self.estimator)?,
             velocity: named(self.velocity)?,
-            truth: named(self.truth)?,
+            truth: named(if is_model { file } else { self.truth })?,
             trials: self.trials,
             seed: self.seed,
             pose: self.pose,

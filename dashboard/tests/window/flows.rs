@@ -61,6 +61,10 @@ fn a_campaign_on_a_robot_of_ones_own() {
         window
     };
     start("nowhere.urdf").must_show("nowhere.urdf");
+    start(&urdf.display().to_string()).must_show("the friction of this robot is not known");
+    let known = std::fs::read_to_string(&urdf).unwrap();
+    let known = known.replace("<limit ", "<dynamics damping=\"1\" friction=\"1\"/><limit ");
+    std::fs::write(&urdf, known).unwrap();
     start(&urdf.display().to_string()).wait_for("1 of 1 trials");
     let settings = std::fs::read_to_string(dir.path().join("campaigns/0001/campaign.yaml")).unwrap();
     assert!(settings.contains("mine.urdf"), "{settings}");
