@@ -485,6 +485,7 @@ pub fn posterior(problem: &Problem, parts: &[usize], start: &Start) -> Option<(F
             .filter_map(|i| {
                 let value = found.state[*i];
                 use crate::joint_term::JointTerm;
+                // 0 − x, so that what is held at nothing is no −0.
                 match problem.places[*i] {
                     // Friction that came before the motion would drive it.
                     Place::Own(
@@ -493,14 +494,14 @@ pub fn posterior(problem: &Problem, parts: &[usize], start: &Start) -> Option<(F
                     ) if value < 0.0 => Some((*i, 0.0)),
                     // It would drive a joint that is slow enough; what grows with speed from nothing bends.
                     Place::Own(j, JointTerm::Coulomb) if problem.dry_nm[j] + value < 0.0 => {
-                        Some((*i, -problem.dry_nm[j]))
+                        Some((*i, 0.0 - problem.dry_nm[j]))
                     }
                     // It would drive a joint that is fast enough; what falls with speed within the log bends.
                     Place::Own(j, JointTerm::Viscous) if problem.viscous_nm_s_per_rad[j] + value < 0.0 => {
-                        Some((*i, -problem.viscous_nm_s_per_rad[j]))
+                        Some((*i, 0.0 - problem.viscous_nm_s_per_rad[j]))
                     }
                     Place::Own(j, JointTerm::Rotor) if problem.rotor_kg_m2[j] + value < 0.0 => {
-                        Some((*i, -problem.rotor_kg_m2[j]))
+                        Some((*i, 0.0 - problem.rotor_kg_m2[j]))
                     }
                     _ => None,
                 }

@@ -98,16 +98,21 @@ pub fn parameters(campaign: &CampaignSnapshot) -> Vec<Figure> {
     parameters_of(campaign, 0..campaign.tune.space().joints())
 }
 
-/// Parameters of one joint over the trials, each on its own axis, with its bounds.
+/// Parameters of one joint over the trials, each on its own axis, with its bounds and what the simulated arm has.
 pub fn parameters_of_joint(campaign: &CampaignSnapshot, joint: usize) -> Vec<Figure> {
     let mut figures = parameters_of(campaign, joint..joint + 1);
-    for figure in &mut figures {
+    let truth = campaign.tune.true_parameters();
+    for (k, figure) in figures.iter_mut().enumerate() {
         figure.title = format!("{}, {}", figure.title, campaign.tune.joint_names().of(joint));
         for layer in figure.layers.iter_mut().filter(|layer| layer.name != "bounds") {
             layer.ink = 0;
             if let Mark::Line { dashed, .. } = &mut layer.mark {
                 *dashed = false;
             }
+        }
+        if let Some(truth) = &truth {
+            let place = joint * campaign.tune.space().parameters_per_joint() + k;
+            figure.layers.push(Layer::level("true friction", 2, truth[place]));
         }
     }
     figures

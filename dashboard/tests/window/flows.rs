@@ -27,6 +27,8 @@ fn a_campaign_from_start_to_export() {
     window.wait_for("3 of 3 trials");
     window.wait_for("the campaign has finished");
     assert!(dir.path().join("campaigns/0001/tuned.yaml").exists());
+    // In the cost of every trial, and beside either parameter of the joint.
+    assert_eq!(window.harness.get_all_by_label("true friction").count(), 3);
 
     for format in ["PNG", "SVG", "CSV"] {
         window.harness.get_all_by_label("save").next().unwrap().click();

@@ -183,9 +183,7 @@ impl<const N: usize> Answer<'_, N> {
         let shown = if matches!(label, CauseLabel::Coulomb | CauseLabel::Viscous) { &sliding[..] } else { terms };
         let shows = |j: &usize| {
             let size = self.size(*j, shown);
-            // What physics holds at nothing is no change, whatever the other terms of the friction are.
-            let changes = terms.iter().any(|term| self.own(*j, *term).0 != 0.0);
-            changes && size.rms_nm > SURE * size.sd_nm && size.rms_nm > NOTABLE * self.left_nm(*j)
+            size.rms_nm > SURE * size.sd_nm && size.rms_nm > NOTABLE * self.left_nm(*j)
         };
         let joints: Vec<usize> = (0..N).filter(shows).collect();
         let explained = joints.iter().map(|j| sizes[*j].rms_nm).fold(0.0, f64::max);
