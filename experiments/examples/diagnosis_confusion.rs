@@ -10,7 +10,7 @@ use std::sync::Mutex;
 use rayon::prelude::*;
 use tribo_experiments::hidden_effects::{CaseFilter, Outcome, Strength, Tally, World, judged};
 
-const USAGE: &str = "diagnosis_confusion --seeds A..B [--kind all|null|pair|triple|outside|CAUSE] [--strength weak|medium|strong] \
+const USAGE: &str = "diagnosis_confusion --seeds A..B [--kind all|null|pair|triple|outside|CAUSE] [--strength weak|medium|strong|plain] \
                      [--world identified|wrong-everywhere] [--verbose] [--wrong-only] [--out FILE.json]";
 
 fn main() {

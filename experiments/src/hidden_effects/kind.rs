@@ -13,11 +13,15 @@ pub enum Strength {
     Medium,
     /// 3 to 10.
     Strong,
+    /// 12 to 40: no round of seeds has it.
+    Plain,
 }
 
 impl Strength {
     /// All of them.
-    pub const ALL: [Self; 3] = [Self::Weak, Self::Medium, Self::Strong];
+    pub const ALL: [Self; 4] = [Self::Weak, Self::Medium, Self::Strong, Self::Plain];
+    /// Those of a round of seeds.
+    pub const ROUND: [Self; 3] = [Self::Weak, Self::Medium, Self::Strong];
 
     /// Least and largest ratio [-].
     pub fn range(self) -> [f64; 2] {
@@ -25,6 +29,7 @@ impl Strength {
             Self::Weak => [0.5, 1.0],
             Self::Medium => [1.0, 3.0],
             Self::Strong => [3.0, 10.0],
+            Self::Plain => [12.0, 40.0],
         }
     }
 
@@ -34,6 +39,7 @@ impl Strength {
             Self::Weak => "weak",
             Self::Medium => "medium",
             Self::Strong => "strong",
+            Self::Plain => "plain",
         }
     }
 }

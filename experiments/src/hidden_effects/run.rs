@@ -36,12 +36,13 @@ impl CaseFilter {
         }
     }
 
-    /// What the seed stands for. In turn: every cause, each of every strength, then pairs, nulls and outsiders.
+    /// What the seed stands for. In turn: every cause, each of the strengths of a round, then pairs, nulls and outsiders.
     pub fn kind_of(&self, seed: u64) -> Kind {
         if let Some(kind) = self.kind {
             return kind;
         }
-        let strengths: Vec<Strength> = self.strength.map_or_else(|| Strength::ALL.to_vec(), |strength| vec![strength]);
+        let strengths: Vec<Strength> =
+            self.strength.map_or_else(|| Strength::ROUND.to_vec(), |strength| vec![strength]);
         let labels: Vec<CauseLabel> = self.label.map_or_else(|| Kind::causes().collect(), |label| vec![label]);
         let single = (labels.len() * strengths.len()) as u64;
         let others = if self.label.is_none() && self.strength.is_none() { 3 * OTHERS } else { 0 };
