@@ -4,15 +4,15 @@ use std::hint::black_box;
 
 use nalgebra::{SVector, Vector6};
 use serde::Serialize;
+use tribo_campaign::ValidTune;
 use tribo_ekf::WrenchEkf;
 use tribo_residual::{QpEstimator, QpSettings};
 use tribo_robot::{ControlTerms, EstimatorInput, SensorFrame, WrenchEstimator};
 use tribo_runtime::TickRecord;
+use tribo_trial::{band_of_model, run_trial_observed};
 
 use super::BenchError;
 use super::stopwatch::per_call_ns;
-use tribo_campaign::ValidTune;
-use tribo_trial::{band_of_model, run_trial_observed};
 
 /// Ticks of the trial that are kept: pre-roll and the first seconds of motion, joints at rest and moving.
 const SAMPLES: usize = 6000;

@@ -32,7 +32,6 @@ pub use verdict::{Fitness, Percentiles, Rights, Verdict};
 use hdrhistogram::CreationError;
 use tribo_bayesopt::BayesoptError;
 use tribo_runtime::TickFault;
-
 use tribo_trial::EstimatorError;
 
 /// Why there is no figure.

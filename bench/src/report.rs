@@ -3,6 +3,7 @@
 use std::time::Duration;
 
 use serde::Serialize;
+use tribo_campaign::ValidTune;
 use tribo_runtime::allowed_cores;
 
 use super::interference::{DISTURBANCE_US, idle_gaps};
@@ -10,7 +11,6 @@ use super::{
     BenchError, DynamicsTimes, EstimatorTimes, Interference, OptimiserTimes, Percentiles, Rights, TickTimes,
     TrialTimes, Verdict, tick_times,
 };
-use tribo_campaign::ValidTune;
 
 /// How much is measured.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -2,15 +2,15 @@
 
 use std::time::Instant;
 
+use tribo_campaign::ValidTune;
 use tribo_robot::Plant;
 use tribo_runtime::{ControlLoop, LatencyHistogram, ProcessImage, RecordSink, record_ring, run_on_cores};
 use tribo_sim::BoxFrictionPlant;
+use tribo_trial::{AnyEstimator, Trial};
 
 use super::BenchError;
 use super::interference::preemptions;
 use super::records::drain;
-use tribo_campaign::ValidTune;
-use tribo_trial::{AnyEstimator, Trial};
 
 /// Records that the ring holds: a twelfth of a second of ticks at full speed.
 pub(super) const RING: usize = 4096;

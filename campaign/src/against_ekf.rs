@@ -1,8 +1,9 @@
 //! What a choice of estimator costs or gains.
 
+use tribo_trial::EstimatorName;
+
 use crate::numbered_trial::{noise_seed, run_estimated};
 use crate::{CampaignError, CampaignResult, TuneConfig, ValidTune, run_in_memory};
-use tribo_trial::EstimatorName;
 
 /// The parameters that a campaign of another estimator found, judged by the EKF beside those that the EKF finds itself.
 #[derive(Clone, Copy, Debug, PartialEq)]

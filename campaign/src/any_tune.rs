@@ -1,9 +1,9 @@
 //! What can be done with a campaign of any robot.
 
 use tribo_robot::JointNames;
+use tribo_trial::EstimatorError;
 
 use crate::{AnyTune, ParameterSpace, References, TuneConfig, TunedLaw, references};
-use tribo_trial::EstimatorError;
 
 impl AnyTune {
     /// The settings.

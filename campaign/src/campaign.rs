@@ -6,6 +6,8 @@ use std::sync::{Arc, Mutex};
 
 use rayon::prelude::*;
 use tribo_files::seal_of;
+use tribo_model::FileError;
+use tribo_trial::{trial_log_path, write_trial_log};
 
 use crate::campaign_directory::{Changes, RunBy, create, open};
 use crate::chooser::Chooser;
@@ -16,8 +18,6 @@ use crate::tuned::write_tuned;
 use crate::{
     CampaignError, Conclusion, EarlyStop, ParameterSpace, References, TuneConfig, ValidTune, references, run_numbered,
 };
-use tribo_model::FileError;
-use tribo_trial::{trial_log_path, write_trial_log};
 
 /// Somebody who watches a campaign; called in the order in which trials finish.
 pub trait CampaignObserver: Send {

@@ -12,6 +12,7 @@ use std::path::Path;
 
 use serde_json::{Value, json};
 use tribo_files::write_atomic;
+use tribo_model::{ConfigError, FieldError, FileError, YamlDocument, to_yaml};
 
 use crate::CampaignError;
 use crate::config::TRIALS;
@@ -19,7 +20,6 @@ use crate::journal::{Clock, Journal, JournalTrial};
 use crate::leftovers::{first_stranger, is_leftover, sweep};
 use crate::recorded_settings::{check_unchanged, check_version};
 use crate::{StopBelow, TuneConfig, ValidTune};
-use tribo_model::{ConfigError, FieldError, FileError, YamlDocument, to_yaml};
 
 /// What is said of a directory without campaign.
 const NO_CAMPAIGN: &str = "holds no campaign (no campaign.yaml)";

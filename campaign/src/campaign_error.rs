@@ -2,10 +2,11 @@
 
 use std::path::PathBuf;
 
-use crate::EarlyStop;
-use crate::strategy::StrategyError;
 use tribo_model::{ConfigError, FieldError, FileError};
 use tribo_trial::EstimatorError;
+
+use crate::EarlyStop;
+use crate::strategy::StrategyError;
 
 /// Why a campaign cannot go on.
 #[derive(Debug, thiserror::Error)]

@@ -8,15 +8,15 @@ use tribo_bayesopt::StopRule;
 use tribo_control::{GuardSettings, ImpedanceSettings, PAPER_PHASES_RAD, SinusoidReference};
 use tribo_ekf::{KnownInput, MeasurementNoise, WrenchEkfSettings};
 use tribo_friction::{JointEffects, JointFriction, VelocitySource};
+use tribo_model::{ConfigError, ControllerModel, FieldError, ModelFile, POSES, Robot, joints_of_preset};
 use tribo_robot::Kinematics;
 use tribo_robot::presets::joint_stiffness_nm_per_rad;
 use tribo_sim::{DEFAULT_SUB_STEPS, TorqueSide, WrenchPulses};
+use tribo_trial::scenario::{LoadedTruth, ModelError, TruthName, freeze, random_phases};
+use tribo_trial::{CostMeasure, CostName, EstimatorName, PenaltyLimits, Trial};
 
 use crate::strategy_name::StrategyName;
 use crate::{Batches, Bounds, ParameterSpace, StopBelow, TunedLaw, UserTrials};
-use tribo_model::{ConfigError, ControllerModel, FieldError, ModelFile, POSES, Robot, joints_of_preset};
-use tribo_trial::scenario::{LoadedTruth, ModelError, TruthName, freeze, random_phases};
-use tribo_trial::{CostMeasure, CostName, EstimatorName, PenaltyLimits, Trial};
 
 /// Schema name of campaign settings.
 const SCHEMA: &str = "tribo.tune/1";

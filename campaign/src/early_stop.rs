@@ -6,10 +6,10 @@ use std::path::Path;
 use serde::{Deserialize, Serialize};
 use tribo_bayesopt::StopRule;
 use tribo_files::write_atomic;
+use tribo_model::{FileError, YamlDocument, to_yaml};
 
 use crate::friction_limit::{Allowance, FrictionLimit};
 use crate::strategy::{FinishedTrial, LogSource, Past, Strategy, StrategyError};
-use tribo_model::{FileError, YamlDocument, to_yaml};
 
 /// Why a campaign ended before its last trial: `early_stop.yaml` in its directory.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]

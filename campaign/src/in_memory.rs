@@ -1,10 +1,11 @@
 //! A campaign that never touches the disk.
 
+use tribo_model::FileError;
+use tribo_trial::TrialLog;
+
 use crate::chooser::Chooser;
 use crate::strategy::{FinishedTrial, LawChange, LogSource, Past, RunningTrial};
 use crate::{CampaignError, Conclusion, EarlyStop, ParameterSpace, ValidTune, run_numbered};
-use tribo_model::FileError;
-use tribo_trial::TrialLog;
 
 /// Logs of a campaign that never touches the disk.
 struct LogsInMemory<const N: usize>(Vec<TrialLog<N>>);

@@ -1,9 +1,9 @@
 //! A trial as a function of the campaign's settings and its number.
 
 use tribo_friction::FrictionModel;
+use tribo_trial::{AnyEstimator, EstimatorError, Trial, TrialOutcome, run_trial};
 
 use crate::ValidTune;
-use tribo_trial::{AnyEstimator, EstimatorError, Trial, TrialOutcome, run_trial};
 
 /// Runs trial `number` with parameters θ: the noise depends on the campaign's seed and the number alone, and a truth
 /// that warms up has run all trials before.

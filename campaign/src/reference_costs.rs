@@ -2,12 +2,12 @@
 
 use rayon::prelude::*;
 use tribo_friction::{FrictionModel, JointEffects};
+use tribo_model::joint_effects;
 use tribo_sim::Effect;
+use tribo_trial::{AbortReason, EstimatorError, Trial, TrialOutcome};
 
 use crate::ValidTune;
 use crate::numbered_trial::{noise_seed, run_estimated};
-use tribo_model::joint_effects;
-use tribo_trial::{AbortReason, EstimatorError, Trial, TrialOutcome};
 
 /// Costs that put a campaign's result into proportion; known only in simulation.
 #[derive(Clone, Copy, Debug, PartialEq)]

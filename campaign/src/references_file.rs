@@ -4,10 +4,10 @@ use std::path::Path;
 
 use serde::{Deserialize, Serialize};
 use tribo_files::write_atomic;
-
-use crate::References;
 use tribo_model::{FileError, YamlDocument, to_yaml};
 use tribo_trial::AbortReason;
+
+use crate::References;
 
 /// Name of the file in a campaign's directory.
 pub const NAME: &str = "references.yaml";

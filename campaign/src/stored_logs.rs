@@ -4,10 +4,10 @@ use std::collections::BTreeMap;
 use std::path::PathBuf;
 use std::sync::{Arc, Mutex, PoisonError};
 
-use crate::strategy::LogSource;
 use tribo_model::FileError;
-use tribo_trial::TrialLog;
-use tribo_trial::read_own_trial_log;
+use tribo_trial::{TrialLog, read_own_trial_log};
+
+use crate::strategy::LogSource;
 
 /// Logs of trials: the last few in memory, all on disk. Both hold the same bits.
 pub(crate) struct StoredLogs<const N: usize> {

@@ -4,6 +4,12 @@ use std::sync::Arc;
 
 use nalgebra::SVector;
 use tribo_logs::RobotLog;
+use tribo_posterior::PlainFits;
+use tribo_regression::cause::{Candidate, candidates};
+use tribo_regression::deflection::deflections;
+use tribo_regression::evidence::joint_fit;
+use tribo_regression::ripple::{RippleLine, ripples};
+use tribo_regression::{CauseLabel, Column, DiagnoseError, EvaluatedColumns, RegressionData, System, rms, subtracted};
 
 use crate::conclusion::conclude;
 use crate::diagnosis::Diagnosis;
@@ -12,17 +18,6 @@ use crate::judged::judge;
 use crate::search::Search;
 use crate::settings::DiagnoseSettings;
 use crate::significance::Chance;
-use tribo_posterior::PlainFits;
-use tribo_regression::CauseLabel;
-use tribo_regression::DiagnoseError;
-use tribo_regression::RegressionData;
-use tribo_regression::cause::{Candidate, candidates};
-use tribo_regression::deflection::deflections;
-use tribo_regression::evidence::joint_fit;
-use tribo_regression::ripple::{RippleLine, ripples};
-use tribo_regression::rms;
-use tribo_regression::{Column, subtracted};
-use tribo_regression::{EvaluatedColumns, System};
 
 /// What is asked of logs, cause by cause.
 pub(crate) struct Question<'q, const N: usize> {

@@ -1,6 +1,7 @@
 //! From the findings of a search to a verdict.
 
 use tribo_logs::RobotLog;
+use tribo_regression::{CauseLabel, DiagnoseError, Location, RegressionData, rms};
 use tribo_sim::Effect;
 
 use crate::confusable::same_torque;
@@ -12,10 +13,6 @@ use crate::plots;
 use crate::remarks::{misfits, note_on_baseline, notes_of};
 use crate::stamps::take_stamps;
 use crate::validation::validated;
-use tribo_regression::DiagnoseError;
-use tribo_regression::RegressionData;
-use tribo_regression::rms;
-use tribo_regression::{CauseLabel, Location};
 
 /// Residual over sensor noise in the band beyond which a joint without a finding has something unexplained.
 const UNEXPLAINED_OVER_NOISE: f64 = 3.0;

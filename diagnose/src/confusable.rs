@@ -1,7 +1,6 @@
 //! Which causes physics confuses, and what separates them.
 
-use tribo_regression::Nominal;
-use tribo_regression::{CauseLabel, Location};
+use tribo_regression::{CauseLabel, Location, Nominal};
 
 /// Pairs of causes that look alike, and the sentence that a report gives.
 const PAIRS: [(CauseLabel, CauseLabel, &str); 22] = {

@@ -2,11 +2,11 @@
 
 use tribo_logs::RobotLog;
 use tribo_logs::recognise::Remark;
+use tribo_regression::{DiagnoseError, Nominal};
 
 use crate::recognise::by_the_arm;
 use crate::settings::DiagnoseSettings;
 use crate::{Diagnosis, engine};
-use tribo_regression::{DiagnoseError, Nominal};
 
 /// A [`Nominal`] model of six or of seven joints, which [`diagnose`](crate::diagnose) and
 /// [`recognise`](crate::recognise::recognise) take.

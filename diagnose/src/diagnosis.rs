@@ -1,10 +1,10 @@
 //! What a diagnosis says.
 
+use tribo_regression::{CauseLabel, Location};
 use tribo_robot::JointNames;
 use tribo_sim::Effect;
 
 use crate::next_experiment::NextExperiment;
-use tribo_regression::{CauseLabel, Location};
 
 /// The answer in one word.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -2,6 +2,8 @@
 
 use nalgebra::SVector;
 use tribo_logs::RobotLog;
+use tribo_posterior::{Problem, sharper_sign, sticking};
+use tribo_regression::{CauseLabel, DiagnoseError, Location, Nominal, PushWindow, RegressionData};
 use tribo_robot::mass_matrix;
 use tribo_sim::Truth;
 
@@ -12,13 +14,6 @@ use crate::families::explain::{Given, explain};
 use crate::families::gate::{AS_WELL, Wrongness, regression, wrongness};
 use crate::search::joints_and_kinds;
 use crate::settings::DiagnoseSettings;
-use tribo_posterior::Problem;
-use tribo_posterior::sharper_sign;
-use tribo_posterior::sticking;
-use tribo_regression::PushWindow;
-use tribo_regression::RegressionData;
-use tribo_regression::{CauseLabel, Location};
-use tribo_regression::{DiagnoseError, Nominal};
 
 /// Fewest samples per joint after averaging.
 const LEAST_SAMPLES: usize = 40;

@@ -1,11 +1,11 @@
 //! What a search for single causes ran on, for whoever draws conclusions from it.
 
-use crate::significance::Chance;
 use tribo_posterior::PlainFits;
-use tribo_regression::Nominal;
-use tribo_regression::RegressionData;
 use tribo_regression::deflection::DeflectionFinding;
 use tribo_regression::ripple::RippleLine;
+use tribo_regression::{Nominal, RegressionData};
+
+use crate::significance::Chance;
 
 /// A model that is asked about, where the data have another in its place, and what it leaves (Nm).
 #[derive(Clone, Copy)]

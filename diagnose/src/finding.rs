@@ -2,6 +2,11 @@
 
 use std::sync::Arc;
 
+use tribo_regression::cause::{Candidate, TorqueRipple};
+use tribo_regression::deflection::DeflectionFinding;
+use tribo_regression::evidence::joint_fit;
+use tribo_regression::ripple::RippleLine;
+use tribo_regression::{CauseLabel, Column, DiagnoseError, Location, RegressionData};
 use tribo_robot::JointNames;
 use tribo_sim::Effect;
 
@@ -16,14 +21,6 @@ use crate::pruning::{LARGEST_P, torque_rms};
 use crate::rivals::rivals;
 use crate::search::Search;
 use crate::significance::Chance;
-use tribo_regression::Column;
-use tribo_regression::DiagnoseError;
-use tribo_regression::RegressionData;
-use tribo_regression::cause::{Candidate, TorqueRipple};
-use tribo_regression::deflection::DeflectionFinding;
-use tribo_regression::evidence::joint_fit;
-use tribo_regression::ripple::RippleLine;
-use tribo_regression::{CauseLabel, Location};
 
 /// A selected cause with everything that is reported of it.
 pub(crate) struct Selected<const N: usize> {

@@ -5,12 +5,9 @@ use std::ops::Range;
 use nalgebra::{DMatrix, DVector};
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64;
-
 use tribo_posterior::THIRDS;
-use tribo_regression::CauseLabel;
-use tribo_regression::Column;
-use tribo_regression::System;
 use tribo_regression::least_squares::{inner, solve_ridge};
+use tribo_regression::{CauseLabel, Column, System};
 
 /// Number of folds.
 const FOLDS: usize = 8;

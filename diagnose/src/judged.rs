@@ -1,5 +1,9 @@
 //! From a finished search to findings, rivals and gains.
 
+use tribo_posterior::PlainFits;
+use tribo_regression::evidence::joint_fit;
+use tribo_regression::{CauseLabel, DiagnoseError, rms, subtracted};
+
 use crate::diagnosis::{Finding, Rejected, Unseen};
 use crate::evaluated::Evaluated;
 use crate::finding::{Fitted, Selected, deflection_finding, describe, finding_of, ripple_finding, squares};
@@ -11,12 +15,6 @@ use crate::pruning::{
 use crate::remarks::{assumptions_of, rejected};
 use crate::search::Search;
 use crate::significance::Chance;
-use tribo_posterior::PlainFits;
-use tribo_regression::CauseLabel;
-use tribo_regression::DiagnoseError;
-use tribo_regression::evidence::joint_fit;
-use tribo_regression::rms;
-use tribo_regression::subtracted;
 
 /// What a finished search says.
 pub(crate) struct Judged<const N: usize> {

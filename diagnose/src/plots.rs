@@ -1,17 +1,15 @@
 //! The evidence in pictures and shares: what the residual goes with.
 
 use nalgebra::{DMatrix, DVector};
-use tribo_robot::{Arm, JointNames, gravity_torque, inverse_dynamics_regressor};
-
-use crate::diagnosis::{CrossJointPattern, Plot, Series};
-use crate::report::cause_at;
-use tribo_regression::RegressionData;
 use tribo_regression::cause::Candidate;
 use tribo_regression::deflection::DeflectionFinding;
 use tribo_regression::least_squares::solve_truncated;
 use tribo_regression::ripple::RippleLine;
-use tribo_regression::{CauseLabel, Location};
-use tribo_regression::{Column, FineColumn, add_scaled};
+use tribo_regression::{CauseLabel, Column, FineColumn, Location, RegressionData, add_scaled};
+use tribo_robot::{Arm, JointNames, gravity_torque, inverse_dynamics_regressor};
+
+use crate::diagnosis::{CrossJointPattern, Plot, Series};
+use crate::report::cause_at;
 
 /// Points of a cloud.
 const MOST_POINTS: usize = 1500;

@@ -1,16 +1,15 @@
 //! What the selection keeps: enough evidence, enough torque, a gain on unseen blocks, the likelier of two stories.
 
+use tribo_regression::contact_window::residual;
+use tribo_regression::evidence::joint_fit;
+use tribo_regression::least_squares::inner;
+use tribo_regression::{CauseLabel, Column, Location, rms};
+
 use crate::confusable::same_by_physics;
 use crate::held_out::{BlockSquares, HeldOut};
 use crate::rivals::RIVAL_EVIDENCE;
 use crate::search::{LEAST_EVIDENCE, Search};
 use crate::significance::Chance;
-use tribo_regression::Column;
-use tribo_regression::contact_window::residual;
-use tribo_regression::evidence::joint_fit;
-use tribo_regression::least_squares::inner;
-use tribo_regression::rms;
-use tribo_regression::{CauseLabel, Location};
 
 /// Largest family-wise probability of chance for a finding.
 pub(crate) const LARGEST_P: f64 = 0.01;

@@ -1,14 +1,13 @@
 //! What surrounds the findings: the misfit of every joint, notes, assumptions, and what was rejected.
 
+use tribo_regression::evidence::Conditional;
+use tribo_regression::{CauseLabel, RegressionData, rms};
+
 use crate::diagnosis::{Finding, JointMisfit, Rejected, Unseen};
 use crate::held_out::BlockSquares;
 use crate::plots;
 use crate::search::{LEAST_EVIDENCE, Search};
 use crate::significance::Chance;
-use tribo_regression::CauseLabel;
-use tribo_regression::RegressionData;
-use tribo_regression::evidence::Conditional;
-use tribo_regression::rms;
 
 /// The misfit of every joint, from what is held out as RMS before and after (Nm).
 pub(crate) fn misfits_of_squares<const N: usize>(

@@ -1,10 +1,11 @@
 //! Causes that would do as well.
 
+use tribo_regression::CauseLabel;
+use tribo_regression::evidence::Conditional;
+
 use crate::confusable::why;
 use crate::diagnosis::Alternative;
 use crate::search::{LEAST_EVIDENCE, Search};
-use tribo_regression::CauseLabel;
-use tribo_regression::evidence::Conditional;
 
 /// Evidence within which a rival cannot be excluded.
 pub(crate) const RIVAL_EVIDENCE: f64 = 10.0;

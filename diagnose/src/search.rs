@@ -11,14 +11,11 @@ use std::collections::BTreeSet;
 use std::sync::Arc;
 
 use rayon::prelude::*;
-
-use tribo_regression::System;
 use tribo_regression::cause::{Candidate, ExternalContact};
 use tribo_regression::contact_window::{best_window, sharpened};
 use tribo_regression::evidence::{Conditional, Selection, gain_given};
-use tribo_regression::golden_section;
 use tribo_regression::least_squares::Gain;
-use tribo_regression::{CauseLabel, Location};
+use tribo_regression::{CauseLabel, Location, System, golden_section};
 
 /// Time that two windows share over the time of either from which on they are one push.
 const SAME_PUSH: f64 = 0.5;

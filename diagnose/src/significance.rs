@@ -4,12 +4,12 @@ use nalgebra::{DMatrix, DVector};
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64;
 use rayon::prelude::*;
-
-use crate::search::Search;
 use tribo_regression::Location;
 use tribo_regression::contact_window::residual;
 use tribo_regression::evidence::Conditional;
 use tribo_regression::least_squares::solve_truncated;
+
+use crate::search::Search;
 
 /// Length of a block (s).
 const BLOCK_S: f64 = 0.25;

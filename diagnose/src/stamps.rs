@@ -1,12 +1,10 @@
 //! Delays that are none: what comes of when in a period of the control loop the rows of a log are stamped, and of joints that stick.
 
+use tribo_regression::{CauseLabel, Location, MotionSample, RegressionData};
 use tribo_robot::gravity_torque;
 use tribo_sim::TorqueSide;
 
 use crate::diagnosis::Finding;
-use tribo_regression::MotionSample;
-use tribo_regression::RegressionData;
-use tribo_regression::{CauseLabel, Location};
 
 /// Period of the control loop of an arm (s), in which a torque is held and measured.
 const CONTROL_PERIOD_S: f64 = 1e-3;

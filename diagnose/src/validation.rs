@@ -1,14 +1,11 @@
 //! The extended model on logs that no parameter was fitted to.
 
 use tribo_logs::RobotLog;
+use tribo_regression::{DiagnoseError, Nominal, RegressionData, rms};
 use tribo_sim::Effect;
 
 use crate::diagnosis::Validation;
 use crate::held_out::gain_of_pairs;
-use tribo_regression::DiagnoseError;
-use tribo_regression::Nominal;
-use tribo_regression::RegressionData;
-use tribo_regression::rms;
 
 /// Length of a block of the interval (s).
 const BLOCK_S: f64 = 2.0;

@@ -10,11 +10,12 @@
 use std::collections::BTreeMap;
 use std::path::Path;
 
+use tribo_files::{LogError, visible};
+
 use crate::joint_order::arm_joints;
 use crate::log::{LogColumns, RobotLog};
 use crate::message_source::{Sample, Source};
 use crate::quantity::{MAX_JOINTS, Quantity};
-use tribo_files::{LogError, visible};
 
 /// What is wanted of a bag.
 #[derive(Debug, Clone, Copy, Default)]

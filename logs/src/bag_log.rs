@@ -15,14 +15,13 @@ use std::path::Path;
 use rusqlite::config::DbConfig;
 use rusqlite::types::ValueRef;
 use rusqlite::{Connection, OpenFlags, Row};
+use tribo_files::{LogError, LogFile, RawBytes};
 
 use crate::arm_rows::{Candidate, Chosen, Rows, Wanted};
 use crate::format::LogFormat;
 use crate::log::RobotLog;
 use crate::message_source::Source;
 use crate::summary::LogSummary;
-use tribo_files::LogError;
-use tribo_files::{LogFile, RawBytes};
 
 /// First bytes of an SQLite database.
 pub(crate) const SQLITE_MAGIC: &[u8] = b"SQLite format 3\0";

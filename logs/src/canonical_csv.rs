@@ -13,14 +13,14 @@
 use std::io::BufRead;
 use std::path::Path;
 
+use tribo_files::csv_lines::Lines;
+use tribo_files::{LogError, LogFile};
+
 use crate::csv_rows::{Clock, CsvRows};
 use crate::format::LogFormat;
 use crate::header::Header;
 use crate::log::RobotLog;
 use crate::summary::LogSummary;
-use tribo_files::LogError;
-use tribo_files::LogFile;
-use tribo_files::csv_lines::Lines;
 
 /// Reads a canonical CSV file, plain or gzip.
 ///

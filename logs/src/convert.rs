@@ -12,6 +12,8 @@ use std::io::BufRead;
 use std::path::Path;
 use std::rc::Rc;
 
+use tribo_files::{LogError, LogFile, ROWS_PER_GROUP, replace};
+
 use crate::canonical_csv::canonical_rows;
 use crate::csv_rows::CsvRows;
 use crate::detect::{detect, read_heard};
@@ -23,10 +25,6 @@ use crate::read_options::ReadOptions;
 use crate::recognise::{Remark, Severity, recognise};
 use crate::summary::LogSummary;
 use crate::write_log::{LogTarget, Sink, write_log};
-use tribo_files::LogError;
-use tribo_files::LogFile;
-use tribo_files::ROWS_PER_GROUP;
-use tribo_files::replace;
 
 /// Reads the log at `from` and writes it to `to`. `progress` hears the part that is read, 0 to 1, and stops by saying false.
 ///

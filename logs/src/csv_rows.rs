@@ -11,15 +11,15 @@ use std::io::BufRead;
 use std::ops::Range;
 use std::path::Path;
 
+use tribo_files::csv_lines::{Lines, RowLayout};
+use tribo_files::{LogError, ROWS_PER_GROUP};
+
 use crate::differentiated::differentiate;
 use crate::format::LogFormat;
 use crate::header::Header;
 use crate::log::{LogColumns, RobotLog};
 use crate::stretches::Stretches;
 use crate::summary::LogSummary;
-use tribo_files::LogError;
-use tribo_files::ROWS_PER_GROUP;
-use tribo_files::csv_lines::{Lines, RowLayout};
 
 /// The unit of the first column.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

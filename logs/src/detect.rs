@@ -17,6 +17,8 @@ use std::path::{Path, PathBuf};
 use std::rc::Rc;
 
 use bytes::Bytes;
+use tribo_files::csv_lines::{BYTE_ORDER_MARK, header_names};
+use tribo_files::{LogError, LogFile, peek, shown};
 
 use crate::arm_rows::Wanted;
 use crate::bag_log::{SQLITE_MAGIC, bag};
@@ -33,9 +35,6 @@ use crate::quantity::Quantity;
 use crate::read_options::ReadOptions;
 use crate::stretches::Stretches;
 use crate::summary::LogSummary;
-use tribo_files::csv_lines::{BYTE_ORDER_MARK, header_names};
-use tribo_files::{LogError, shown};
-use tribo_files::{LogFile, peek};
 
 /// Tells the format of a file or directory.
 ///

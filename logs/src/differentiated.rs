@@ -7,10 +7,11 @@
 //! On regular stamps it is late by nothing; it leaves 99.5 % of an amplitude at 10 Hz. At the ends of a burst the line leans on the
 //! rows that there are; a gap is not crossed. Encoder noise of 10 µrad becomes 0.4 mrad/s at 1 kHz.
 
+use tribo_files::LogError;
+
 use crate::bursts::{GAP_TOLERANCE, bursts, median_period_s};
 use crate::log::LogColumns;
 use crate::quantity::Quantity;
-use tribo_files::LogError;
 
 /// Half a window (s), and in rows at least and at most.
 const HALF_S: f64 = 0.01;

@@ -6,9 +6,10 @@
 use std::collections::HashMap;
 use std::ops::Range;
 
+use tribo_files::LogError;
+
 use crate::log::LogColumns;
 use crate::quantity::Quantity;
-use tribo_files::LogError;
 
 /// Where each canonical column stands in a file.
 pub(crate) struct Header {

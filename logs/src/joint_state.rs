@@ -1,9 +1,10 @@
 //! `sensor_msgs/msg/JointState` as bytes: what a ROS 2 topic carries and a rosbag2 keeps.
 
+use tribo_files::CdrWriter;
+
 use crate::joint_order::arm_joints;
 use crate::message_source::Source;
 use crate::quantity::Quantity;
-use tribo_files::CdrWriter;
 
 /// Its name in ROS 2.
 pub(crate) const JOINT_STATE: &str = "sensor_msgs/msg/JointState";

@@ -7,11 +7,10 @@ use std::path::Path;
 use mcap::records::MessageHeader;
 use mcap::{McapResult, WriteOptions, Writer};
 use tempfile::NamedTempFile;
+use tribo_files::{AtomicFile, LogError, failed};
 
 use crate::joint_state::{JOINT_STATE, JOINT_STATE_FIELDS, JointState};
 use crate::mcap_write::told;
-use tribo_files::LogError;
-use tribo_files::{AtomicFile, failed};
 
 /// Writes joint states as they come. The file appears whole, when it is finished.
 ///

@@ -26,15 +26,15 @@
 use std::f64::consts::{PI, TAU};
 use std::io::BufRead;
 
+use tribo_files::csv_lines::Lines;
+use tribo_files::{LogError, LogFile};
+
 use crate::csv_rows::{Clock, CsvRows};
 use crate::format::LogFormat;
 use crate::header::{Header, positions_by_name};
 use crate::log::RobotLog;
 use crate::quantity::Quantity;
 use crate::summary::LogSummary;
-use tribo_files::LogError;
-use tribo_files::LogFile;
-use tribo_files::csv_lines::Lines;
 
 /// Joints of the arm.
 const JOINTS: usize = 7;

@@ -23,13 +23,13 @@
 
 use std::io::BufRead;
 
+use tribo_files::csv_lines::Lines;
+use tribo_files::{LogError, LogFile};
+
 use crate::csv_rows::{Clock, CsvRows};
 use crate::format::LogFormat;
 use crate::header::Header;
 use crate::quantity::Quantity;
-use tribo_files::LogError;
-use tribo_files::LogFile;
-use tribo_files::csv_lines::Lines;
 
 /// The column between state and command in the legacy header.
 const LEGACY_MARK: &str = "sent commands";

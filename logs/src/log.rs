@@ -9,8 +9,9 @@
 
 use std::ops::{Deref, Range};
 
-use crate::quantity::Quantity;
 use tribo_files::LogError;
+
+use crate::quantity::Quantity;
 
 /// The fewest rows that make a log: one period.
 pub(crate) const MIN_ROWS: usize = 2;

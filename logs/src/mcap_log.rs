@@ -19,15 +19,13 @@ use std::path::Path;
 use mcap::io::MessageReader;
 use mcap::sans_io::LinearReaderOptions;
 use mcap::{Channel, McapError};
+use tribo_files::{Counted, LogError, LogFile, guarded};
 
 use crate::arm_rows::{Candidate, Chosen, Rows, Wanted};
 use crate::format::LogFormat;
 use crate::log::RobotLog;
 use crate::message_source::Source;
 use crate::summary::LogSummary;
-use tribo_files::LogError;
-use tribo_files::guarded;
-use tribo_files::{Counted, LogFile};
 
 /// First bytes of an MCAP file.
 pub(crate) const MCAP_MAGIC: [u8; 5] = [0x89, b'M', b'C', b'A', b'P'];

@@ -17,10 +17,9 @@ use std::path::Path;
 
 use mcap::records::MessageHeader;
 use mcap::{McapError, McapResult, WriteOptions, Writer};
+use tribo_files::{LogError, Output, failed};
 
 use crate::quantity::Quantity;
-use tribo_files::LogError;
-use tribo_files::{Output, failed};
 
 const TOPIC: &str = "/robot";
 const SCHEMA_NAME: &str = "tribo.Log";

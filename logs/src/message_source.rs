@@ -13,10 +13,10 @@
 //! canonical columns (`q_0`). Three clocks: `time` (s), `header.stamp`, and the stamp of the recorder.
 
 use serde_json::Value;
-
-use crate::quantity::{MAX_JOINTS, Quantity};
 use tribo_files::ros2_layout::{Node, bind, expand};
 use tribo_files::{Cdr, Slot};
+
+use crate::quantity::{MAX_JOINTS, Quantity};
 
 /// The quantities and where they may be; a path with several leaves is written once for each.
 const PATHS: [(Quantity, &[&[&str]]); 11] = [

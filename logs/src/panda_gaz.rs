@@ -11,12 +11,12 @@
 
 use std::path::Path;
 
+use tribo_files::csv_lines::{Lines, parse_number};
+use tribo_files::{LogError, LogFile};
+
 use crate::format::LogFormat;
 use crate::log::{LogColumns, RobotLog};
 use crate::summary::LogSummary;
-use tribo_files::LogError;
-use tribo_files::LogFile;
-use tribo_files::csv_lines::{Lines, parse_number};
 
 /// Joints of the Panda.
 const JOINTS: usize = 7;

@@ -2,15 +2,14 @@
 
 use std::path::Path;
 
+use tribo_files::{LogError, LogFile, Table, table_of};
+
 use crate::differentiated::{differentiate, lacks_velocity};
 use crate::format::LogFormat;
 use crate::header::Header;
 use crate::log::RobotLog;
 use crate::quantity::Quantity;
 use crate::summary::LogSummary;
-use tribo_files::LogError;
-use tribo_files::LogFile;
-use tribo_files::{Table, table_of};
 
 /// Value of the metadata key `schema`.
 const SCHEMA: &str = "tribo.log/1";

@@ -15,10 +15,11 @@
 //! jitter of the stamps decides, and no interpolant repairs it.
 //! Leaves out: extrapolation, and anti-alias filtering when T is longer than the period of the log.
 
+use tribo_files::LogError;
+
 use crate::bursts::{GAP_TOLERANCE, bursts, median_period_s};
 use crate::log::RobotLog;
 use crate::quantity::Quantity;
-use tribo_files::LogError;
 
 /// How to resample. Its default is the median period of the log and the contract's gap tolerance.
 #[derive(Debug, Clone, Copy, PartialEq)]

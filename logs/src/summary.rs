@@ -2,14 +2,14 @@
 
 use std::fmt;
 
+use tribo_files::{ROWS_PER_GROUP, visible};
+
 use crate::bursts::{GAP_TOLERANCE, bursts, median_period_s};
 use crate::foreign::{MappedColumn, Mapping};
 use crate::format::LogFormat;
 use crate::log::RobotLog;
 use crate::quantity::Quantity;
 use crate::recognise::{Remark, recognise};
-use tribo_files::ROWS_PER_GROUP;
-use tribo_files::visible;
 
 /// Evidence about a log that was read.
 #[derive(Debug, Clone, PartialEq)]

@@ -3,14 +3,12 @@
 use std::io::{Seek, Write};
 use std::path::Path;
 
+use tribo_files::{CsvWriter, LogError, Output, TableWriter, failed, replace};
+
 use crate::log::RobotLog;
 use crate::mcap_write::McapWriter;
 use crate::parquet_log::table_metadata;
 use crate::quantity::Quantity;
-use tribo_files::CsvWriter;
-use tribo_files::LogError;
-use tribo_files::TableWriter;
-use tribo_files::{Output, failed, replace};
 
 /// What the columns of a CSV file are called.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]

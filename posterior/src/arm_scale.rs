@@ -1,10 +1,10 @@
 //! How large effects of an arm usually are, read off its limits, its links and where its log goes.
 
 use nalgebra::SVector;
+use tribo_regression::RegressionData;
 use tribo_sim::{SoftFriction, TorqueSide};
 
 use crate::prior::{ArmScale, MOST_WAVES};
-use tribo_regression::RegressionData;
 
 impl ArmScale {
     /// What data say of an arm: torque and speed limits, where they are no fantasy, and its own weight.

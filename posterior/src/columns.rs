@@ -7,16 +7,15 @@ use std::sync::{Arc, Mutex};
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 use tribo_friction::law::{leading_sign, smooth_sign};
+use tribo_regression::cause::{base_tilt_columns, bristle};
+use tribo_regression::filter::central_difference;
+use tribo_regression::{PushWindow, RegressionData};
 use tribo_sim::{Effect, SOFT_FRICTION_LEAD_S};
 
 use crate::joint_columns::{DELAY, JointColumns, LINKS, TILT};
 use crate::joint_term::JointTerm;
 use crate::prior::{ArmScale, PRESLIDING_RAD};
 use crate::standstill;
-use tribo_regression::PushWindow;
-use tribo_regression::RegressionData;
-use tribo_regression::cause::{base_tilt_columns, bristle};
-use tribo_regression::filter::central_difference;
 
 /// Parts that each log is cut into; a third of them is a third of the log.
 pub const PARTS: usize = 12;

@@ -11,14 +11,14 @@ use std::sync::Arc;
 
 use nalgebra::SVector;
 use rayon::prelude::*;
+use tribo_regression::RegressionData;
+use tribo_regression::cause::base_tilt_columns;
 use tribo_robot::{Arm, rnea};
 
 use crate::columns::Columns;
 use crate::joint_columns::TILT;
 use crate::joint_term::JointTerm;
 use crate::problem::{Place, Problem, State};
-use tribo_regression::RegressionData;
-use tribo_regression::cause::base_tilt_columns;
 
 /// Puts the columns of an arm, without and with the payload, in the place of those of the model; `unloaded` says of each log whether the flange was bare.
 /// Returns by how much each column of each joint changes (RMS, torque per unit of the coefficient), columns in the order load, tilts. Where

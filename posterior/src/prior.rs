@@ -1,7 +1,8 @@
 //! What is known of an arm before its log is read: the families of causes, how large each usually is, how rare.
 
-use crate::joint_term::JointTerm;
 use tribo_regression::CauseLabel;
+
+use crate::joint_term::JointTerm;
 
 /// Causes of one kind at all joints: one switch, one scale.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]

@@ -8,14 +8,14 @@
 //! [`Columns`].
 
 use nalgebra::{DMatrix, DVector, Matrix3, Matrix4, SMatrix, Vector3};
+use tribo_regression::RegressionData;
+use tribo_regression::cause::link_from_flange;
 
 use crate::body::{self, Parameters};
 use crate::columns::Columns;
 use crate::joint_columns::{DELAY, LINKS, TILT};
 use crate::joint_term::JointTerm;
 use crate::prior::{ArmScale, Family, PAYLOAD_RADIUS_M};
-use tribo_regression::RegressionData;
-use tribo_regression::cause::link_from_flange;
 
 /// What a parameter stands for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

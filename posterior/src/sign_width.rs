@@ -9,14 +9,14 @@
 //! their friction, which presliding over a tenth of a milliradian or a Stribeck peak then explains. Fc is what the joint shows in motion, so
 //! nothing is fitted near rest; a wider sign is no candidate, since presliding and a simulator's soft friction have laws of their own.
 
+use tribo_regression::{Nominal, RegressionData};
+
 use crate::fit::{Fit, Start, posterior};
 use crate::joint_term::JointTerm;
 use crate::prior::Family;
 use crate::problem::{Place, Problem};
 use crate::selection::LEAST_NATS;
 use crate::tempering::{correlation_time, spectral_peak};
-use tribo_regression::Nominal;
-use tribo_regression::RegressionData;
 
 /// Each width over the one before.
 const STEP: f64 = 0.5;

@@ -9,12 +9,11 @@
 //! the longest distance of presliding its friction is a state of its own.
 
 use nalgebra::{Matrix3, Vector3};
+use tribo_regression::{RegressionData, robust_sd};
 
 use crate::joint_columns::JointColumns;
 use crate::joint_term::JointTerm;
 use crate::prior::PRESLIDING_RAD;
-use tribo_regression::RegressionData;
-use tribo_regression::robust_sd;
 
 /// Half of the time in which a standing joint has not moved (s).
 const HALF_WINDOW_S: f64 = 0.25;

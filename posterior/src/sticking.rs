@@ -8,13 +8,12 @@
 //! Nothing is fitted: Coulomb friction is what the joint shows in motion. Where joints stick and the model does not know it, friction seems to
 //! turn round before the velocity does, which a negative delay or friction that bends then explains.
 
+use tribo_regression::{Nominal, RegressionData, bridge};
+
 use crate::fit::{Start, posterior};
 use crate::prior::Family;
 use crate::problem::Problem;
 use crate::sign_width::{is_shown, likelier, more_coulomb_nm};
-use tribo_regression::Nominal;
-use tribo_regression::RegressionData;
-use tribo_regression::bridge;
 
 /// The model with joints that stick, where that makes the log likelier by 10 nat, and that of most joints that say anything.
 pub fn sticking<const N: usize>(data: &RegressionData<N>, problem: &Problem) -> Option<Nominal<N>> {

@@ -1,12 +1,12 @@
 //! The posterior mean as effects of a model file.
 
+use tribo_regression::RegressionData;
+use tribo_regression::cause::tilt_of;
 use tribo_sim::{Effect, SOFT_FRICTION_LEAD_S};
 
 use crate::joint_term::{JointTerm, RIPPLES};
 use crate::prior::{PAYLOAD_RADIUS_M, PRESLIDING_RAD};
 use crate::problem::{Place, Problem, State};
-use tribo_regression::RegressionData;
-use tribo_regression::cause::tilt_of;
 
 /// The effects that make the nominal model predict `(1 + g)(τ0 + A θ)`, one per parameter that is not zero, one per link.
 pub fn effects<const N: usize>(data: &RegressionData<N>, problem: &Problem, state: &State) -> Vec<Effect> {

@@ -5,11 +5,11 @@ use serde_json::{Value, json};
 use tribo_control::{ImpedanceSettings, PAPER_PHASES_RAD, ReferenceModel, SinusoidReference};
 use tribo_ekf::{WrenchEkf, WrenchEkfSettings};
 use tribo_friction::{JointEffects, VelocitySource};
+use tribo_model::{ControllerModel, Model, not_cancelled_sentences};
 use tribo_robot::Kinematics;
 use tribo_sim::{DEFAULT_SUB_STEPS, Sensors, WrenchPulses};
 
 use crate::{AbortReason, CostMeasure, PenaltyLimits, Trial, TrialOutcome, run_trial_observed};
-use tribo_model::{ControllerModel, Model, not_cancelled_sentences};
 
 /// The same trial on a plant that obeys the extended model, with a controller that believes the nominal model (before)
 /// and one that believes the extended (after).

@@ -1,9 +1,9 @@
 //! What a wrench most likely is where most of the time nobody touches the arm.
 
+use tribo_model::FieldError;
 use tribo_robot::LAMBDA_95;
 
 use crate::LogWrench;
-use tribo_model::FieldError;
 
 /// A component of the wrench is zero unless somebody touches the arm:
 ///

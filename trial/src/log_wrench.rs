@@ -3,10 +3,9 @@
 use serde_json::{Value, json};
 use tribo_friction::{Compensator, VelocitySource};
 use tribo_logs::{GAP_TOLERANCE, RobotLog, bursts, row};
+use tribo_model::ControllerModel;
 use tribo_robot::{SensorFrame, Wrench, WrenchEstimate, WrenchEstimator};
 use tribo_runtime::{LONGEST_GAP_PERIODS, MeasuredWrench};
-
-use tribo_model::ControllerModel;
 
 /// Wrench along a log, one row per sample of the log, in file order: force then moment [N, Nm], base axes.
 #[derive(Clone, Debug, Default, PartialEq)]

@@ -3,13 +3,13 @@
 use nalgebra::SVector;
 use tribo_control::{GuardSettings, ImpedanceSettings, SinusoidReference};
 use tribo_friction::{Compensator, FrictionModel, JointEffects, JointFriction, VelocitySource};
+use tribo_model::ControllerModel;
 use tribo_robot::presets::joint_stiffness_nm_per_rad;
 use tribo_robot::{Arm, Plant, WrenchEstimator};
 use tribo_runtime::{ControlLoop, LoopSettings, TickRecord};
 use tribo_sim::{BoxFrictionPlant, Effect, Sensors, Truth, WrenchPulses};
 
 use crate::{AbortReason, Cost, CostAccumulator, CostMeasure, PenaltyLimits, TrialLog, TrialMonitor};
-use tribo_model::ControllerModel;
 
 /// Everything that defines a trial but the compensator's parameters and the noise.
 #[derive(Clone, Debug)]

@@ -11,9 +11,9 @@ use std::path::{Path, PathBuf};
 use nalgebra::{SMatrix, SVector};
 use tribo_files::{Table, read_table, seal_of, write_table};
 use tribo_logs::Quantity;
+use tribo_model::FileError;
 
 use crate::TrialLog;
-use tribo_model::FileError;
 
 /// Path of a trial's log in a campaign directory.
 pub fn trial_log_path(campaign: &Path, number: usize) -> PathBuf {

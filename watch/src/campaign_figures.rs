@@ -4,9 +4,9 @@ use std::ops::Range;
 
 use tribo_figure::number::{quantity_and_unit, significant};
 use tribo_figure::{Figure, Layer, Mark, Scale, Symbol};
+use tribo_trial::CostName;
 
 use super::{CampaignSnapshot, WatchedTrial};
-use tribo_trial::CostName;
 
 /// Colour of a cost that a trial is compared with.
 const GREY: usize = 6;

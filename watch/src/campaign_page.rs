@@ -5,20 +5,20 @@ use std::io::Read;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
+use tribo_campaign::journal::Journal;
+use tribo_campaign::strategy::BestTrial;
+use tribo_campaign::{CampaignError, References, refresh_tuned};
 use tribo_figure::Figure;
 use tribo_figure::escape::{escape, escape_sentence};
 use tribo_figure::number::{fixed, quantity_and_unit, significant};
 use tribo_figure::page::{self, figures, section, table};
 use tribo_files::write_atomic;
+use tribo_model::FileError;
 
 use super::{
     CampaignSnapshot, CampaignWatch, LoopTimes, Surrogate, TrialSnapshot, WatchedTrial, any_loop_times, arm_figures,
     campaign_figures, surrogate_figures, trial_figures,
 };
-use tribo_campaign::journal::Journal;
-use tribo_campaign::strategy::BestTrial;
-use tribo_campaign::{CampaignError, References, refresh_tuned};
-use tribo_model::FileError;
 
 /// Slices of the surrogate model in the report: the most relevant parameters.
 const SLICES: usize = 4;

@@ -3,11 +3,12 @@
 use std::path::PathBuf;
 use std::sync::Arc;
 
-use super::{TrialColumns, WatchedTrial, read_trial, uncompensated};
 use tribo_campaign::strategy::{BestTrial, LawChange};
 use tribo_campaign::{AnyTune, CampaignError, Conclusion, EarlyStop, References, finished_compensator};
 use tribo_model::{TunedFile, file_name};
 use tribo_trial::CostName;
+
+use super::{TrialColumns, WatchedTrial, read_trial, uncompensated};
 
 /// A campaign at one moment; nothing in it changes.
 #[derive(Clone, Debug)]

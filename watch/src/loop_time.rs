@@ -3,10 +3,9 @@
 use std::time::{Duration, Instant};
 
 use nalgebra::SVector;
+use tribo_campaign::ValidTune;
 use tribo_robot::{Plant, PlantLost, SensorFrame};
 use tribo_sim::BoxFrictionPlant;
-
-use tribo_campaign::ValidTune;
 use tribo_trial::{AnyEstimator, EstimatorError};
 
 /// Times of the ticks of one trial on this computer, ascending (µs). Readings of a clock: they differ from run to run and

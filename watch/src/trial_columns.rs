@@ -3,7 +3,6 @@
 use nalgebra::{SVector, Vector3, Vector6};
 use tribo_friction::identify::SavitzkyGolay;
 use tribo_robot::{Arm, Kinematics, rnea};
-
 use tribo_trial::TrialLog;
 
 /// The log of a trial of an arm with any number of joints, and what the views derive from it. Quantities of joints are

@@ -1,7 +1,6 @@
 //! Why a log cannot be judged.
 
 use tribo_logs::Quantity;
-
 use tribo_trial::EstimatorError;
 
 /// Why a log cannot be judged.

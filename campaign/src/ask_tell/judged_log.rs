@@ -6,12 +6,12 @@ use tribo_friction::{Bristles, Compensator, CompensatorInput, VelocitySource};
 use tribo_logs::{GAP_TOLERANCE, Quantity, RobotLog, bursts, median_period_s, row};
 use tribo_robot::{ControlTerms, EstimatorInput, Pose, SensorFrame, WrenchEstimate, WrenchEstimator};
 use tribo_runtime::{LONGEST_GAP_PERIODS, TickRecord};
+use tribo_trial::{AnyEstimator, Cost, CostAccumulator, EstimatorName, TrialLog, frame_at};
 
 use super::judge_error::{JudgeError, LEAST_USED};
 use super::logged_compensation::LoggedCompensation;
 use super::{SentTorque, UserTrials};
 use crate::ValidTune;
-use tribo_trial::{AnyEstimator, Cost, CostAccumulator, EstimatorName, TrialLog, frame_at};
 
 /// A trial that ran elsewhere, judged.
 #[derive(Clone, Debug, PartialEq)]

@@ -6,6 +6,8 @@ use std::path::{Path, PathBuf};
 
 use serde_json::{Value, json};
 use tribo_files::seal_of;
+use tribo_model::{ConfigError, FileError, TunedFile};
+use tribo_trial::{AbortReason, Cost, CostAccumulator, TrialLog, trial_log_path, write_trial_log};
 
 use super::{JudgedLog, Learnt, UserTrials};
 use crate::campaign_directory::{Changes, RunBy, check_trials, create, open};
@@ -17,8 +19,6 @@ use crate::strategy::{
 };
 use crate::tuned::{trial_compensator, write_tuned};
 use crate::{CampaignError, Conclusion, EarlyStop, StopBelow, ValidTune};
-use tribo_model::{ConfigError, FileError, TunedFile};
-use tribo_trial::{AbortReason, Cost, CostAccumulator, TrialLog, trial_log_path, write_trial_log};
 
 /// A trial that has been asked for.
 #[derive(Clone, Debug, PartialEq)]

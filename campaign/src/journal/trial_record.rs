@@ -3,12 +3,12 @@
 use std::path::Path;
 
 use serde_json::json;
+use tribo_model::FileError;
+use tribo_trial::{AbortReason, Cost};
 
 use super::{Journal, JournalTrial, TrialState};
 use crate::strategy::{FinishedTrial, Origin};
 use crate::{ParameterSpace, TunedLaw};
-use tribo_model::FileError;
-use tribo_trial::{AbortReason, Cost};
 
 /// What there is to say of a trial that has ended, besides its parameters and cost.
 #[derive(Clone, Debug, Default)]

@@ -3,11 +3,11 @@
 use tribo_bayesopt::{
     Domain, ExpectedGain, History, Observation, Outcome, Phase, Settings, Suggestion, suggest_allowed, suggest_sum,
 };
+use tribo_trial::AbortReason;
 
 use super::completion::{Completion, TELLING_PART};
 use super::{FinishedTrial, LogSource, Origin, Past, Proposal, RunningTrial, Strategy, StrategyError};
 use crate::ValidTune;
-use tribo_trial::AbortReason;
 
 /// A search by the optimiser's ask and tell on the cost alone.
 pub(super) struct Search {

@@ -3,11 +3,11 @@
 use std::collections::BTreeMap;
 use std::sync::{Mutex, PoisonError};
 
+use tribo_model::FileError;
 use tribo_robot::Wrench;
+use tribo_trial::{AbortReason, Cost, CostAccumulator, CostMeasure, TrialLog};
 
 use super::{FinishedTrial, LogSource};
-use tribo_model::FileError;
-use tribo_trial::{AbortReason, Cost, CostAccumulator, CostMeasure, TrialLog};
 
 /// Completes the cost of trials that somebody stopped:
 ///

@@ -5,6 +5,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 use tribo_bayesopt::{Domain, ExpectedGain, Settings, suggest};
 use tribo_friction::FrictionModel;
 use tribo_friction::identify::GlsFit;
+use tribo_trial::{AbortReason, CostMeasure};
 
 use super::bayes::observations;
 use super::completion::Completion;
@@ -14,7 +15,6 @@ use super::{
     BestTrial, FinishedTrial, LawChange, LogSource, Origin, Past, Proposal, RunningTrial, Strategy, StrategyError,
 };
 use crate::{ParameterSpace, ValidTune};
-use tribo_trial::{AbortReason, CostMeasure};
 
 /// Trials whose parameters come straight from least squares, after the first without compensation.
 const REFITS: usize = 3;

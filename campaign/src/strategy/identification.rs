@@ -8,11 +8,11 @@ use tribo_friction::FrictionModel;
 use tribo_friction::identify::{Basis, GlsError, GlsFit, GlsSample, GlsSettings, SavitzkyGolay, fit_from_wrench};
 use tribo_friction::law::CoulombViscous;
 use tribo_robot::{Arm, ControlTerms, WrenchEstimator};
+use tribo_trial::{AnyEstimator, CostMeasure, TrialLog};
 
 use super::replay::{Replay, STUCK_RAD_S};
 use super::{LawCheck, LogSource, Standing, StrategyError};
 use crate::{Batches, TunedLaw, ValidTune};
-use tribo_trial::{AnyEstimator, CostMeasure, TrialLog};
 
 /// Whole logs that the fit looks back on: two track a robot that warms up, and lose nothing on one that does not.
 const LOGS: usize = 2;

@@ -1,8 +1,9 @@
 //! Iterative learning of friction from the motion alone: the route that Bayesian optimisation replaced.
 
+use tribo_trial::TrialLog;
+
 use super::{LogSource, Origin, Past, Proposal, Strategy, StrategyError};
 use crate::ParameterSpace;
-use tribo_trial::TrialLog;
 
 /// Learning gain of the Coulomb friction.
 const COULOMB_GAIN: f64 = 0.1;

@@ -4,7 +4,6 @@ use nalgebra::Vector6;
 use tribo_friction::FrictionModel;
 use tribo_friction::identify::GlsSample;
 use tribo_robot::Wrench;
-
 use tribo_trial::{CostAccumulator, CostMeasure};
 
 /// Speed below which a joint counts as standing [rad/s].

@@ -2,13 +2,13 @@
 
 use serde::{Deserialize, Serialize};
 use tribo_friction::FrictionModel;
+use tribo_model::file_name;
+use tribo_trial::{AbortReason, EstimatorError};
 
 use super::place::{Cell, Work};
 use super::settings::Study;
 use crate::reference_costs::compensated_cost;
 use crate::{AnyTune, CampaignError, InMemory, References, ValidTune, references, run_in_memory};
-use tribo_model::file_name;
-use tribo_trial::{AbortReason, EstimatorError};
 
 /// What came of a cell. No time and no machine is in it: who computes it makes no difference.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]

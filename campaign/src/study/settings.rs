@@ -3,13 +3,13 @@
 use std::path::Path;
 
 use serde::{Deserialize, Serialize};
+use tribo_model::{ConfigError, FieldError, FileError, ModelFile, POSES, YamlDocument, file_name};
+use tribo_trial::EstimatorName;
+use tribo_trial::scenario::{TruthName, freeze};
 
 use super::place::{Cell, Work};
 use crate::strategy_name::StrategyName;
 use crate::{Phases, StopBelow, TuneConfig, TunedLaw};
-use tribo_model::{ConfigError, FieldError, FileError, ModelFile, POSES, YamlDocument, file_name};
-use tribo_trial::EstimatorName;
-use tribo_trial::scenario::{TruthName, freeze};
 
 /// Schema name of studies.
 const SCHEMA: &str = "tribo.study/1";

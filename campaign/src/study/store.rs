@@ -5,11 +5,11 @@ use std::path::{Path, PathBuf};
 use serde::{Deserialize, Serialize};
 use serde_json::json;
 use tribo_files::{write_atomic, write_new};
+use tribo_model::{FileError, YamlDocument, read_text, to_yaml};
 
 use super::{Cell, CellResult, Study};
 use crate::first_difference;
 use crate::leftovers::first_stranger;
-use tribo_model::{FileError, YamlDocument, read_text, to_yaml};
 
 const SETTINGS: &str = "study.yaml";
 const CELLS: &str = "cells";

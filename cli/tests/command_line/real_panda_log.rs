@@ -8,13 +8,14 @@
 
 use std::path::PathBuf;
 
-use crate::common::{run, scratch, skipped};
 use serde_json::Value;
 use tribo_friction::FrictionModel;
 use tribo_logs::read_log;
 use tribo_regression::{FrictionReport, FrictionSettings, ResidualSettings, TorqueResidual};
 use tribo_robot::presets;
 use tribo_sim::panda_gaz_joints;
+
+use crate::common::{run, scratch, skipped};
 
 /// Standard deviation of the residual of the prototype without friction, and with the published friction (Nm).
 const SD_RIGID_NM: [f64; 7] = [0.38, 0.45, 0.41, 0.61, 0.33, 0.18, 0.28];

@@ -3,7 +3,6 @@
 use std::io::Write;
 use std::path::Path;
 
-use crate::common::{FRAME_S, Window, campaign, options, settings, strict};
 use egui_kittest::kittest::{NodeT, Queryable};
 use tribo_campaign::{TuneConfig, TunedLaw};
 use tribo_dashboard::{Options, View};
@@ -11,6 +10,8 @@ use tribo_ekf::{WrenchEkf, WrenchEkfSettings};
 use tribo_logs::write_parquet;
 use tribo_trial::scenario::{ModelError, TruthName};
 use tribo_trial::simulate_log;
+
+use crate::common::{FRAME_S, Window, campaign, options, settings, strict};
 
 /// Start → pause → go on → finish → save a figure in every format.
 #[test]

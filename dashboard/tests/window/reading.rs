@@ -2,7 +2,6 @@
 
 use std::path::{Path, PathBuf};
 
-use crate::common::{Window, campaign, options, settings};
 use egui::{Event, Shape, pos2};
 use egui_kittest::kittest::Queryable;
 use tribo_dashboard::{LogSource, Options, View};
@@ -10,6 +9,8 @@ use tribo_ekf::{WrenchEkf, WrenchEkfSettings};
 use tribo_logs::write_parquet;
 use tribo_model::ModelChoice;
 use tribo_trial::simulate_log;
+
+use crate::common::{Window, campaign, options, settings};
 
 /// A log of an arm whose friction nobody cancels.
 fn log(directory: &Path) -> PathBuf {

@@ -5,6 +5,13 @@ use std::ops::Range;
 use std::sync::Arc;
 
 use tribo_logs::{RobotLog, median_period_s};
+use tribo_posterior::{
+    ArmScale, Bands, Baselines, Columns, Deviation, Family, Fit, HeldOut, Motion, MotionSpace, PARTS, Place, Problem,
+    Selection, Start, Unseen, correlation_time, deviations, distance, extremes, is_payload, posterior, repetition,
+    select, set_arm, soft_friction, torque_of_changes, unknown_variance, written,
+};
+use tribo_regression::deflection::deflections;
+use tribo_regression::{CauseLabel, DiagnoseError, Location, LoggedMotion, Nominal, RegressionData, rms};
 use tribo_robot::JointNames;
 use tribo_sim::Effect;
 
@@ -18,27 +25,6 @@ use crate::next_experiment::NextExperiment;
 use crate::plots;
 use crate::remarks::{misfits_of_squares, note_on_baseline, notes_of};
 use crate::stamps::take_stamps;
-use tribo_posterior::Baselines;
-use tribo_posterior::Motion;
-use tribo_posterior::extremes;
-use tribo_posterior::soft_friction;
-use tribo_posterior::written;
-use tribo_posterior::{ArmScale, Family};
-use tribo_posterior::{Bands, Deviation, HeldOut};
-use tribo_posterior::{Columns, PARTS};
-use tribo_posterior::{Fit, Start, posterior};
-use tribo_posterior::{MotionSpace, distance};
-use tribo_posterior::{Place, Problem};
-use tribo_posterior::{Selection, is_payload, select};
-use tribo_posterior::{Unseen, deviations, unknown_variance};
-use tribo_posterior::{correlation_time, repetition};
-use tribo_posterior::{set_arm, torque_of_changes};
-use tribo_regression::LoggedMotion;
-use tribo_regression::RegressionData;
-use tribo_regression::deflection::deflections;
-use tribo_regression::rms;
-use tribo_regression::{CauseLabel, Location};
-use tribo_regression::{DiagnoseError, Nominal};
 
 /// Logs to diagnose, logs of the same arm with a bare flange, and logs that nothing is fitted to.
 pub(crate) struct Given<'g> {

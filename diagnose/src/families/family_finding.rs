@@ -3,22 +3,17 @@
 use std::f64::consts::SQRT_2;
 
 use nalgebra::DMatrix;
+use tribo_posterior::{
+    CURVE_WIDTHS, Family, Fit, JointTerm, PRESLIDING_RAD, Place, Problem, RIPPLES, Selection, Unseen, ripple,
+};
+use tribo_regression::cause::tilt_of;
+use tribo_regression::{CauseLabel, Location, RegressionData};
 use tribo_sim::Effect;
 
 use crate::confusable::why;
 use crate::diagnosis::{Alternative, Finding, Parameter, Plot, Series};
 use crate::held_out::gain_of_pairs;
 use crate::parameters::parameters_of;
-use tribo_posterior::Fit;
-use tribo_posterior::Selection;
-use tribo_posterior::Unseen;
-use tribo_posterior::ripple;
-use tribo_posterior::{CURVE_WIDTHS, Family, PRESLIDING_RAD};
-use tribo_posterior::{JointTerm, RIPPLES};
-use tribo_posterior::{Place, Problem};
-use tribo_regression::RegressionData;
-use tribo_regression::cause::tilt_of;
-use tribo_regression::{CauseLabel, Location};
 
 /// Standard deviations that a joint's torque of a family must be above zero.
 const SURE: f64 = 2.0;

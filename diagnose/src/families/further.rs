@@ -9,17 +9,12 @@
 
 use std::sync::Arc;
 
+use tribo_posterior::{LEAST_NATS, kappa};
+use tribo_regression::{CauseLabel, DiagnoseError, LoggedMotion, Nominal, RegressionData, rms, subtracted};
+
 use crate::DiagnoseSettings;
 use crate::cause_by_cause::{Question, cause_by_cause};
 use crate::diagnosis::Finding;
-use tribo_posterior::LEAST_NATS;
-use tribo_posterior::kappa;
-use tribo_regression::CauseLabel;
-use tribo_regression::LoggedMotion;
-use tribo_regression::RegressionData;
-use tribo_regression::rms;
-use tribo_regression::subtracted;
-use tribo_regression::{DiagnoseError, Nominal};
 
 /// Labels that are looked for beyond the families.
 const BEYOND: [CauseLabel; 5] = [

@@ -1,17 +1,12 @@
 //! Whether a model is wrong everywhere, a little, or right but for a few causes.
 
 use nalgebra::{DMatrix, DVector};
-
-use tribo_posterior::JointTerm;
-use tribo_posterior::PlainFits;
-use tribo_posterior::{ArmScale, Family};
-use tribo_posterior::{Columns, PARTS, push_weights};
-use tribo_posterior::{Place, Problem, State};
-use tribo_posterior::{Start, plain_state, posterior};
-use tribo_regression::PushWindow;
-use tribo_regression::RegressionData;
+use tribo_posterior::{
+    ArmScale, Columns, Family, JointTerm, PARTS, Place, PlainFits, Problem, Start, State, plain_state, posterior,
+    push_weights,
+};
 use tribo_regression::contact_window::dominant_window;
-use tribo_regression::{rms, robust_sd};
+use tribo_regression::{PushWindow, RegressionData, rms, robust_sd};
 
 /// μᵀ S⁻¹ μ of a joint's own friction and offset from which on they are surely others than the model's. Stiction of held joints
 /// reaches some hundreds, a fifth of a joint's friction thousands.

@@ -3,15 +3,13 @@
 use std::sync::Arc;
 
 use nalgebra::{DMatrix, DVector, SVector};
+use tribo_regression::cause::{Candidate, ExternalContact, TorqueRipple, candidate_of_effect, candidates};
+use tribo_regression::least_squares::solve_ridge;
+use tribo_regression::{CauseLabel, Column, Location, RegressionData, add_scaled};
 use tribo_sim::Effect;
 
 use super::pair::Pair;
 use crate::diagnosis::JointMisfit;
-use tribo_regression::RegressionData;
-use tribo_regression::cause::{Candidate, ExternalContact, TorqueRipple, candidate_of_effect, candidates};
-use tribo_regression::least_squares::solve_ridge;
-use tribo_regression::{CauseLabel, Location};
-use tribo_regression::{Column, add_scaled};
 
 /// Density of what the model cannot know (Nm² s), white in the band:
 ///

@@ -1,12 +1,12 @@
 //! What to do, in one sentence.
 
+use tribo_regression::CauseLabel;
 use tribo_robot::JointNames;
 use tribo_sim::excitation::ViaPoints;
 
 use super::motion::{Motion, PEAK_SPEED};
 use super::pair::Pair;
 use super::simulated::{CYCLE_EVERY_S, KNOWN_KG, session_s};
-use tribo_regression::CauseLabel;
 
 /// Evidence that decides.
 const DECISIVE: f64 = 10.0;

@@ -17,6 +17,7 @@ mod simulated;
 mod tests;
 
 use rayon::prelude::*;
+use tribo_regression::{CauseLabel, Location, RegressionData};
 use tribo_sim::Effect;
 use tribo_sim::excitation::ViaPoints;
 
@@ -25,8 +26,6 @@ use self::motion::Motion;
 use self::pair::Pair;
 use self::simulated::Arrangement;
 use crate::diagnosis::{Finding, JointMisfit};
-use tribo_regression::RegressionData;
-use tribo_regression::{CauseLabel, Location};
 
 /// A safe motion of the library.
 #[derive(Clone, Debug, PartialEq)]

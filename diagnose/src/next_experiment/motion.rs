@@ -3,10 +3,10 @@
 use nalgebra::SVector;
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64;
+use tribo_regression::CauseLabel;
 use tribo_sim::excitation::{Envelope, ViaPoints};
 
 use super::pair::Pair;
-use tribo_regression::CauseLabel;
 
 /// A motion of minimum-jerk moves that rest at every via point, as a trajectory file plays it:
 ///

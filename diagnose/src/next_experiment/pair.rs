@@ -1,11 +1,10 @@
 //! The two causes to separate.
 
+use tribo_regression::{CauseLabel, Location, RegressionData};
 use tribo_sim::Effect;
 
 use crate::confusable::same_torque;
 use crate::diagnosis::Finding;
-use tribo_regression::RegressionData;
-use tribo_regression::{CauseLabel, Location};
 
 /// A finding taken for true, and its rival.
 #[derive(Clone, Debug, PartialEq)]

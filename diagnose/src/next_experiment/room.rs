@@ -1,11 +1,11 @@
 //! Where and how fast the arm may move.
 
 use nalgebra::SVector;
+use tribo_regression::RegressionData;
 use tribo_sim::excitation::Envelope;
 
 use super::motion::Motion;
 use super::pair::Pair;
-use tribo_regression::RegressionData;
 
 /// Part of the way from the posture to the nearer joint limit that is used [-].
 const ROOM_SHARE: f64 = 0.8;

@@ -1,14 +1,13 @@
 //! What the motion would show if the finding were true.
 
 use nalgebra::{Matrix3, Vector3};
+use tribo_regression::{Nominal, RegressionData};
 use tribo_robot::Payload;
 use tribo_sim::excitation::ViaPoints;
 use tribo_sim::{Effect, Recorder, Recording, Session, Truth};
 
 use super::motion::Motion;
 use super::pair::Pair;
-use tribo_regression::Nominal;
-use tribo_regression::RegressionData;
 
 /// The log at hand, and what is taken for true.
 #[derive(Clone, Copy)]

@@ -1,13 +1,14 @@
 //! A log, its finding, its rival: which motion is proposed, and what it promises.
 
-use super::*;
-use crate::diagnosis::Alternative;
 use nalgebra::SVector;
 use tribo_logs::RobotLog;
 use tribo_regression::Nominal;
 use tribo_robot::{presets, rnea};
 use tribo_sim::excitation::{Envelope, Excitation, JointTrajectory, Path};
 use tribo_sim::{Recorder, Recording, Session, Truth, record};
+
+use super::*;
+use crate::diagnosis::Alternative;
 
 const SMOOTHING_RAD_S: f64 = 0.01;
 

@@ -1,11 +1,11 @@
 //! What the columns of a log may really be.
 
 use nalgebra::{SVector, Vector3};
+use tribo_regression::Nominal;
 use tribo_robot::{Arm, presets};
 use tribo_sim::TorqueSide;
 
 use super::samples::Instant;
-use tribo_regression::Nominal;
 
 /// One thing that may be wrong.
 #[derive(Clone, Debug, PartialEq)]

@@ -2,11 +2,8 @@
 
 use nalgebra::SVector;
 use tribo_logs::{Resampling, RobotLog, resample};
+use tribo_regression::{ResidualSettings, SignalChain, motion_of, smoothed, without_repeats};
 use tribo_robot::{Arm, gravity_torque};
-
-use tribo_regression::without_repeats;
-use tribo_regression::{ResidualSettings, SignalChain};
-use tribo_regression::{motion_of, smoothed};
 
 /// Cut-off of the smoother (Hz): the motion of an arm.
 const BAND_HZ: f64 = 8.0;

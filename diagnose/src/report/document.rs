@@ -1,9 +1,9 @@
 //! A diagnosis as one JSON document, `tribo.diagnosis/1`.
 
 use serde_json::{Map, Value, json};
+use tribo_regression::{CauseLabel, Location};
 
 use crate::{Alternative, Diagnosis, Finding, JointMisfit, NextExperiment, Rejected, Unseen};
-use tribo_regression::{CauseLabel, Location};
 
 /// What a run has to say besides the diagnosis.
 #[derive(Clone, Debug, Default, PartialEq)]

@@ -1,5 +1,6 @@
 //! A made-up diagnosis with something of everything, for tests.
 
+use tribo_regression::{CauseLabel, Location};
 use tribo_robot::JointNames;
 use tribo_sim::Effect;
 
@@ -7,7 +8,6 @@ use crate::{
     Alternative, CrossJointPattern, Diagnosis, Finding, JointMisfit, NextExperiment, Parameter, Plot, Rejected, Series,
     Unseen, Validation, Verdict,
 };
-use tribo_regression::{CauseLabel, Location};
 
 /// Text that must never reach a page as it is.
 pub const NASTY: &str = "<script>alert('1')</script> & \"two\"";

@@ -7,10 +7,10 @@
 //! Numbers in brackets are 95 % intervals. Joints and links count from 0.
 
 use tribo_figure::number::{fixed, percent_with_interval, significant, with_interval};
+use tribo_regression::{CauseLabel, Location};
 use tribo_robot::JointNames;
 
 use crate::{Diagnosis, Finding, Parameter, Verdict};
-use tribo_regression::{CauseLabel, Location};
 
 /// The answer in one or two sentences.
 pub fn verdict_sentence(diagnosis: &Diagnosis) -> String {

@@ -4,10 +4,11 @@
 //! our reflection the same continuation and the same initial state, so ends are compared too. [`central_difference`] against
 //! `savgol_coeffs` of the highest degree that a window carries, which are the same weights by another way.
 
-use crate::python_witness::{answer, numbers, python};
 use rand::{RngExt, SeedableRng};
 use serde_json::{Value, json};
 use tribo_regression::filter::{ZeroPhaseLowPass, central_difference};
+
+use crate::python_witness::{answer, numbers, python};
 
 const SCIPY: &str = r#"
 import json, math, sys, numpy as np

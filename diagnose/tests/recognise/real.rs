@@ -7,8 +7,7 @@ use tribo_diagnose::Diagnosable;
 use tribo_friction::FrictionModel;
 use tribo_logs::read_log;
 use tribo_regression::Nominal;
-use tribo_robot::urdf;
-use tribo_robot::{Arm, presets};
+use tribo_robot::{Arm, presets, urdf};
 use tribo_sim::TorqueSide;
 
 use super::remarks;

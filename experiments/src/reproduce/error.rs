@@ -3,9 +3,8 @@
 use thiserror::Error;
 use tribo_files::LogError;
 use tribo_friction::thermal::{ThermalError, ThermalFitError};
-use tribo_residual::{BandFitError, BoxOutcome, ThermalSettingsError};
-
 use tribo_model::ConfigError;
+use tribo_residual::{BandFitError, BoxOutcome, ThermalSettingsError};
 use tribo_trial::EstimatorError;
 
 /// Why an experiment stopped.

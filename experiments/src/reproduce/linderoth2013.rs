@@ -4,19 +4,19 @@ use nalgebra::{SVector, Vector6};
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64;
 use serde::{Deserialize, Serialize};
+use tribo_campaign::{Phases, TuneConfig, noise_seed};
 use tribo_ekf::WrenchEkfSettings;
 use tribo_friction::{FrictionBand, FrictionModel};
+use tribo_model::FieldError;
 use tribo_residual::{
     BandObserver, BandOf, BoxOutcome, ForceEstimate, ForceProblem, ForceSolver, OBSERVER_GAIN_RAD_S, diagonal_prior,
     identify_band, stack_opposed,
 };
 use tribo_robot::{ControlTerms, EstimatorInput, LAMBDA_95, Wrench};
 use tribo_sim::{Pulse, Truth, WrenchPulses};
+use tribo_trial::{AnyEstimator, EstimatorName, Trial, run_trial_observed, simulate_log};
 
 use super::{ExperimentError, Quantity, SeedRun};
-use tribo_campaign::{Phases, TuneConfig, noise_seed};
-use tribo_model::FieldError;
-use tribo_trial::{AnyEstimator, EstimatorName, Trial, run_trial_observed, simulate_log};
 
 /// Ticks between two estimates: 250 Hz, as the paper's samples.
 const DECIMATION: u64 = 4;

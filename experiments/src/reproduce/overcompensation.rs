@@ -3,16 +3,16 @@
 use nalgebra::{SVector, Vector3};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
+use tribo_campaign::{Phases, TuneConfig, noise_seed};
 use tribo_control::GuardTrip;
 use tribo_ekf::WrenchEkf;
 use tribo_friction::VelocitySource;
-use tribo_runtime::TickRecord;
-
-use super::ExperimentError;
-use tribo_campaign::{Phases, TuneConfig, noise_seed};
 use tribo_model::FieldError;
+use tribo_runtime::TickRecord;
 use tribo_trial::Trial;
 use tribo_trial::scenario::TruthName;
+
+use super::ExperimentError;
 
 /// Deviation from the path, faster than 1 Hz, that one sees (m): half a millimetre more than stick-slip without compensation.
 const VISIBLE_M: f64 = 2e-3;

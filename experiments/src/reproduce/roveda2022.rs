@@ -2,10 +2,9 @@
 
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
-use tribo_friction::VelocitySource;
-
 use tribo_campaign::strategy::StrategyName;
 use tribo_campaign::{CampaignError, Phases, StopBelow, TuneConfig, TunedLaw, references, run_in_memory};
+use tribo_friction::VelocitySource;
 use tribo_model::FieldError;
 use tribo_trial::scenario::{POSES, TruthName};
 

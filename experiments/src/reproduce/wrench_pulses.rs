@@ -2,18 +2,18 @@
 
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
+use tribo_campaign::{Phases, TuneConfig, noise_seed};
 use tribo_ekf::WrenchEkfSettings;
 use tribo_friction::FrictionModel;
+use tribo_model::FieldError;
 use tribo_robot::WrenchEstimator;
 use tribo_sim::{Truth, WrenchPulses};
-
-use super::ExperimentError;
-use tribo_campaign::{Phases, TuneConfig, noise_seed};
-use tribo_model::FieldError;
 use tribo_trial::scenario::{ModelError, POSES};
 use tribo_trial::{
     AnyEstimator, Calibration, ContactPrior, EstimatorName, LogWrench, Trial, band_of_model, run_trial_observed,
 };
+
+use super::ExperimentError;
 
 /// Push on each axis in turn: 15 N or 2.5 Nm for 2.5 s, 1.5 s apart, from 5 s on.
 const PUSH: [f64; 5] = [15.0, 2.5, 5.0, 2.5, 1.5];

@@ -10,6 +10,8 @@
 use std::collections::BTreeSet;
 use std::path::Path;
 
+use tribo_files::{LogError, visible};
+
 use super::column_map::ColumnMap;
 use super::mapping::{MappedColumn, Mapping};
 use super::plan::{Clock, Naming, Plan};
@@ -21,7 +23,6 @@ use crate::joint_order::arm_joints;
 use crate::log::{LogColumns, RobotLog};
 use crate::quantity::{MAX_JOINTS, Quantity};
 use crate::summary::LogSummary;
-use tribo_files::{LogError, visible};
 
 /// Stamps from here on (s) are counted from the first.
 const EPOCH_S: f64 = 1e8;

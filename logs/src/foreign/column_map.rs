@@ -13,9 +13,10 @@
 use std::fmt;
 use std::str::FromStr;
 
+use tribo_files::LogError;
+
 use super::unit::Unit;
 use crate::quantity::Quantity;
-use tribo_files::LogError;
 
 /// The longest text of a map (bytes).
 const LONGEST: usize = 1 << 16;

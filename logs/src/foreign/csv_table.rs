@@ -12,12 +12,12 @@
 
 use std::ops::Range;
 
+use tribo_files::csv_lines::{Lines, split_cells};
+use tribo_files::{LogError, LogFile};
+
 use super::table::{Cells, Column, ForeignTable, Kind, LARGE, Loaded};
 use super::unit::spelled;
 use crate::format::LogFormat;
-use tribo_files::LogError;
-use tribo_files::LogFile;
-use tribo_files::csv_lines::{Lines, split_cells};
 
 /// Separators, in the order in which they are tried.
 const DELIMITERS: [u8; 4] = [b';', b'\t', b',', b' '];

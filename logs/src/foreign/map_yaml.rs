@@ -17,10 +17,10 @@ use std::io::Read;
 use std::path::Path;
 
 use serde::Deserialize;
+use tribo_files::LogError;
 
 use super::column_map::{ColumnMap, Columns, Entry, allowed_keys, entry, quantity_of};
 use super::unit::Unit;
-use tribo_files::LogError;
 
 /// The longest file (bytes).
 const LONGEST: u64 = 1 << 20;

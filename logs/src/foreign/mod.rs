@@ -24,18 +24,18 @@ pub use unit::Unit;
 
 pub(crate) use npz::{NPY_MAGIC, ZIP_MAGIC};
 
-use crate::format::LogFormat;
-use crate::log::RobotLog;
-use crate::quantity::Quantity;
-use crate::summary::LogSummary;
 use csv_table::CsvTable;
 use npz::NumpyFile;
 use parquet_columns::ParquetColumns;
 use propose::{Undecided, propose};
 use select::listed;
 use table::ForeignTable;
-use tribo_files::LogError;
-use tribo_files::LogFile;
+use tribo_files::{LogError, LogFile};
+
+use crate::format::LogFormat;
+use crate::log::RobotLog;
+use crate::quantity::Quantity;
+use crate::summary::LogSummary;
 
 /// Whether a text file begins as a table of numbers.
 pub(crate) fn is_text_table(file: &LogFile) -> Result<bool, LogError> {

@@ -12,14 +12,11 @@
 use std::io::{Cursor, Read, Seek, SeekFrom};
 
 use npyz::{DType, NpyHeader, Order};
+use tribo_files::{Limited, LogError, LogFile, guarded};
 use zip::ZipArchive;
 
 use super::table::{Cells, Column, ForeignTable, Kind, LARGE, Loaded};
 use crate::format::LogFormat;
-use tribo_files::Limited;
-use tribo_files::LogError;
-use tribo_files::LogFile;
-use tribo_files::guarded;
 
 /// First bytes of an array, and of an archive of arrays.
 pub(crate) const NPY_MAGIC: &[u8] = b"\x93NUMPY";

@@ -15,15 +15,10 @@ use parquet::data_type::DataType;
 use parquet::errors::ParquetError;
 use parquet::file::reader::{FileReader, Length, SerializedFileReader};
 use parquet::schema::types::ColumnDescriptor;
+use tribo_files::{LogError, LogFile, ParquetBytes, guarded, most_cells, parquet_pages};
 
 use super::table::{Cells, Column, ForeignTable, Kind, LARGE, Loaded};
 use crate::format::LogFormat;
-use tribo_files::LogError;
-use tribo_files::LogFile;
-use tribo_files::ParquetBytes;
-use tribo_files::guarded;
-use tribo_files::most_cells;
-use tribo_files::parquet_pages;
 
 /// The most entries of a list column, and columns of a file.
 const MOST_ENTRIES: usize = 1 << 8;

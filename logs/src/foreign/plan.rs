@@ -2,6 +2,8 @@
 
 use std::path::Path;
 
+use tribo_files::LogError;
+
 use super::column_map::{ColumnMap, Columns, Entry, key_of};
 use super::propose::unit_of;
 use super::select::{Found, Labels, find, in_order, no_such, ordered};
@@ -9,7 +11,6 @@ use super::table::{Column, Kind};
 use super::unit::{Dimension, Unit};
 use super::words::{Meaning, meaning};
 use crate::quantity::Quantity;
-use tribo_files::LogError;
 
 /// Where time comes from.
 #[derive(Debug, Clone, PartialEq)]

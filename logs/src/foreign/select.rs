@@ -11,12 +11,13 @@
 
 use std::fmt;
 
+use tribo_files::{LogError, visible};
+
 use super::column_map::Columns;
 use super::table::Column;
 use super::words::{is_tool, without_unit};
 use crate::joint_order::arm_joints;
 use crate::quantity::MAX_JOINTS;
-use tribo_files::{LogError, visible};
 
 /// What stands for the joint in a template.
 const JOINT: &str = "{joint}";

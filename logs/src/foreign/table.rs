@@ -1,7 +1,8 @@
 //! A foreign table: its columns by name first, the cells of those that are wanted later.
 
-use crate::format::LogFormat;
 use tribo_files::LogError;
+
+use crate::format::LogFormat;
 
 /// What the cells of a column are.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -5,13 +5,14 @@
 use std::fs;
 use std::sync::Arc;
 
-use crate::common::{file, synthetic_log};
 use parquet::data_type::{ByteArray, ByteArrayType, DoubleType, FloatType, Int64Type};
 use parquet::file::properties::WriterProperties;
 use parquet::file::writer::SerializedFileWriter;
 use parquet::schema::parser::parse_message_type;
 use tribo_files::{LogError, Table, read_table, write_table};
 use tribo_logs::{read_log, read_parquet, write_parquet};
+
+use crate::common::{file, synthetic_log};
 
 fn log_bytes() -> Vec<u8> {
     let directory = tempfile::tempdir().unwrap();

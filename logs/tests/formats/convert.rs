@@ -7,9 +7,10 @@ use std::fs;
 use std::path::Path;
 use std::rc::Rc;
 
-use crate::common::{bits, libfranka_csv, pack, relative, synthetic_log};
 use tribo_files::LogError;
 use tribo_logs::{ColumnNames, LogTarget, convert, detect, read_log, read_log_watched, write_csv, write_log};
+
+use crate::common::{bits, libfranka_csv, pack, relative, synthetic_log};
 
 const TARGETS: [(&str, LogTarget); 5] = [
     ("out.csv", LogTarget::Csv(ColumnNames::Canonical)),

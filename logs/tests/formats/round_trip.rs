@@ -4,9 +4,10 @@
 
 use std::fs;
 
-use crate::common::{bits, synthetic_log};
 use tribo_files::{Table, read_table, write_table};
 use tribo_logs::{LogFormat, Quantity, ReadOptions, log_of_table, read, read_log, write_csv, write_parquet};
+
+use crate::common::{bits, synthetic_log};
 
 #[test]
 fn logs_survive_csv_gzip_and_parquet_bit_for_bit() {

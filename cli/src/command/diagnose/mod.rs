@@ -6,6 +6,7 @@ mod show;
 
 use std::path::Path;
 
+use files::Outputs;
 use serde_json::Value;
 use tribo_diagnose::recognise::recognise;
 use tribo_diagnose::report::{ClosedLoop, Extras, ReportContext, document, html};
@@ -24,7 +25,6 @@ use crate::failure::{BadInput, CheckFailed, Stopped};
 use crate::output::print_json;
 use crate::progress::{StageProgress, stop_on_signal};
 use crate::threads;
-use files::Outputs;
 pub(super) use files::write_text;
 use input::Readings;
 
