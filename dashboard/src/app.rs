@@ -5,6 +5,7 @@ use std::time::Duration;
 
 use egui::{CentralPanel, Context, Key, Panel, RichText, Theme, Ui};
 use tribo_campaign::journal::Clock;
+use tribo_model::ModelChoice;
 
 use crate::export;
 use crate::export_request;
@@ -360,19 +361,13 @@ impl Dashboard {
 
     /// Saves the layout when it has changed.
     fn remember(&mut self, ctx: &Context) {
-        let snapshot = self.source.snapshot();
-        let campaign = snapshot
-            .campaign
-            .as_ref()
-            .map(|campaign| Recent { path: campaign.directory.display().to_string(), ..Recent::default() });
-        let log = snapshot
-            .log
-            .as_ref()
-            .map(|log| Recent { path: log.source.path.display().to_string(), model: log.source.model.clone() });
+        let (snapshot, of_campaign) = (self.source.snapshot(), ModelChoice::default());
+        let campaign = snapshot.campaign.as_ref().map(|campaign| (&campaign.directory, &of_campaign));
+        let log = snapshot.log.as_ref().map(|log| (&log.source.path, &log.source.model));
         for (shown, open) in self.shown.iter_mut().zip([campaign, log]) {
-            if let Some(open) = open.filter(|open| open != shown) {
-                self.layout.opened(open.clone());
-                *shown = open;
+            if let Some((path, model)) = open.filter(|(path, model)| !shown.is(path, model)) {
+                *shown = Recent { path: path.display().to_string(), model: model.clone() };
+                self.layout.opened(shown.clone());
             }
         }
         let size = ctx.content_rect().size();

@@ -40,6 +40,13 @@ pub struct Recent {
     pub model: ModelChoice,
 }
 
+impl Recent {
+    /// Whether it is this path with this robot.
+    pub fn is(&self, path: &Path, model: &ModelChoice) -> bool {
+        Path::new(&self.path) == path && self.model == *model
+    }
+}
+
 impl Default for Layout {
     fn default() -> Self {
         Self {

@@ -5,7 +5,6 @@
 //! The log is recorded from a simulated Panda with friction in all joints and a gain of one torque sensor; the model has neither.
 
 use tribo_friction::FrictionModel;
-use tribo_friction::law::CoulombViscous;
 use tribo_posterior::{ArmScale, Columns, Family, PARTS, Problem, Start, posterior, select};
 use tribo_regression::{Nominal, RegressionData};
 use tribo_robot::presets;
@@ -21,9 +20,10 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let motion = Excitation::Multisine.draw(&Envelope::of(&presets::panda()), 30.0, 1);
     let log = record(&truth, SMOOTHING_RAD_S, motion.as_ref(), &Recording::default(), 1)?;
 
-    let frictionless = FrictionModel::uniform(CoulombViscous::default().into());
-    let nominal =
-        Nominal { smoothing_rad_s: SMOOTHING_RAD_S, ..Nominal::new(known.arm, frictionless, TorqueSide::Motor) };
+    let nominal = Nominal {
+        smoothing_rad_s: SMOOTHING_RAD_S,
+        ..Nominal::new(known.arm, FrictionModel::none(), TorqueSide::Motor)
+    };
     let data = RegressionData::of_logs(&[log], &nominal, None)?;
     let scale = ArmScale::of(&data);
     let columns = Columns::of(&data, &scale, PARTS);

@@ -464,6 +464,7 @@ const PINNINGS: usize = 8;
 /// signal that is off by more than half do not exist: such a family or parameter is left out and everything fitted anew. Returns the state that the last equations were
 /// linear about too.
 pub fn posterior(problem: &Problem, parts: &[usize], start: &Start) -> Option<(Fit, State)> {
+    use crate::joint_term::JointTerm;
     let mut start = start.clone();
     for _ in 0..PINNINGS {
         let (found, about) = bilinear(problem, parts, &start)?;
@@ -479,34 +480,19 @@ pub fn posterior(problem: &Problem, parts: &[usize], start: &Start) -> Option<(F
             }
             continue;
         }
-        let pins: Vec<(usize, f64)> = found
-            .active
-            .iter()
-            .filter_map(|i| {
-                let value = found.state[*i];
-                use crate::joint_term::JointTerm;
-                // 0 − x, so that what is held at nothing is no −0.
-                match problem.places[*i] {
-                    // Friction that came before the motion would drive it.
-                    Place::Own(
-                        _,
-                        JointTerm::Spring | JointTerm::Load | JointTerm::Presliding(_) | JointTerm::Lead(_),
-                    ) if value < 0.0 => Some((*i, 0.0)),
-                    // It would drive a joint that is slow enough; what grows with speed from nothing bends.
-                    Place::Own(j, JointTerm::Coulomb) if problem.dry_nm[j] + value < 0.0 => {
-                        Some((*i, 0.0 - problem.dry_nm[j]))
-                    }
-                    // It would drive a joint that is fast enough; what falls with speed within the log bends.
-                    Place::Own(j, JointTerm::Viscous) if problem.viscous_nm_s_per_rad[j] + value < 0.0 => {
-                        Some((*i, 0.0 - problem.viscous_nm_s_per_rad[j]))
-                    }
-                    Place::Own(j, JointTerm::Rotor) if problem.rotor_kg_m2[j] + value < 0.0 => {
-                        Some((*i, 0.0 - problem.rotor_kg_m2[j]))
-                    }
-                    _ => None,
-                }
-            })
-            .collect();
+        // 0 − x, so that what is held at nothing is no −0.
+        let least = |place: Place| match place {
+            // Friction that came before the motion would drive it.
+            Place::Own(_, JointTerm::Spring | JointTerm::Load | JointTerm::Presliding(_) | JointTerm::Lead(_)) => 0.0,
+            // It would drive a joint that is slow enough; what grows with speed from nothing bends.
+            Place::Own(j, JointTerm::Coulomb) => 0.0 - problem.dry_nm[j],
+            // It would drive a joint that is fast enough; what falls with speed within the log bends.
+            Place::Own(j, JointTerm::Viscous) => 0.0 - problem.viscous_nm_s_per_rad[j],
+            Place::Own(j, JointTerm::Rotor) => 0.0 - problem.rotor_kg_m2[j],
+            _ => f64::NEG_INFINITY,
+        };
+        let below = found.active.iter().map(|i| (*i, least(problem.places[*i])));
+        let pins: Vec<(usize, f64)> = below.filter(|(i, least)| found.state[*i] < *least).collect();
         // Friction and gains are told apart by gravity alone: where a joint feels none, a gain may run away.
         let runaway = found
             .active

@@ -33,7 +33,7 @@ fn main() {
         model,
         start,
     };
-    let none = FrictionModel::<7>::uniform(CoulombViscous::default().into());
+    let none = FrictionModel::<7>::none();
     let guess = FrictionModel::uniform(CoulombViscous { coulomb_nm: 0.3, viscous_nm_s_per_rad: 0.5 }.into());
     for (name, friction) in [("none", &none), ("a guess", &guess), ("the true one", &trial.truth.friction)] {
         let outcome = run_trial(&trial, friction, WrenchEkf::new(WrenchEkfSettings::default()), 1);

@@ -57,6 +57,11 @@ const VELOCITIES: Choices = &[
     ("reference", "of the reference model"),
 ];
 
+/// Endings of robot descriptions.
+const DESCRIPTIONS: [&str; 3] = ["urdf", "xml", "mjcf"];
+/// Endings of model files.
+const MODEL_FILES: [&str; 2] = ["yaml", "yml"];
+
 /// The form.
 #[derive(Debug)]
 pub struct StartView {
@@ -144,9 +149,7 @@ impl StartView {
 
     /// Whether a file that is dropped on the window is a robot; the form then shows it.
     pub fn takes(&mut self, path: &str) -> bool {
-        let is_robot = Path::new(path).extension().is_some_and(|extension| {
-            ["urdf", "xml", "mjcf", "yaml", "yml"].iter().any(|robot| extension.eq_ignore_ascii_case(robot))
-        });
+        let is_robot = ends_in(path, &DESCRIPTIONS) || ends_in(path, &MODEL_FILES);
         if is_robot {
             path.clone_into(&mut self.robot_file);
         }
@@ -156,7 +159,7 @@ impl StartView {
     fn config(&self) -> Result<TuneConfig, String> {
         let file = self.robot_file.trim();
         // A model file says which robot it is, and its friction is what is simulated.
-        let is_model = [".yaml", ".yml"].iter().any(|end| file.ends_with(end));
+        let is_model = ends_in(file, &MODEL_FILES);
         let robot = if file.is_empty() { self.robot } else { file };
         Ok(TuneConfig {
             robot: (!is_model).then(|| robot.to_owned()),
@@ -171,6 +174,11 @@ impl StartView {
             ..TuneConfig::default()
         })
     }
+}
+
+fn ends_in(path: &str, endings: &[&str]) -> bool {
+    let ending = Path::new(path).extension().unwrap_or_default();
+    endings.iter().any(|one| ending.eq_ignore_ascii_case(one))
 }
 
 fn named<T: DeserializeOwned>(name: &str) -> Result<T, String> {
