@@ -12,7 +12,7 @@ use crate::next_experiment::next_experiment;
 use crate::plots;
 use crate::remarks::{misfits, note_on_baseline, notes_of};
 use crate::stamps::take_stamps;
-use crate::validation::validated;
+use crate::validation::validated_whole;
 
 /// Residual over sensor noise in the band beyond which a joint without a finding has something unexplained.
 const UNEXPLAINED_OVER_NOISE: f64 = 3.0;
@@ -92,7 +92,8 @@ pub(crate) fn conclude<const N: usize>(
     let overview = plots::overview(data, asked_nm);
     let pattern = plots::cross_joint_pattern(data, asked_nm);
     step("validation", 0.97)?;
-    let validation = validated([asked, &data.nominal], &extension, validate, band_hz, evaluated.seed)?;
+    let held_against = |log| validated_whole([asked, &data.nominal], &extension, log, band_hz, evaluated.seed);
+    let validation = validate.iter().map(held_against).collect::<Result<Vec<_>, _>>()?;
     let next_experiment = if data.transmission { None } else { next_experiment(data, &findings, &joints) };
     Ok(Diagnosis {
         verdict,

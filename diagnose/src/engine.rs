@@ -14,6 +14,7 @@ use crate::families::explain::{Given, explain};
 use crate::families::gate::{AS_WELL, Wrongness, regression, wrongness};
 use crate::search::joints_and_kinds;
 use crate::settings::DiagnoseSettings;
+use crate::torque_sides::SameSides;
 
 /// Fewest samples per joint after averaging.
 const LEAST_SAMPLES: usize = 40;
@@ -39,6 +40,20 @@ pub(crate) fn explained<const N: usize>(
     settings: &DiagnoseSettings,
     progress: &(dyn Fn(&str, f64) -> bool + Sync),
 ) -> Result<Diagnosis, DiagnoseError> {
+    let same_sides = SameSides::of(logs, unloaded, validate);
+    let mut diagnosis = explained_alike(&same_sides.given(), nominal, settings, progress)?;
+    diagnosis.notes.extend(same_sides.notes());
+    Ok(diagnosis)
+}
+
+/// The same of logs that have link-side torque, each or none.
+fn explained_alike<const N: usize>(
+    given: &Given<'_>,
+    nominal: &Nominal<N>,
+    settings: &DiagnoseSettings,
+    progress: &(dyn Fn(&str, f64) -> bool + Sync),
+) -> Result<Diagnosis, DiagnoseError> {
+    let &Given { logs, unloaded, validate } = given;
     let step =
         |stage: &str, fraction: f64| if progress(stage, fraction) { Ok(()) } else { Err(DiagnoseError::Cancelled) };
     if logs.is_empty() {
@@ -111,7 +126,7 @@ pub(crate) fn explained<const N: usize>(
     drop(data);
     let mut diagnosis = match one_by_one {
         Some(found) => found,
-        None => explain(&Given { logs, unloaded, validate }, [asked, nominal], settings, &step)?,
+        None => explain(given, [asked, nominal], settings, &step)?,
     };
     if nominal.sticks && !asked.sticks {
         diagnosis.sticks = true;

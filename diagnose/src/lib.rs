@@ -46,6 +46,7 @@ mod search;
 mod settings;
 mod significance;
 mod stamps;
+mod torque_sides;
 mod validation;
 
 pub use diagnosable::{Diagnosable, diagnose, diagnose_with_reference};

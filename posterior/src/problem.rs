@@ -348,9 +348,9 @@ impl Problem {
             .collect()
     }
 
-    /// A state with the parameters of some families at zero.
-    pub fn without(&self, state: &State, left_out: impl Fn(Family) -> bool) -> State {
-        State::from_fn(state.len(), |i, _| if left_out(self.places[i].family()) { 0.0 } else { state[i] })
+    /// A state with some parameters at zero.
+    pub fn without(&self, state: &State, left_out: impl Fn(Place) -> bool) -> State {
+        State::from_fn(state.len(), |i, _| if left_out(self.places[i]) { 0.0 } else { state[i] })
     }
 
     /// Whether the payload is at the flange in a part.

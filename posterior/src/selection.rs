@@ -2,11 +2,13 @@
 
 use std::collections::BTreeMap;
 
+use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 
 use crate::fit::{Fit, RELINEARISATIONS, fit};
 use crate::prior::Family;
 use crate::problem::{NormalEquations, Place, Problem};
+use crate::spd;
 
 /// Evidence (nat) by which a family must make the log likelier. Ten, not three: what is left of a real log is no noise that any
 /// likelihood knows, and on logs of an independent simulator absent families drew up to 40 nats where velocity was noisy.
@@ -23,12 +25,53 @@ const PAYLOAD_FARTHEST_M: f64 = 0.4;
 pub struct Selection {
     /// Families shown by the log, in the order of [`Family::ALL`].
     pub selected: Vec<Family>,
+    /// Joints of the selected families that not every joint shows.
+    pub only_joints: BTreeMap<Family, Vec<usize>>,
     /// What each selected family is worth given the others (nat).
     pub worth: BTreeMap<Family, f64>,
     /// What each other family would add (nat).
     pub would_add: BTreeMap<Family, f64>,
     /// Families that would do in the place of a selected one, with what is lost by the exchange (nat).
     pub rivals: BTreeMap<Family, Vec<(Family, f64)>>,
+}
+
+/// Families in the order of [`Family::ALL`], some of them in some joints alone.
+#[derive(Clone, Debug, Default)]
+struct Set {
+    families: Vec<Family>,
+    only_joints: BTreeMap<Family, Vec<usize>>,
+}
+
+impl Set {
+    fn with(&self, family: Family) -> Self {
+        let families = Family::ALL.into_iter().filter(|other| self.families.contains(other) || *other == family);
+        Self { families: families.collect(), ..self.clone() }
+    }
+
+    fn without(&self, family: Family) -> Self {
+        let mut left = self.clone();
+        left.families.retain(|other| *other != family);
+        left.only_joints.remove(&family);
+        left
+    }
+
+    fn with_joint(&self, family: Family, joint: usize) -> Self {
+        let mut more = self.with(family);
+        more.only_joints.entry(family).or_default().push(joint);
+        more
+    }
+
+    fn has(&self, place: Place) -> bool {
+        let family = place.family();
+        let joints = self.only_joints.get(&family);
+        let here = joints.zip(place.joint()).is_none_or(|(joints, joint)| joints.contains(&joint));
+        here && self.families.contains(&family)
+    }
+
+    /// Joints of families that are not in all of them.
+    fn named_joints(&self) -> usize {
+        self.only_joints.values().map(Vec::len).sum()
+    }
 }
 
 /// Evidence of sets of families at the noise colour of the fit of all.
@@ -42,26 +85,30 @@ struct Evidence<'p> {
 
 impl<'p> Evidence<'p> {
     fn new(problem: &'p Problem, parts: &'p [usize], all: &'p Fit) -> Self {
-        let ungained = problem.normal_equations(&problem.without(&all.state, |family| family == Family::Gain), parts);
+        let ungained = problem.normal_equations(&problem.without(&all.state, |place| place.family() == Family::Gain), parts);
         Self { problem, ungained, parts, all }
     }
 
-    fn of(&self, set: &[Family]) -> f64 {
+    /// ln Z of a set, less the logarithm of the number of joints for each that it names: any of them might have been it.
+    fn of(&self, set: &Set) -> f64 {
         let Some(found) = self.fit(set) else { return f64::NEG_INFINITY };
-        if set.contains(&Family::Payload) && !is_payload(self.problem, &found) {
+        if set.families.contains(&Family::Payload) && !is_payload(self.problem, &found) {
             return f64::NEG_INFINITY;
         }
-        found.log_evidence
+        found.log_evidence - set.named_joints() as f64 * (self.problem.joints() as f64).ln()
     }
 
     /// The fit of a set, linear in the gains about itself: about the fit of all, the column of a gain is the torque of all families, and would bring
     /// along those that the set lacks.
-    fn fit(&self, set: &[Family]) -> Option<Fit> {
-        let start = self.all.lend(self.problem, set.to_vec());
-        if !set.contains(&Family::Gain) {
+    fn fit(&self, set: &Set) -> Option<Fit> {
+        let mut start = self.all.lend(self.problem, set.families.clone());
+        let in_families = |place: &Place| set.families.contains(&place.family());
+        let elsewhere = self.problem.places.iter().enumerate().filter(|(_, place)| in_families(place) && !set.has(**place));
+        start.pinned.extend(elsewhere.map(|(i, _)| (i, 0.0)));
+        if !set.families.contains(&Family::Gain) {
             return fit(self.problem, &self.ungained, self.parts, &start);
         }
-        let mut about = self.problem.without(&self.all.state, |family| !set.contains(&family));
+        let mut about = self.problem.without(&self.all.state, |place| !set.has(place));
         let mut found = None;
         for _ in 0..RELINEARISATIONS {
             let next = fit(self.problem, &self.problem.normal_equations(&about, self.parts), self.parts, &start)?;
@@ -71,8 +118,25 @@ impl<'p> Evidence<'p> {
         found
     }
 
-    fn of_all(&self, sets: Vec<Vec<Family>>) -> Vec<f64> {
+    fn of_all(&self, sets: Vec<Set>) -> Vec<f64> {
         sets.into_par_iter().map(|set| self.of(&set)).collect()
+    }
+
+    /// The likeliest of some sets.
+    fn best<M: Copy>(&self, moves: Vec<(M, Set)>) -> Option<(M, Set, f64)> {
+        let values = self.of_all(moves.iter().map(|(_, set)| set.clone()).collect());
+        let best = moves.into_iter().zip(values).max_by(|a, b| a.1.total_cmp(&b.1));
+        best.map(|((what, set), value)| (what, set, value))
+    }
+
+    /// What a family brings at a joint, at most (nat): ½ θᵀS⁻¹θ of its parameters there in the fit of all.
+    fn most(&self, family: Family, joint: usize) -> f64 {
+        let places = &self.problem.places;
+        let here = |i: &usize| places[*i].family() == family && places[*i].joint() == Some(joint);
+        let own: Vec<usize> = self.all.active.iter().copied().filter(here).collect();
+        let covariance = DMatrix::from_fn(own.len(), own.len(), |r, c| self.all.covariance_of(own[r], own[c]));
+        let value = DVector::from_fn(own.len(), |r, _| self.all.state[own[r]]);
+        spd::inverse(&covariance).map_or(0.0, |inverse| 0.5 * (value.transpose() * inverse.matrix * &value)[0])
     }
 }
 
@@ -85,43 +149,48 @@ pub fn is_payload(problem: &Problem, fit: &Fit) -> bool {
     mass_kg > PAYLOAD_SD * fit.sd(mass) && moment < PAYLOAD_FARTHEST_M * mass_kg
 }
 
-fn with(set: &[Family], family: Family) -> Vec<Family> {
-    Family::ALL.into_iter().filter(|other| set.contains(other) || *other == family).collect()
-}
-
-fn without(set: &[Family], family: Family) -> Vec<Family> {
-    set.iter().copied().filter(|other| *other != family).collect()
-}
-
-/// Adds the likeliest family while that is worth it, drops what is not worth having; begins with what every arm has.
+/// Adds the likeliest family while that is worth it, drops what is not worth having; begins with what every arm has. A family that not every joint
+/// shows is asked of each joint by itself at the end: the parameters of the others would cost more than the one brings.
 pub fn select(problem: &Problem, parts: &[usize], all: &Fit) -> Selection {
     let evidence = Evidence::new(problem, parts, all);
     let candidates: Vec<Family> = all.start.families.clone();
     let always = |family: &Family| family.prior(problem.scale.link_side).always;
-    let mut set: Vec<Family> = candidates.iter().copied().filter(always).collect();
+    let mut set = Set { families: candidates.iter().copied().filter(always).collect(), ..Set::default() };
     let mut value = evidence.of(&set);
+    let out_of = |set: &Set| candidates.iter().copied().filter(|f| !set.families.contains(f)).collect::<Vec<Family>>();
     loop {
-        let out: Vec<Family> = candidates.iter().copied().filter(|family| !set.contains(family)).collect();
-        let values = evidence.of_all(out.iter().map(|family| with(&set, *family)).collect());
-        let best = out.iter().zip(values).max_by(|a, b| a.1.total_cmp(&b.1));
-        let Some((family, better)) = best.filter(|(_, better)| *better > value + LEAST_NATS) else { break };
-        (set, value) = (with(&set, *family), better);
+        let moves = out_of(&set).into_iter().map(|family| (family, set.with(family))).collect();
+        let Some((_, more, better)) = evidence.best(moves).filter(|best| best.2 > value + LEAST_NATS) else { break };
+        (set, value) = (more, better);
         loop {
-            let inside: Vec<Family> = set.iter().copied().filter(|family| !always(family)).collect();
-            let values = evidence.of_all(inside.iter().map(|family| without(&set, *family)).collect());
-            let best = inside.iter().zip(values).max_by(|a, b| a.1.total_cmp(&b.1));
-            let Some((family, left)) = best.filter(|(_, left)| *left > value - LEAST_NATS) else { break };
-            (set, value) = (without(&set, *family), left);
+            let inside = set.families.iter().copied().filter(|family| !always(family));
+            let moves = inside.map(|family| (family, set.without(family))).collect();
+            let Some((_, less, left)) = evidence.best(moves).filter(|best| best.2 > value - LEAST_NATS) else { break };
+            (set, value) = (less, left);
         }
     }
-    let out: Vec<Family> = candidates.iter().copied().filter(|family| !set.contains(family)).collect();
-    let left = evidence.of_all(set.iter().map(|family| without(&set, *family)).collect());
-    let worth = set.iter().copied().zip(left.iter().map(|left| value - left)).collect();
-    let more = evidence.of_all(out.iter().map(|family| with(&set, *family)).collect());
+    let of_joints: Vec<(Family, usize)> = out_of(&set)
+        .into_iter()
+        .filter(|family| !family.labels().is_empty())
+        .flat_map(|family| (0..problem.joints()).map(move |joint| (family, joint)))
+        .filter(|(family, joint)| evidence.most(*family, *joint) > LEAST_NATS)
+        .collect();
+    loop {
+        let more = of_joints.iter().filter(|(family, joint)| !set.only_joints.get(family).is_some_and(|joints| joints.contains(joint)));
+        let moves = more.map(|(family, joint)| ((), set.with_joint(*family, *joint))).collect();
+        let Some(((), more, better)) = evidence.best(moves).filter(|best| best.2 > value + LEAST_NATS) else { break };
+        (set, value) = (more, better);
+    }
+    set.only_joints.values_mut().for_each(|joints| joints.sort_unstable());
+    let out = out_of(&set);
+    let inside = set.families.clone();
+    let left = evidence.of_all(inside.iter().map(|family| set.without(*family)).collect());
+    let worth = inside.iter().copied().zip(left.iter().map(|left| value - left)).collect();
+    let more = evidence.of_all(out.iter().map(|family| set.with(*family)).collect());
     let would_add = out.iter().copied().zip(more.iter().map(|more| more - value)).collect();
     let pairs: Vec<(Family, Family)> =
-        set.iter().flat_map(|family| out.iter().map(move |rival| (*family, *rival))).collect();
-    let swapped = evidence.of_all(pairs.iter().map(|(family, rival)| with(&without(&set, *family), *rival)).collect());
+        inside.iter().flat_map(|family| out.iter().map(move |rival| (*family, *rival))).collect();
+    let swapped = evidence.of_all(pairs.iter().map(|(family, rival)| set.without(*family).with(*rival)).collect());
     let mut rivals: BTreeMap<Family, Vec<(Family, f64)>> = BTreeMap::new();
     for ((family, rival), swapped) in pairs.into_iter().zip(swapped) {
         if swapped > value - RIVAL_NATS {
@@ -129,7 +198,7 @@ pub fn select(problem: &Problem, parts: &[usize], all: &Fit) -> Selection {
         }
     }
     rivals.values_mut().for_each(|list| list.sort_by(|a, b| a.1.total_cmp(&b.1)));
-    Selection { selected: set, worth, would_add, rivals }
+    Selection { selected: set.families, only_joints: set.only_joints, worth, would_add, rivals }
 }
 
 #[cfg(test)]
@@ -174,11 +243,11 @@ mod tests {
             Family::of_gears(problem.scale.link_side).filter(|family| problem.has(*family)).collect();
         let (all, _) = posterior(&problem, &parts, &Start::of(&families)).unwrap();
         let evidence = Evidence::new(&problem, &parts, &all);
-        let sliding = [Family::Offset, Family::CoulombViscous];
-        let gains = with(&sliding, Family::Gain);
+        let sliding = Set { families: vec![Family::Offset, Family::CoulombViscous], ..Set::default() };
+        let gains = sliding.with(Family::Gain);
         let found = evidence.fit(&gains).unwrap();
         let about = |state: &State| {
-            fit(&problem, &problem.normal_equations(state, &parts), &parts, &all.lend(&problem, gains.clone())).unwrap()
+            fit(&problem, &problem.normal_equations(state, &parts), &parts, &all.lend(&problem, gains.families.clone())).unwrap()
         };
         let largest = |fit: &Fit| {
             let of = |j: usize| problem.index(Place::Gain(j)).map_or(0.0, |i| fit.state[i].abs());

@@ -25,6 +25,7 @@ use crate::next_experiment::NextExperiment;
 use crate::plots;
 use crate::remarks::{misfits_of_squares, note_on_baseline, notes_of};
 use crate::stamps::take_stamps;
+use crate::validation::validated_whole;
 
 /// Logs to diagnose, logs of the same arm with a bare flange, and logs that nothing is fitted to.
 pub(crate) struct Given<'g> {
@@ -281,7 +282,11 @@ pub(crate) fn explain<const N: usize>(
     let validation = given
         .validate
         .iter()
-        .map(|(name, log)| {
+        .map(|both| {
+            let (name, log) = both;
+            if data.transmission && log.tau_link_nm.is_none() {
+                return validated_whole([asked, nominal], &extension, both, Some(band_hz), settings.seed);
+            }
             validated(
                 name,
                 log,

@@ -68,7 +68,7 @@ impl<const N: usize> Answer<'_, N> {
             Family::Payload | Family::Tilt | Family::Delay => self.of_arm(family)?,
             Family::Links => self.of_links()?,
             Family::Gain => self.of_gains()?,
-            _ => self.of_joints(label)?,
+            _ => self.of_joints(family, label)?,
         };
         let location = match (&joints[..], &links[..]) {
             ([joint], []) => Location::Joint(*joint),
@@ -158,7 +158,12 @@ impl<const N: usize> Answer<'_, N> {
         self.fit.sum(&index)
     }
 
-    fn of_joints(&self, label: CauseLabel) -> Option<Shown> {
+    /// Joints that may show a family: all, or those that the selection has it in.
+    fn joints_of(&self, family: Family) -> Vec<usize> {
+        self.selection.only_joints.get(&family).cloned().unwrap_or_else(|| (0..N).collect())
+    }
+
+    fn of_joints(&self, family: Family, label: CauseLabel) -> Option<Shown> {
         use JointTerm as T;
         let terms: &[T] = match label {
             CauseLabel::TorqueOffset => &[T::Offset],
@@ -180,7 +185,7 @@ impl<const N: usize> Answer<'_, N> {
             let size = self.size(*j, shown);
             size.rms_nm > SURE * size.sd_nm && size.rms_nm > NOTABLE * self.left_nm(*j)
         };
-        let joints: Vec<usize> = (0..N).filter(shows).collect();
+        let joints: Vec<usize> = self.joints_of(family).into_iter().filter(shows).collect();
         let explained = joints.iter().map(|j| sizes[*j].rms_nm).fold(0.0, f64::max);
         let of = |term: T| joints.iter().map(|j| self.own(*j, term)).collect::<Vec<_>>();
         let summed = || joints.iter().map(|j| self.sum(*j, terms)).collect::<Vec<_>>();
@@ -244,7 +249,7 @@ impl<const N: usize> Answer<'_, N> {
         let rms = |x: &[f64]| tribo_regression::rms(x);
         let size = |j: usize| value(j).0.abs() * rms(&self.data.measured_nm[j]);
         let shows = |j: &usize| value(*j).0.abs() > SURE * value(*j).1 && size(*j) > NOTABLE * self.left_nm(*j);
-        let joints: Vec<usize> = (0..N).filter(shows).collect();
+        let joints: Vec<usize> = self.joints_of(Family::Gain).into_iter().filter(shows).collect();
         let explained = joints.iter().map(|j| size(*j)).fold(0.0, f64::max);
         let parameters = vec![Self::table("gain_error", joints.iter().map(|j| value(*j)).collect())];
         (!joints.is_empty()).then_some(Shown { joints, links: Vec::new(), parameters, explained_rms_nm: explained })
