@@ -8,7 +8,7 @@ use tribo_robot::mass_matrix;
 use tribo_sim::Truth;
 
 use crate::cause_by_cause::{Question, cause_by_cause};
-use crate::diagnosis::{Diagnosis, JointMisfit};
+use crate::diagnosis::{Diagnosis, JointMisfit, Unseen};
 use crate::evaluated::Before;
 use crate::families::explain::{Given, explain};
 use crate::families::gate::{AS_WELL, Wrongness, regression, wrongness};
@@ -124,9 +124,16 @@ fn explained_alike<const N: usize>(
         None => None,
     };
     drop(data);
+    let together = || explain(given, [asked, nominal], settings, &step);
     let mut diagnosis = match one_by_one {
+        // Where a plain fit predicts better, the causes are others; all families together may know them.
+        Some(found) if found.unseen.as_ref().is_some_and(Unseen::baseline_is_preferable) => {
+            let others = together()?;
+            let ratio = |of: &Diagnosis| of.unseen.as_ref().map_or(f64::INFINITY, Unseen::ratio);
+            if ratio(&others) < ratio(&found) { others } else { found }
+        }
         Some(found) => found,
-        None => explain(given, [asked, nominal], settings, &step)?,
+        None => together()?,
     };
     if nominal.sticks && !asked.sticks {
         diagnosis.sticks = true;
