@@ -106,7 +106,10 @@ fn explained_alike<const N: usize>(
         let places: Vec<(CauseLabel, Location)> =
             found.findings.iter().map(|finding| (finding.label, finding.location)).collect();
         let (joints, kinds) = joints_and_kinds(&places);
-        let everywhere = 2 * joints > N && (2 * unexplained > N || kinds > MOST_KINDS || beaten);
+        // So it is, whatever few causes are named, where most joints are unexplained and a plain fit would do better.
+        let preferable = found.unseen.as_ref().is_some_and(Unseen::baseline_is_preferable);
+        let everywhere = 2 * unexplained > N && preferable
+            || 2 * joints > N && (2 * unexplained > N || kinds > MOST_KINDS || beaten);
         !everywhere && is_model(nominal, &found.extension)
     };
     let one_by_one = match few {
@@ -124,16 +127,9 @@ fn explained_alike<const N: usize>(
         None => None,
     };
     drop(data);
-    let together = || explain(given, [asked, nominal], settings, &step);
     let mut diagnosis = match one_by_one {
-        // Where a plain fit predicts better, the causes are others; all families together may know them.
-        Some(found) if found.unseen.as_ref().is_some_and(Unseen::baseline_is_preferable) => {
-            let others = together()?;
-            let ratio = |of: &Diagnosis| of.unseen.as_ref().map_or(f64::INFINITY, Unseen::ratio);
-            if ratio(&others) < ratio(&found) { others } else { found }
-        }
         Some(found) => found,
-        None => together()?,
+        None => explain(given, [asked, nominal], settings, &step)?,
     };
     if nominal.sticks && !asked.sticks {
         diagnosis.sticks = true;

@@ -17,7 +17,7 @@ use crate::held_out::{
 };
 use crate::parameters::parameters_of;
 use crate::plots;
-use crate::pruning::{LARGEST_P, torque_rms};
+use crate::pruning::{LARGEST_P, acting_on, torque_rms};
 use crate::rivals::rivals;
 use crate::search::Search;
 use crate::significance::Chance;
@@ -95,8 +95,8 @@ pub(crate) fn finding_of<const N: usize>(
 
     // Gain of this finding, given the others, on the joints it acts on.
     let without = fitted.held_out.squares_without(&data.residual_nm, own.clone());
-    let affected: Vec<usize> = (0..N).filter(|j| member.plain.iter().any(|column| column.rows[*j].is_some())).collect();
-    let (held_out_gain, held_out_gain_ci95) = gain_with_interval(&without, fitted.after, &affected, seed);
+    let (held_out_gain, held_out_gain_ci95) =
+        gain_with_interval(&without, fitted.after, &acting_on(&member.plain), seed);
 
     // Intervals: coefficients (and the shape, linearised) of resampled blocks.
     let parameters = effect.as_ref().map_or_else(Vec::new, |effect| {

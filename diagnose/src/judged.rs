@@ -41,12 +41,12 @@ pub(crate) fn judge<const N: usize>(
     step: &dyn Fn(&str, f64) -> Result<(), DiagnoseError>,
 ) -> Result<Judged<N>, DiagnoseError> {
     let nameless = search.selected.iter().any(|group| search.place(*group).0 == CauseLabel::Unknown);
-    prune(search, evaluated.chance);
+    prune(search, evaluated.chance, evaluated.seed);
     if nameless {
         if !search.fill_with_names(&|| step("names", 0.87).is_ok()) {
             return Err(DiagnoseError::Cancelled);
         }
-        prune(search, evaluated.chance);
+        prune(search, evaluated.chance, evaluated.seed);
     }
     let selected = describe(search, evaluated.chance, step)?;
     let system = &*search.system;
@@ -129,7 +129,7 @@ fn beside<const N: usize>(fits: &PlainFits, search: &Search<'_, '_, N>, selected
 }
 
 /// Keeps what has enough evidence, torque and gain, in the likelier of two stories.
-fn prune<const N: usize>(search: &mut Search<'_, '_, N>, chance: &Chance) {
+fn prune<const N: usize>(search: &mut Search<'_, '_, N>, chance: &Chance, seed: u64) {
     prefer_likelier(search);
     drop_lonely_pushes(search);
     loop {
@@ -137,7 +137,7 @@ fn prune<const N: usize>(search: &mut Search<'_, '_, N>, chance: &Chance) {
         drop_chance(search, chance);
         drop_small(search);
         drop_stiction(search);
-        drop_worthless(search);
+        drop_worthless(search, seed);
         prefer_names(search);
         yield_to_unknown(search);
         if search.selected == before {

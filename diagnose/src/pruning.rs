@@ -6,7 +6,7 @@ use tribo_regression::least_squares::inner;
 use tribo_regression::{CauseLabel, Column, Location, rms};
 
 use crate::confusable::same_by_physics;
-use crate::held_out::{BlockSquares, HeldOut};
+use crate::held_out::{BlockSquares, HeldOut, gain_with_interval};
 use crate::rivals::RIVAL_EVIDENCE;
 use crate::search::{LEAST_EVIDENCE, Search};
 use crate::significance::Chance;
@@ -124,8 +124,9 @@ pub(crate) fn drop_stiction<const N: usize>(search: &mut Search<'_, '_, N>) {
     });
 }
 
-/// Drops what does not help on blocks that its coefficients have not seen: on no joint, in no stretch where it acts.
-pub(crate) fn drop_worthless<const N: usize>(search: &mut Search<'_, '_, N>) {
+/// Drops what does not help on blocks that its coefficients have not seen: on no joint, in no stretch where it acts; and what surely harms there, over all
+/// its joints; `seed` draws the blocks of that interval.
+pub(crate) fn drop_worthless<const N: usize>(search: &mut Search<'_, '_, N>, seed: u64) {
     loop {
         let system = &*search.system;
         let held_out = HeldOut::of(system, &search.selected);
@@ -166,7 +167,8 @@ pub(crate) fn drop_worthless<const N: usize>(search: &mut Search<'_, '_, N>) {
                     (!touched.is_empty()).then_some(gain / asked[j].max(of_any))
                 })
                 .fold(f64::NEG_INFINITY, f64::max);
-            if best < 1.0 && worst.is_none_or(|(_, gain)| best < gain) {
+            let (_, [_, most]) = gain_with_interval(&without, &after, &acting_on(&held_out.plain[own]), seed);
+            if (best < 1.0 || most < 0.0) && worst.is_none_or(|(_, gain)| best < gain) {
                 worst = Some((group, best));
             }
         }
@@ -175,6 +177,11 @@ pub(crate) fn drop_worthless<const N: usize>(search: &mut Search<'_, '_, N>) {
             None => return,
         }
     }
+}
+
+/// Joints that any of some columns act on.
+pub(crate) fn acting_on<const N: usize>(columns: &[Column<N>]) -> Vec<usize> {
+    (0..N).filter(|j| columns.iter().any(|column| column.rows[*j].is_some())).collect()
 }
 
 /// A nameless cause must foretell unseen blocks better than every name: where named causes of the joint do as well in its

@@ -2,6 +2,7 @@
 
 #![allow(clippy::unwrap_used, clippy::panic, reason = "a test fails by panicking, in its helpers too")]
 
+mod both_sides;
 mod closed_form;
 mod creeping_arm;
 mod loaded_arm;
