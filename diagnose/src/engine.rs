@@ -106,9 +106,10 @@ fn explained_alike<const N: usize>(
         let places: Vec<(CauseLabel, Location)> =
             found.findings.iter().map(|finding| (finding.label, finding.location)).collect();
         let (joints, kinds) = joints_and_kinds(&places);
-        // So it is, whatever few causes are named, where most joints are unexplained and a plain fit would do better.
-        let preferable = found.unseen.as_ref().is_some_and(Unseen::baseline_is_preferable);
-        let everywhere = 2 * unexplained > N && preferable
+        // So it is, whatever few causes are named, where no plain fit does worse and most joints are unexplained, or a push is what explains them.
+        let preferable = found.unseen.as_ref().is_none_or(Unseen::baseline_is_preferable);
+        let pushed = found.findings.iter().any(|finding| finding.label == CauseLabel::ExternalContact);
+        let everywhere = preferable && (2 * unexplained > N || pushed)
             || 2 * joints > N && (2 * unexplained > N || kinds > MOST_KINDS || beaten);
         !everywhere && is_model(nominal, &found.extension)
     };

@@ -59,7 +59,13 @@ mod tests {
 
     fn log(of_links: bool) -> RobotLog {
         let joints = || vec![vec![0.0; 2]; 7];
-        let columns = LogColumns { time_s: vec![0.0, 1e-3], q_rad: joints(), dq_rad_s: joints(), tau_j_nm: joints(), ..LogColumns::default() };
+        let columns = LogColumns {
+            time_s: vec![0.0, 1e-3],
+            q_rad: joints(),
+            dq_rad_s: joints(),
+            tau_j_nm: joints(),
+            ..LogColumns::default()
+        };
         LogColumns { tau_link_nm: of_links.then(joints), ..columns }.validate().unwrap()
     }
 

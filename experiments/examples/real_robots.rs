@@ -11,7 +11,7 @@ use std::path::PathBuf;
 
 use serde_json::{Value, json};
 use tribo_diagnose::{Diagnosable, DiagnoseSettings, Diagnosis, diagnose};
-use tribo_logs::{RobotLog, read_log};
+use tribo_logs::{Quantity, RobotLog, read_log};
 use tribo_model::{AnyModel, Model, ModelFile};
 use tribo_regression::Nominal;
 use tribo_sim::TorqueSide;
@@ -72,6 +72,14 @@ fn arms() -> Vec<Arm> {
     let ur10 = log("ur10_unisa/exciting_trajectory.csv.gz");
     let lwr = [1, 2, 3].map(|run| log(&format!("kuka_lwr4/run_{run}.csv.gz")));
     let gen3 = [1, 2].map(|run| log(&format!("kinova_gen3/opti_traj_testing{run}.csv.gz")));
+    // The links' torque of the logs that have it left out: the whole arm is asked.
+    let motors = [
+        ("run", "RunTrajectory1"),
+        ("record", "RecordTrajectory_quadratic"),
+        ("testing 1", "opti_traj_testing1"),
+        ("testing 2", "opti_traj_testing2"),
+    ]
+    .map(|(name, file)| (name, log(&format!("kinova_gen3/{file}.csv.gz")).without(&[Quantity::LinkTorque])));
     let [run_1, run_2, run_3] = lwr.clone();
     let [long, short] = gen3.clone();
     vec![
@@ -94,6 +102,11 @@ fn arms() -> Vec<Arm> {
             name: "kinova_gen3",
             model: ModelFile::bare("kinova_gen3", TorqueSide::Motor, &gen3),
             logs: vec![("testing 1", long), ("testing 2", short)],
+        },
+        Arm {
+            name: "kinova_gen3, torque of the motors alone",
+            model: ModelFile::bare("kinova_gen3", TorqueSide::Motor, &motors.each_ref().map(|log| log.1.clone())),
+            logs: motors.to_vec(),
         },
     ]
 }

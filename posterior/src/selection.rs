@@ -85,7 +85,8 @@ struct Evidence<'p> {
 
 impl<'p> Evidence<'p> {
     fn new(problem: &'p Problem, parts: &'p [usize], all: &'p Fit) -> Self {
-        let ungained = problem.normal_equations(&problem.without(&all.state, |place| place.family() == Family::Gain), parts);
+        let ungained =
+            problem.normal_equations(&problem.without(&all.state, |place| place.family() == Family::Gain), parts);
         Self { problem, ungained, parts, all }
     }
 
@@ -103,7 +104,8 @@ impl<'p> Evidence<'p> {
     fn fit(&self, set: &Set) -> Option<Fit> {
         let mut start = self.all.lend(self.problem, set.families.clone());
         let in_families = |place: &Place| set.families.contains(&place.family());
-        let elsewhere = self.problem.places.iter().enumerate().filter(|(_, place)| in_families(place) && !set.has(**place));
+        let elsewhere =
+            self.problem.places.iter().enumerate().filter(|(_, place)| in_families(place) && !set.has(**place));
         start.pinned.extend(elsewhere.map(|(i, _)| (i, 0.0)));
         if !set.families.contains(&Family::Gain) {
             return fit(self.problem, &self.ungained, self.parts, &start);
@@ -176,7 +178,9 @@ pub fn select(problem: &Problem, parts: &[usize], all: &Fit) -> Selection {
         .filter(|(family, joint)| evidence.most(*family, *joint) > LEAST_NATS)
         .collect();
     loop {
-        let more = of_joints.iter().filter(|(family, joint)| !set.only_joints.get(family).is_some_and(|joints| joints.contains(joint)));
+        let more = of_joints
+            .iter()
+            .filter(|(family, joint)| !set.only_joints.get(family).is_some_and(|joints| joints.contains(joint)));
         let moves = more.map(|(family, joint)| ((), set.with_joint(*family, *joint))).collect();
         let Some(((), more, better)) = evidence.best(moves).filter(|best| best.2 > value + LEAST_NATS) else { break };
         (set, value) = (more, better);
@@ -247,7 +251,8 @@ mod tests {
         let gains = sliding.with(Family::Gain);
         let found = evidence.fit(&gains).unwrap();
         let about = |state: &State| {
-            fit(&problem, &problem.normal_equations(state, &parts), &parts, &all.lend(&problem, gains.families.clone())).unwrap()
+            fit(&problem, &problem.normal_equations(state, &parts), &parts, &all.lend(&problem, gains.families.clone()))
+                .unwrap()
         };
         let largest = |fit: &Fit| {
             let of = |j: usize| problem.index(Place::Gain(j)).map_or(0.0, |i| fit.state[i].abs());

@@ -38,6 +38,9 @@ const FAR: f64 = 2.5;
 const FAR_SQUARE: f64 = 9.0;
 /// Smallest σ_j over the RMS of the measured torque: nothing is explained better than this.
 const FLOOR: f64 = 0.02;
+/// Error of the arm, its friction and its sensors that no log is blamed for: ripples, cables, what a link carries besides; over the torque limit of the
+/// joint and, since limits of robot files are often made up, over the largest torque (RMS) of any. Of a wrist that carries nothing it is all there is.
+const BLAMELESS: f64 = 0.025;
 /// Share of the instants at which a joint moves at least, of which something is said.
 pub(super) const MOVES: f64 = 0.1;
 /// Part of the variance of a torque that is left where the arm says nothing of it: on good logs in which all joints move, of half of them
@@ -57,6 +60,8 @@ pub(super) struct Fit<const N: usize> {
     pub left: [f64; N],
     /// That over the RMS of the column about its mean, squared.
     pub unexplained: [f64; N],
+    /// The same of what is more than the error of a good log: what a fault of the log may have to explain.
+    pub blamed: [f64; N],
     /// Correlation of the measured torque of each joint (as meant) with the explained one.
     pub correlation: [f64; N],
     /// Share of the instants at which each joint moves [-].
@@ -132,6 +137,8 @@ pub(super) fn fit<const N: usize>(
         (square.sqrt(), (square - mean * mean).max(0.0).sqrt())
     };
     let sizes: [(f64, f64); N] = std::array::from_fn(scale);
+    let largest = sizes.iter().map(|size| size.0).fold(0.0, f64::max);
+    let blameless: [f64; N] = std::array::from_fn(|j| BLAMELESS * limit_nm(&hypothesis.arm, j).min(largest));
     let floor: [f64; N] = std::array::from_fn(|j| (FLOOR * sizes[j].0).max(1e-9));
     let prior = prior_sd(&hypothesis.arm);
 
@@ -180,21 +187,28 @@ pub(super) fn fit<const N: usize>(
     }
     let nats = independent * misfit / count as f64 + penalty;
     let mut left = [0.0; N];
-    let mut unexplained = [0.0; N];
+    let (mut unexplained, mut blamed) = ([0.0; N], [0.0; N]);
     for j in 0..N {
         let (source, factor) = hypothesis.torque[j];
         left[source] = sigma[j] / factor.abs();
-        unexplained[source] = (sigma[j] / sizes[j].1.max(floor[j])).powi(2);
+        let size = sizes[j].1.max(floor[j]);
+        unexplained[source] = (sigma[j] / size).powi(2);
+        blamed[source] = (sigma[j].powi(2) - blameless[j].powi(2)).max(0.0) / size.powi(2);
     }
     let correlation = std::array::from_fn(|j| correlation(tau.iter().map(|x| x[j]), explained.iter().map(|x| x[j])));
     let moves = std::array::from_fn(|j| columns.sign.iter().map(|sign| sign[j].powi(2)).sum::<f64>() / count as f64);
-    nats.is_finite().then_some(Fit { nats, penalty_nats: penalty, left, unexplained, correlation, moves })
+    nats.is_finite().then_some(Fit { nats, penalty_nats: penalty, left, unexplained, blamed, correlation, moves })
+}
+
+/// Torque limit of a joint (Nm).
+fn limit_nm<const N: usize>(arm: &Arm<N>, joint: usize) -> f64 {
+    Some(arm.limits.tau_max_nm[joint]).filter(|nm| nm.is_finite() && *nm > 0.0).unwrap_or(UNKNOWN_LIMIT_NM)
 }
 
 /// How large each parameter is on arms.
 fn prior_sd<const N: usize>(arm: &Arm<N>) -> Vec<f64> {
     let own = (0..N).flat_map(|j| {
-        let limit = Some(arm.limits.tau_max_nm[j]).filter(|nm| nm.is_finite() && *nm > 0.0).unwrap_or(UNKNOWN_LIMIT_NM);
+        let limit = limit_nm(arm, j);
         let rotor = (ROTOR_SD[0] * arm.rotor_inertia_kg_m2[j]).max(ROTOR_SD[1]);
         [OVER_LIMIT[0] * limit, OVER_LIMIT[1] * limit, OVER_LIMIT[2] * limit, rotor]
     });

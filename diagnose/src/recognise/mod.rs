@@ -116,11 +116,12 @@ impl<const N: usize> Round<N> {
     fn of(samples: &Samples<N>, believed: &Hypothesis<N>, nominal: &Nominal<N>) -> Option<Self> {
         let columns = Columns::of(samples, believed);
         let before = fit(samples, believed, &columns)?;
-        let well = before.unexplained.iter().all(|left| *left < NOT_EXPLAINED) && before.penalty_nats < PLAUSIBLE_NATS;
+        let well = before.blamed.iter().all(|left| *left < NOT_EXPLAINED) && before.penalty_nats < PLAUSIBLE_NATS;
         let torques = hypothesis::of_torques::<N>().into_iter().chain(factors(samples, believed, &columns));
         let changes: Vec<Change> = torques
             .chain(hypothesis::of_motion(nominal))
             .filter(|change| !well || change.is_of_the_whole_arm())
+            .filter(|change| samples.may_be(change))
             .collect();
         let tried = changes
             .into_par_iter()
@@ -172,7 +173,7 @@ impl<const N: usize> Round<N> {
                 let worse = self.worsens(after);
                 let explains_from = |least: f64| {
                     (0..N).any(|j| {
-                        before.unexplained[j] > least
+                        before.blamed[j] > least
                             && before.left[j] > JOINT_GAIN * after.left[j]
                             && after.unexplained[j] < WELL_ENOUGH
                     })
@@ -206,10 +207,9 @@ impl<const N: usize> Round<N> {
     /// that: as it is, the joint would give energy.
     fn turns_noise_into_sense(&self, change: &Change, after: &Fit<N>) -> bool {
         let (Change::TorqueSign(j) | Change::PositionSign(j)) = change else { return false };
-        let left = |fit: &Fit<N>| fit.unexplained[*j];
         let moves = self.before.moves[*j] > MOVES;
         let enough = if self.before.nats - after.nats > DECISIVE_NATS { HALF } else { WELL_ENOUGH };
-        moves && left(&self.before) > AS_A_CONSTANT && left(after) < enough && !self.worsens(after)
+        moves && self.before.blamed[*j] > AS_A_CONSTANT && after.unexplained[*j] < enough && !self.worsens(after)
     }
 }
 

@@ -5,6 +5,8 @@ use tribo_logs::{Resampling, RobotLog, resample};
 use tribo_regression::{ResidualSettings, SignalChain, motion_of, smoothed, without_repeats};
 use tribo_robot::{Arm, gravity_torque};
 
+use super::hypothesis::Change;
+
 /// Cut-off of the smoother (Hz): the motion of an arm.
 const BAND_HZ: f64 = 8.0;
 /// Largest cut-off over the rate of the log.
@@ -15,6 +17,8 @@ const MOST: usize = 240;
 const MOST_ROWS: usize = 300_000;
 /// Turning of a joint that takes torque (rad).
 const TURNS_RAD: f64 = 0.02;
+/// Range of a position that may be in degrees, as far as a joint turns in radians without a turn round.
+const FEWEST_DEGREES: f64 = 2.0 * std::f64::consts::PI;
 /// Rounding of a smoother over a constant torque [-].
 const SAME: f64 = 1e-9;
 /// Norm of the torques of an arm's weight from which on it is to be seen (Nm).
@@ -82,15 +86,25 @@ impl<const N: usize> Samples<N> {
         (square > LEAST_WEIGHT_NM.powi(2) * self.instants.len() as f64).then(|| product / square)
     }
 
+    /// Whether positions reach far enough to be degrees: of a joint that turns by three, nothing could be said.
+    pub fn may_be(&self, change: &Change) -> bool {
+        match change {
+            Change::JointDegrees(j) => self.range(|at| at.q[*j]) > FEWEST_DEGREES,
+            Change::Degrees => (0..N).any(|j| self.range(|at| at.q[j]) > FEWEST_DEGREES),
+            _ => true,
+        }
+    }
+
+    fn range(&self, of: impl Fn(&Instant<N>) -> f64) -> f64 {
+        let values = self.instants.iter().map(&of);
+        values.clone().fold(f64::MIN, f64::max) - values.fold(f64::MAX, f64::min)
+    }
+
     /// Joints that turn while their torque stays the same to its last digits, as a column that was never filled in.
     pub fn constant_torques(&self) -> Vec<usize> {
-        let range = |of: &dyn Fn(&Instant<N>) -> f64| {
-            let values = self.instants.iter().map(of);
-            values.clone().fold(f64::MIN, f64::max) - values.fold(f64::MAX, f64::min)
-        };
         let constant = |j: &usize| {
             let size_nm = self.instants.iter().map(|at| at.tau_nm[*j].abs()).fold(1.0, f64::max);
-            range(&|at| at.q[*j]) > TURNS_RAD && range(&|at| at.tau_nm[*j]) < SAME * size_nm
+            self.range(|at| at.q[*j]) > TURNS_RAD && self.range(|at| at.tau_nm[*j]) < SAME * size_nm
         };
         (0..N).filter(constant).collect()
     }

@@ -4,8 +4,10 @@ use std::io::Write;
 use std::path::{Path, PathBuf};
 
 use tribo_diagnose::Diagnosable;
+use tribo_diagnose::recognise::recognise;
 use tribo_friction::FrictionModel;
 use tribo_logs::read_log;
+use tribo_logs::recognise::Severity;
 use tribo_regression::Nominal;
 use tribo_robot::{Arm, presets, urdf};
 use tribo_sim::TorqueSide;
@@ -26,9 +28,25 @@ fn urdf<const N: usize>(path: &Path) -> Arm<N> {
     chain.arm::<N>().unwrap().arm
 }
 
+/// Lengths of parts of a log (s) that are asked like the whole.
+const PARTS_S: [f64; 2] = [6.0, 12.0];
+
+/// What is said of a log, and against the model of its parts: a wrist that carries nothing moves too little in some of them to tell anything, but
+/// what it shows must not be told as a turned sign.
 fn said(path: &Path, nominal: &impl Diagnosable) -> Vec<String> {
     let log = read_log(path).unwrap().0;
-    remarks(&log, nominal).iter().map(|remark| format!("{}: {remark}", path.display())).collect()
+    let rows_per_s = (log.rows() - 1) as f64 / (log.time_s[log.rows() - 1] - log.time_s[0]);
+    let parts = PARTS_S.into_iter().flat_map(|length_s| {
+        let rows = (length_s * rows_per_s) as usize;
+        (0..log.rows() / rows).map(move |k| k * rows..(k + 1) * rows)
+    });
+    let of_whole = remarks(&log, nominal).into_iter().map(|remark| ("whole".to_owned(), remark));
+    let of_parts = parts.flat_map(|rows| {
+        let of_part = recognise(&log.slice(rows.clone()).unwrap(), nominal);
+        let refused = of_part.into_iter().filter(|remark| remark.severity == Severity::Refuse);
+        refused.map(|remark| (format!("rows {rows:?}"), remark)).collect::<Vec<_>>()
+    });
+    of_whole.chain(of_parts).map(|(part, remark)| format!("{}, {part}: {remark}", path.display())).collect()
 }
 
 #[test]
