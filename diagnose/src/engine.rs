@@ -106,7 +106,7 @@ fn explained_alike<const N: usize>(
         let places: Vec<(CauseLabel, Location)> =
             found.findings.iter().map(|finding| (finding.label, finding.location)).collect();
         let (joints, kinds) = joints_and_kinds(&places);
-        // So it is, whatever few causes are named, where no plain fit does worse and most joints are unexplained, or a push is what explains them.
+        // So it is, however few joints have causes, where a push is named or most joints are unexplained, and a plain fit predicts better or none was made.
         let preferable = found.unseen.as_ref().is_none_or(Unseen::baseline_is_preferable);
         let pushed = found.findings.iter().any(|finding| finding.label == CauseLabel::ExternalContact);
         let everywhere = preferable && (2 * unexplained > N || pushed)

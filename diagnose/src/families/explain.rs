@@ -282,10 +282,10 @@ pub(crate) fn explain<const N: usize>(
     let validation = given
         .validate
         .iter()
-        .map(|both| {
-            let (name, log) = both;
+        .map(|named| {
+            let (name, log) = named;
             if data.transmission && log.tau_link_nm.is_none() {
-                return validated_whole([asked, nominal], &extension, both, Some(band_hz), settings.seed);
+                return validated_whole([asked, nominal], &extension, named, Some(band_hz), settings.seed);
             }
             validated(
                 name,

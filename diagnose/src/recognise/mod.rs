@@ -49,6 +49,8 @@ const WEIGHTLESS: f64 = 0.25;
 const OTHER_ARM_NATS: f64 = 150.0;
 /// Lead (nats) over others that say something else.
 const LEAD_NATS: f64 = 6.0;
+/// Range of a position that may be in degrees, as far as a joint turns in radians without a turn round.
+const FEWEST_DEGREES: f64 = 2.0 * std::f64::consts::PI;
 /// Things that may be wrong at the same time.
 const MOST_CHANGES: usize = 3;
 /// Joints that may stay unexplained: what a second fault explains, and no contact all over the arm.
@@ -104,6 +106,8 @@ struct Found<const N: usize> {
     before: Fit<N>,
     after: Fit<N>,
     rivals: Vec<Change>,
+    /// Whether what it explains is more than the error of a good log.
+    surely: bool,
 }
 
 /// All hypotheses about a log, on top of what is believed already.
@@ -116,12 +120,12 @@ impl<const N: usize> Round<N> {
     fn of(samples: &Samples<N>, believed: &Hypothesis<N>, nominal: &Nominal<N>) -> Option<Self> {
         let columns = Columns::of(samples, believed);
         let before = fit(samples, believed, &columns)?;
-        let well = before.blamed.iter().all(|left| *left < NOT_EXPLAINED) && before.penalty_nats < PLAUSIBLE_NATS;
+        let well = before.unexplained.iter().all(|left| *left < NOT_EXPLAINED) && before.penalty_nats < PLAUSIBLE_NATS;
         let torques = hypothesis::of_torques::<N>().into_iter().chain(factors(samples, believed, &columns));
         let changes: Vec<Change> = torques
             .chain(hypothesis::of_motion(nominal))
             .filter(|change| !well || change.is_of_the_whole_arm())
-            .filter(|change| samples.may_be(change))
+            .filter(|change| reaches(samples, change))
             .collect();
         let tried = changes
             .into_par_iter()
@@ -139,14 +143,15 @@ impl<const N: usize> Round<N> {
 
     /// The best hypothesis that convinces, if its gain is clear.
     fn found(&self) -> Option<Found<N>> {
-        let clear = |(change, after): &&(Change, Fit<N>)| {
+        let clear = |(change, after): &(Change, Fit<N>), unexplained: &[f64; N]| {
             let gain = self.before.nats - after.nats;
             let needed = if matches!(change, Change::OtherSide(_)) { SIDE_NATS } else { NAMED_NATS };
-            gain > needed && self.convinces(change, after)
-                || gain > SIGN_NATS && self.turns_noise_into_sense(change, after)
+            gain > needed && self.convinces(change, after, unexplained)
+                || gain > SIGN_NATS && self.turns_noise_into_sense(change, after, unexplained)
         };
-        let best = self.tried.iter().filter(clear).min_by(|a, b| a.1.nats.total_cmp(&b.1.nats));
-        let (change, after) = best?;
+        let clears = self.tried.iter().filter(|tried| clear(tried, &self.before.unexplained));
+        let best = clears.min_by(|a, b| a.1.nats.total_cmp(&b.1.nats))?;
+        let (change, after) = best;
         let near = |fit: &Fit<N>| fit.nats - after.nats < LEAD_NATS;
         let rivals =
             self.tried.iter().filter(|(other, fit)| other != change && near(fit)).map(|(other, _)| other.clone());
@@ -155,13 +160,15 @@ impl<const N: usize> Round<N> {
             before: self.before.clone(),
             after: after.clone(),
             rivals: rivals.collect(),
+            surely: clear(best, &self.before.blamed),
         })
     }
 }
 
 impl<const N: usize> Round<N> {
-    /// Whether a hypothesis explains what was not explained, and does not only squeeze out the last percent or move it elsewhere.
-    fn convinces(&self, change: &Change, after: &Fit<N>) -> bool {
+    /// Whether a hypothesis explains what was not explained, and does not only squeeze out the last percent or move it elsewhere; `unexplained` is what was
+    /// not explained of each joint.
+    fn convinces(&self, change: &Change, after: &Fit<N>, unexplained: &[f64; N]) -> bool {
         match change {
             // What the priors of tilt and rotors alone speak against.
             Change::OtherSide(_) | Change::NoGravity | Change::Gravity(_) => true,
@@ -173,16 +180,15 @@ impl<const N: usize> Round<N> {
                 let worse = self.worsens(after);
                 let explains_from = |least: f64| {
                     (0..N).any(|j| {
-                        before.blamed[j] > least
+                        unexplained[j] > least
                             && before.left[j] > JOINT_GAIN * after.left[j]
                             && after.unexplained[j] < WELL_ENOUGH
                     })
                 };
                 let decisive = before.nats - after.nats > DECISIVE_NATS && explains_from(AS_A_CONSTANT);
-                let unexplained =
-                    |fit: &Fit<N>, least: f64| fit.unexplained.iter().filter(|left| **left > least).count();
-                let fewer = unexplained(after, NOT_EXPLAINED) < unexplained(before, NOT_EXPLAINED)
-                    && unexplained(after, WELL_ENOUGH) <= MOST_UNEXPLAINED;
+                let many = |fit: &Fit<N>, least: f64| fit.unexplained.iter().filter(|left| **left > least).count();
+                let fewer = many(after, NOT_EXPLAINED) < many(before, NOT_EXPLAINED)
+                    && many(after, WELL_ENOUGH) <= MOST_UNEXPLAINED;
                 // The weight of the arm on a turned joint is an offset that no arm has; a factor on everything is nearly a heavy payload.
                 let cheaper = before.penalty_nats - after.penalty_nats > IMPLAUSIBLE_NATS;
                 let plausible = match change {
@@ -205,11 +211,21 @@ impl<const N: usize> Round<N> {
 
     /// Whether the joint whose sign is turned goes from as good as noise to explained, and nothing else gets worse. Friction alone does
     /// that: as it is, the joint would give energy.
-    fn turns_noise_into_sense(&self, change: &Change, after: &Fit<N>) -> bool {
+    fn turns_noise_into_sense(&self, change: &Change, after: &Fit<N>, unexplained: &[f64; N]) -> bool {
         let (Change::TorqueSign(j) | Change::PositionSign(j)) = change else { return false };
         let moves = self.before.moves[*j] > MOVES;
         let enough = if self.before.nats - after.nats > DECISIVE_NATS { HALF } else { WELL_ENOUGH };
-        moves && self.before.blamed[*j] > AS_A_CONSTANT && after.unexplained[*j] < enough && !self.worsens(after)
+        moves && unexplained[*j] > AS_A_CONSTANT && after.unexplained[*j] < enough && !self.worsens(after)
+    }
+}
+
+/// Whether positions reach far enough for a hypothesis that takes them for degrees: of a joint that turns by three, nothing could be said.
+fn reaches<const N: usize>(samples: &Samples<N>, change: &Change) -> bool {
+    let far = |j: usize| samples.range(|at| at.q[j]) > FEWEST_DEGREES;
+    match change {
+        Change::JointDegrees(j) => far(*j),
+        Change::Degrees => (0..N).any(far),
+        _ => true,
     }
 }
 

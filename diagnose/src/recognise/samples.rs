@@ -5,8 +5,6 @@ use tribo_logs::{Resampling, RobotLog, resample};
 use tribo_regression::{ResidualSettings, SignalChain, motion_of, smoothed, without_repeats};
 use tribo_robot::{Arm, gravity_torque};
 
-use super::hypothesis::Change;
-
 /// Cut-off of the smoother (Hz): the motion of an arm.
 const BAND_HZ: f64 = 8.0;
 /// Largest cut-off over the rate of the log.
@@ -17,8 +15,6 @@ const MOST: usize = 240;
 const MOST_ROWS: usize = 300_000;
 /// Turning of a joint that takes torque (rad).
 const TURNS_RAD: f64 = 0.02;
-/// Range of a position that may be in degrees, as far as a joint turns in radians without a turn round.
-const FEWEST_DEGREES: f64 = 2.0 * std::f64::consts::PI;
 /// Rounding of a smoother over a constant torque [-].
 const SAME: f64 = 1e-9;
 /// Norm of the torques of an arm's weight from which on it is to be seen (Nm).
@@ -86,16 +82,8 @@ impl<const N: usize> Samples<N> {
         (square > LEAST_WEIGHT_NM.powi(2) * self.instants.len() as f64).then(|| product / square)
     }
 
-    /// Whether positions reach far enough to be degrees: of a joint that turns by three, nothing could be said.
-    pub fn may_be(&self, change: &Change) -> bool {
-        match change {
-            Change::JointDegrees(j) => self.range(|at| at.q[*j]) > FEWEST_DEGREES,
-            Change::Degrees => (0..N).any(|j| self.range(|at| at.q[j]) > FEWEST_DEGREES),
-            _ => true,
-        }
-    }
-
-    fn range(&self, of: impl Fn(&Instant<N>) -> f64) -> f64 {
+    /// Largest less smallest value.
+    pub fn range(&self, of: impl Fn(&Instant<N>) -> f64) -> f64 {
         let values = self.instants.iter().map(&of);
         values.clone().fold(f64::MIN, f64::max) - values.fold(f64::MAX, f64::min)
     }

@@ -1,6 +1,6 @@
 //! Findings about a log in words.
 
-use tribo_logs::recognise::{Fault, Remark};
+use tribo_logs::recognise::{Fault, Remark, Severity};
 use tribo_robot::JointNames;
 use tribo_sim::TorqueSide;
 
@@ -44,10 +44,13 @@ pub(super) fn remark<const N: usize>(found: &Found<N>, weightless: bool, names: 
         let rms = |left: &[f64; N]| (left.iter().map(|x| x * x).sum::<f64>() / N as f64).sqrt();
         format!("{:.2} Nm RMS are left instead of {:.2} Nm", rms(&found.after.left), rms(&found.before.left))
     };
-    let refuse = Remark::refuse;
+    let refuse = |fault, joints, evidence, remedy| Remark {
+        severity: if found.surely { Severity::Refuse } else { Severity::Suspect },
+        ..Remark::refuse(fault, joints, evidence, remedy)
+    };
     let everything: Vec<usize> = (0..N).collect();
     let surely = found.before.leaves_over(&found.after, ARM_GAIN);
-    let of_gravity = if surely || weightless { refuse } else { Remark::warn };
+    let of_gravity = if surely || weightless { Remark::refuse } else { Remark::warn };
     match &found.change {
         Change::TorqueSign(j) | Change::PositionSign(j) if found.either_sign(*j) => refuse(
             Fault::TorqueOrPositionSign,

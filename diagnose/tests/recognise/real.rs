@@ -7,7 +7,7 @@ use tribo_diagnose::Diagnosable;
 use tribo_diagnose::recognise::recognise;
 use tribo_friction::FrictionModel;
 use tribo_logs::read_log;
-use tribo_logs::recognise::Severity;
+use tribo_logs::recognise::Use;
 use tribo_regression::Nominal;
 use tribo_robot::{Arm, presets, urdf};
 use tribo_sim::TorqueSide;
@@ -43,7 +43,7 @@ fn said(path: &Path, nominal: &impl Diagnosable) -> Vec<String> {
     let of_whole = remarks(&log, nominal).into_iter().map(|remark| ("whole".to_owned(), remark));
     let of_parts = parts.flat_map(|rows| {
         let of_part = recognise(&log.slice(rows.clone()).unwrap(), nominal);
-        let refused = of_part.into_iter().filter(|remark| remark.severity == Severity::Refuse);
+        let refused = of_part.into_iter().filter(|remark| remark.refuses(Use::Diagnosis));
         refused.map(|remark| (format!("rows {rows:?}"), remark)).collect::<Vec<_>>()
     });
     of_whole.chain(of_parts).map(|(part, remark)| format!("{}, {part}: {remark}", path.display())).collect()

@@ -7,6 +7,9 @@ use std::fmt;
 pub enum Severity {
     /// It may be right; the user has to look.
     Warn,
+    /// It is wrong if the model is a good one: a trial of a campaign, which runs on that model, is refused, a diagnosis, which asks what the model
+    /// lacks, is not.
+    Suspect,
     /// It cannot be right.
     Refuse,
 }
@@ -155,7 +158,12 @@ impl Remark {
             Use::Wrench => !self.fault.is_of_the_trial(),
             Use::Trial => true,
         };
-        matters && self.severity == Severity::Refuse
+        matters
+            && match self.severity {
+                Severity::Warn => false,
+                Severity::Suspect => wanted == Use::Trial,
+                Severity::Refuse => true,
+            }
     }
 }
 
@@ -202,6 +210,8 @@ mod tests {
         assert_eq!(uses.map(|wanted| of(Fault::VelocitySign).refuses(wanted)), [false, false, true, true]);
         assert_eq!(uses.map(|wanted| of(Fault::Standstill).refuses(wanted)), [false, false, false, true]);
         assert!(!Remark { severity: Severity::Warn, ..of(Fault::Clock) }.refuses(Use::Trial));
+        let suspect = Remark { severity: Severity::Suspect, ..of(Fault::TorqueSign) };
+        assert_eq!(uses.map(|wanted| suspect.refuses(wanted)), [false, false, false, true]);
         assert_eq!(of(Fault::Clock).to_string(), "a; b");
         let both = [of(Fault::VelocitySign), of(Fault::Standstill)];
         assert_eq!(refusal("l.csv", &both, Use::Wrench).unwrap(), "l.csv: velocity_sign: a; b");
